@@ -67,7 +67,6 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
   printText("stages (s of thread time):");
   for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
   printText("\n");
-  for (const std::string& by : s.backends) printText("{}\n", by);
   if (s.whole) {
     printText("next: scanmill view {0}; scanmill report {0}; scanmill verify {0}\n", options.folder.string());
   }

@@ -136,22 +136,18 @@ void printDevices() {
   }
   printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
   if (!any) return;
-  constexpr const char* kAuto =
-      "`backend: auto` tries it, and goes on with it where it takes the first scan faster than the processor";
+  constexpr const char* kUse = "the depth camera draws with it, and `particle: {backend: gl}` computes with it";
   const std::string named = namedDevice();
   if (!named.empty()) {
     try {
       const ComputeDevice device({"no device is taken", "without the variable the first one is"});
-      printText("\nSCANMILL_GL_DEVICE names '{}', {}: {}.\n", named, device.name(), kAuto);
+      printText("\nSCANMILL_GL_DEVICE names '{}', {}: {}.\n", named, device.name(), kUse);
     } catch (const Error& error) {
       printText("\n{}\n", error.what());
     }
     return;
   }
-  printText("\nThe first one that can be used computes and draws, or the one that SCANMILL_GL_DEVICE names. {}.\n",
-            mayHaveCard() ? kAuto
-                          : "`backend: auto` tries none: the kernel knows of no graphics card, and software runs on "
-                            "the processor");
+  printText("\nThe first one that can be used is taken, or the one that SCANMILL_GL_DEVICE names: {}.\n", kUse);
 }
 
 }  // namespace

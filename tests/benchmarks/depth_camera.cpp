@@ -37,7 +37,7 @@ constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Chan
 void scan(benchmark::State& state, const std::string& options) {
   const Shot shot = streetShot(streetBeams(state.range(0)), -20);
   const auto camera = methodOf("depth_camera", street(), options);
-  const auto tracing = rayTracing(street(), "{backend: cpu}");
+  const auto tracing = rayTracing(street());
   Hits hits;
   TraceAccount account;
   const auto ours = [&] { account += camera->trace(shot, kChannels, hits); };

@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "methods/field/build.h"
-#include "methods/field/device_bricks.h"
 #include "methods/march/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
@@ -47,26 +46,20 @@ Place placeAt(double x, bool lists) {
   return {world, shapeOf(options, sensor - world->origin, scene, kRange)};
 }
 
-// A whole field, and what moving it by a metre takes; on a device without what bringing the scene there takes.
-void field(benchmark::State& state, bool lists, bool onDevice) {
+// A whole field, and what moving it by a metre takes.
+void field(benchmark::State& state, bool lists) {
   const Place here = placeAt(-20, lists);
-  std::unique_ptr<DeviceBricks> device;
-  if (onDevice) {
-    device = std::make_unique<DeviceBricks>();
-    state.counters["scene_ms"] = 1e3 * secondsOf([&] { device->hold(here.world); });
-    state.SetLabel(device->device());
-  }
   std::shared_ptr<const DistanceField> built;
   std::vector<double> build;
   std::vector<double> update;
   for (auto _ : state) {
-    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape, {}, device.get()); }));
+    build.push_back(secondsOf([&] { built = buildField(*here.world, here.shape); }));
     state.SetIterationTime(build.back());
     // Moves are of whole bricks of 0.8 m and more; averaged over ten metres.
     std::shared_ptr<const DistanceField> at = built;
     update.push_back(secondsOf([&] {
                        for (int metre = 1; metre <= 10; ++metre) {
-                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, {at}, device.get());
+                         at = buildField(*here.world, placeAt(-20 + metre, lists).shape, {at});
                        }
                      }) /
                      10);
@@ -77,19 +70,16 @@ void field(benchmark::State& state, bool lists, bool onDevice) {
   state.counters["update_ms"] = 1e3 * median(update);
   state.counters["update_of_build"] = median(update) / median(build);
 }
-#define FIELDS(name, lists, onDevice) \
-  BENCHMARK_CAPTURE(field, name, lists, onDevice)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond)
-FIELDS(nearest, false, false);
-FIELDS(lists, true, false);
-FIELDS(nearest_gl, false, true);
-FIELDS(lists_gl, true, true);
+#define FIELDS(name, lists) \
+  BENCHMARK_CAPTURE(field, name, lists)->UseManualTime()->Iterations(5)->Unit(benchmark::kMillisecond)
+FIELDS(nearest, false);
+FIELDS(lists, true);
 
-// A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a scan
-// (of the device's where it flies there).
+// A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a scan.
 void scan(benchmark::State& state, const std::string& options) {
   const Shot shot = streetShot(streetBeams(state.range(0)), -20);
   const auto particle = methodOf("particle", street(), "{" + options + "}");
-  const auto tracing = rayTracing(street(), "{backend: cpu}");
+  const auto tracing = rayTracing(street());
   Hits hits;
   TraceAccount account;
   const auto ours = [&] { account += particle->trace(shot, kChannels, hits); };
@@ -140,10 +130,8 @@ void drive(benchmark::State& state, const std::string& options) {
 }
 #define DRIVES(name, options) \
   BENCHMARK_CAPTURE(drive, name, options)->UseManualTime()->Iterations(3)->Unit(benchmark::kMillisecond)
-DRIVES(none, "refine: none, backend: cpu");
-DRIVES(triangle, "refine: triangle, backend: cpu");
-DRIVES(none_gl, "refine: none, backend: gl");
-DRIVES(triangle_gl, "refine: triangle, backend: gl");
+DRIVES(none, "refine: none");
+DRIVES(triangle, "refine: triangle");
 
 #define SCANS(name, options)             \
   BENCHMARK_CAPTURE(scan, name, options) \
@@ -152,12 +140,9 @@ DRIVES(triangle_gl, "refine: triangle, backend: gl");
       ->UseManualTime()                  \
       ->Iterations(5)                    \
       ->Unit(benchmark::kMillisecond)
-SCANS(none, "refine: none, backend: cpu");
-SCANS(normal, "refine: normal, backend: cpu");
-SCANS(triangle, "refine: triangle, backend: cpu");
-SCANS(none_gl, "refine: none, backend: gl");
-SCANS(normal_gl, "refine: normal, backend: gl");
-SCANS(triangle_gl, "refine: triangle, backend: gl");
+SCANS(none, "refine: none");
+SCANS(normal, "refine: normal");
+SCANS(triangle, "refine: triangle");
 
 }  // namespace
 }  // namespace scanmill

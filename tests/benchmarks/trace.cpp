@@ -10,20 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include "base/error.h"
-#include "base/parallel.h"
 #include "base/random.h"
-#include "methods/device/device_beams.h"
-#include "methods/device/device_resolver.h"
-#include "methods/ray_tracing/filter.h"
-#include "methods/ray_tracing/gl_tracer.h"
-#include "methods/ray_tracing/packet.h"
-#include "methods/ray_tracing/unobstructed.h"
-#include "methods/world/worlds.h"
 #include "sense/sense.h"
 #include "sensors/footprint.h"
 #include "tests/benchmarks/bare_embree.h"
-#include "tests/benchmarks/device_bandwidth.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/support/test_scene.h"
 
@@ -56,7 +46,7 @@ const Scene& scene() {
 void traceAgainstBare(benchmark::State& state) {
   const auto rings = static_cast<std::uint32_t>(state.range(0));
   const auto beams = spinning(rings, 2048, -24.8, 2, 120);
-  const auto method = rayTracing(scene(), "{backend: cpu}");
+  const auto method = rayTracing(scene());
   const Shot shot = shotAt(beams);
   Hits hits;
   BareEmbree bare(scene(), *beams);
@@ -132,105 +122,6 @@ void footprintAgainstBeams(benchmark::State& state) {
   state.counters["ray_of_beam"] = median(tracedSeconds) / (static_cast<double>(state.range(0)) * median(narrowSeconds));
 }
 BENCHMARK(footprintAgainstBeams)->Arg(7)->Arg(19)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
-
-// The share of the rays of a shot that the device leaves to Embree.
-double shareLeft(const Shot& shot) {
-  const Worlds worlds(scene(), Instancing::Auto,
-                      {true, HierarchyQuality::Medium, tieFilter, alphaTieFilter, thingFilter});
-  const auto world = worlds.near(shot.worldFromSensor.front().translation);
-  const ShotFrame frame = frameOf(shot, world->origin);
-  Hits hits;
-  hits.reset(shot.beams->rings, shot.beams->columns, Channels::all());
-  std::vector<UndecidedRay> undecided;
-  StageClock clock;
-  GlTracer().trace(world, shot, frame, searchDistance(*shot.beams),
-                   coplanarFloor(static_cast<float>(length(frame.position.front()))), hits, undecided, clock);
-  return static_cast<double>(undecided.size()) / static_cast<double>(hits.rays());
-}
-
-// Null where there is none; the benchmark then says why.
-std::unique_ptr<Method> onDevice(benchmark::State& state) {
-  try {
-    return rayTracing(scene(), "{backend: gl}");
-  } catch (const Error& error) {
-    state.SkipWithError(error.what());
-    return nullptr;
-  }
-}
-
-// The same scan by the processor and by a device of OpenGL, all columns. Stages are milliseconds a scan of the device's
-// way; the counter `of_processor` is the ratio of both times in one run, `left_to_embree` the share of the rays that
-// the device is not sure of, `back_B/ray` what travels back, and `of_bandwidth` the share of the device's memory
-// bandwidth that a scan uses beside the hierarchy: beams twice, what is found and the columns written and read.
-void traceOnDevice(benchmark::State& state) {
-  const Shot shot = shotAt(spinning(static_cast<std::uint32_t>(state.range(0)), 2048, -24.8, 2, 120));
-  const auto processor = rayTracing(scene(), "{backend: cpu}");
-  const std::unique_ptr<Method> device = onDevice(state);
-  if (device == nullptr) return;
-  Hits hits;
-  TraceAccount account;
-  const auto there = [&] { account += device->trace(shot, Channels::all(), hits); };
-  const auto here = [&] { processor->trace(shot, Channels::all(), hits); };
-  there();
-  here();
-  account = {};
-  std::vector<double> thereSeconds;
-  std::vector<double> hereSeconds;
-  std::size_t scans = 0;
-  for (auto _ : state) {
-    const std::vector<double> each = secondsOfEach(5, there);
-    scans += each.size();
-    thereSeconds.push_back(median(each));
-    state.SetIterationTime(thereSeconds.back());
-    hereSeconds.push_back(median(secondsOfEach(5, here)));
-  }
-  for (const auto& [stage, seconds] : account.seconds) {
-    state.counters[stage + "_ms"] = 1e3 * seconds / static_cast<double>(scans);
-  }
-  state.counters["rays/s"] = static_cast<double>(hits.size()) / median(thereSeconds);
-  state.counters["of_processor"] = median(thereSeconds) / median(hereSeconds);
-  state.counters["left_to_embree"] = shareLeft(shot);
-  const auto back = static_cast<double>(DeviceResolver::bytesPerRay(Channels::all()));
-  const double least = 2.0 * DeviceBeams::kBytesPerRay + 2 * 8 + 2 * back;
-  state.counters["back_B/ray"] = back;
-  state.counters["of_bandwidth"] = least * static_cast<double>(hits.size()) / median(thereSeconds) / deviceBandwidth();
-}
-BENCHMARK(traceOnDevice)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(10);
-
-// Shots in flight on all cores, as a dataset is made: by the processor and by the device, which traces together what
-// waits. All columns.
-void shotsInFlight(benchmark::State& state) {
-  const auto beams = spinning(static_cast<std::uint32_t>(state.range(0)), 2048, -24.8, 2, 120);
-  const auto processor = rayTracing(scene(), "{backend: cpu}");
-  const std::unique_ptr<Method> device = onDevice(state);
-  if (device == nullptr) return;
-  constexpr std::size_t kShots = 32;
-  const auto all = [&](const Method& method) {
-    return secondsOf([&] {
-      parallelFor(kShots, 1, [&](std::size_t first, std::size_t last) {
-        Hits hits;
-        for (std::size_t i = first; i < last; ++i) {
-          method.trace(shotAt(beams, {fromYawPitchRoll(0.1 * static_cast<double>(i), 0, 0), {}}), Channels::all(),
-                       hits);
-        }
-      });
-    });
-  };
-  all(*device);
-  all(*processor);
-  std::vector<double> there;
-  std::vector<double> here;
-  for (auto _ : state) {
-    there.push_back(all(*device));
-    here.push_back(all(*processor));
-    state.SetIterationTime(there.back());
-  }
-  const auto rays = static_cast<double>(kShots * beams->size());
-  state.counters["rays/s"] = rays / median(there);
-  state.counters["processor_rays/s"] = rays / median(here);
-  state.counters["of_processor"] = median(there) / median(here);
-}
-BENCHMARK(shotsInFlight)->Arg(64)->Arg(512)->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(3);
 
 void setUp(benchmark::State& state) {
   const Shot shot = shotAt(spinning(1, 1, 0, 0));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "config/resources.h"
 #include "config/value.h"
 #include "scene/scene.h"
 #include "sensors/sensor.h"
@@ -15,11 +16,11 @@ namespace scanmill {
 inline Scene proceduralStreet(std::uint64_t seed = 1) {
   SceneOptions options;
   options.seed = seed;
-  return readScene(std::string(SCANMILL_SOURCE_DIR) + "/scenes/street.yaml", options);
+  return readScene(resourceFolder() / "scenes/street.yaml", options);
 }
 
 inline std::shared_ptr<const BeamTable> presetBeams(const std::string& preset) {
-  return makeBeams(readYaml(std::string(SCANMILL_SOURCE_DIR) + "/pipelines/sensors/" + preset + ".yaml"));
+  return makeBeams(readYaml(resourceFolder() / "pipelines/sensors" / (preset + ".yaml")));
 }
 
 // On the right lane, `x` metres along the street, 1.9 m above the road.

@@ -6,15 +6,20 @@
 #include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 // A folder that lives as long as the object. Its name has no words: drafts of scenes guess from the names of folders.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    unsigned number = static_cast<unsigned>(::getpid());
-    do {
-      path_ = std::filesystem::temp_directory_path() / ("scanmill-test-" + std::to_string(number++));
-    } while (!std::filesystem::create_directory(path_));
+    // Other tests come and go meanwhile, and may have left a folder of that number.
+    const auto first = static_cast<unsigned>(::getpid());
+    std::error_code failure;
+    for (unsigned number = first; number < first + 1000; ++number) {
+      path_ = std::filesystem::temp_directory_path() / ("scanmill-test-" + std::to_string(number));
+      if (std::filesystem::create_directory(path_, failure)) return;
+    }
+    throw std::filesystem::filesystem_error("no temporary folder", path_, failure);
   }
   ~TemporaryFolder() {
     std::error_code ignored;

@@ -64,6 +64,10 @@ void withWaiters(const std::function<void()>& work) {
   work();
 }
 
+bool hasWaiters() {
+  return withOthers;
+}
+
 void isolated(const std::function<void()>& work) {
   tbb::this_task_arena::isolate(work);
 }

@@ -19,6 +19,9 @@ void isolated(const std::function<void()>& work);
 // Does work within tbb::collaborative_call_once(): the threads that wait for it help with its loops of parallelFor(),
 // and with nothing else.
 void withWaiters(const std::function<void()>& work);
+// True on a thread within withWaiters(). What it then does by tbb::collaborative_call_once() would be done by it alone:
+// the loops in there are kept from those who wait for the work as a whole.
+bool hasWaiters();
 
 // Limits how many threads all parallel work takes, as long as the object lives; 0 means one for each core.
 class ThreadLimit {

@@ -46,6 +46,10 @@ struct ComputeContext {
   std::string name;
 };
 
+StageSeconds takeDeviceSeconds() {
+  return moduleOf<ComputeModule>().takeSeconds();
+}
+
 std::vector<FoundDevice> findDevices() {
   const ComputeModule& module = moduleOf<ComputeModule>();
   std::vector<FoundDevice> found;
@@ -79,6 +83,10 @@ const std::string& ComputeDevice::name() const {
   return context_->name;
 }
 
+std::string ComputeDevice::driver() const {
+  return context_->backend->driver();
+}
+
 std::string ComputeDevice::nameAndPlace() const {
   return name() + (software() ? ", on the processor" : "");
 }
@@ -93,14 +101,6 @@ std::uint64_t ComputeDevice::mostBufferBytes() const {
 
 std::uint64_t ComputeDevice::mostTableTexels() const {
   return context_->limits.tableTexels;
-}
-
-std::uint32_t ComputeDevice::mostBuffers() const {
-  return context_->limits.buffers;
-}
-
-std::uint32_t ComputeDevice::mostTables() const {
-  return context_->limits.tables;
 }
 
 void ComputeDevice::finish() {

@@ -15,6 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/stage_clock.h"
+
 namespace scanmill {
 
 struct ComputeContext;  // what a device's buffers and programs share
@@ -32,12 +34,11 @@ class ComputeDevice {
   explicit ComputeDevice(ComputeErrorWords words);
 
   const std::string& name() const;        // "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string driver() const;             // "4.5 (Core Profile) Mesa 22.3.6"
   std::string nameAndPlace() const;       // what runs on the processor is told: "llvmpipe (...), on the processor"
   bool software() const;                  // it runs on the processor
   std::uint64_t mostBufferBytes() const;  // of one buffer that a program reads and writes
   std::uint64_t mostTableTexels() const;  // of one table, which a program only reads
-  std::uint32_t mostBuffers() const;      // of one program; OpenGL promises 8
-  std::uint32_t mostTables() const;       // of one program; OpenGL promises 16
   // Waits until everything asked for is done.
   void finish();
   // Does work that makes several calls of this device, its buffers and programs. They are made on the device's own
@@ -60,6 +61,10 @@ struct FoundDevice {
   bool usable = false;
   bool software = false;  // it runs on the processor
 };
+
+// Returns the seconds that devices spent on each program (by its name) and on copies to the processor ("read back")
+// since the last call, by the devices' own clocks. The first call starts the clocks and returns nothing.
+StageSeconds takeDeviceSeconds();
 
 // In the order in which they are tried. Each is opened for a moment. Throws Error where OpenGL cannot be loaded.
 std::vector<FoundDevice> findDevices();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/module.h"
+#include "base/stage_clock.h"
 #include "gpu/compute.h"
 
 namespace scanmill {
@@ -42,6 +43,7 @@ class ComputeBackend {
  public:
   virtual ~ComputeBackend() = default;
   virtual std::string name() const = 0;
+  virtual std::string driver() const = 0;
   virtual bool software() const = 0;  // it runs on the processor
   virtual ComputeLimits limits() const = 0;
   // `text` is as ComputeProgram takes it.
@@ -76,6 +78,8 @@ class ComputeModule {
   virtual std::unique_ptr<ComputeBackend> open(const std::string& device) const = 0;
   // What namedDevice() may name, in the order in which open() tries them.
   virtual std::vector<std::string> devices() const = 0;
+  // See takeDeviceSeconds().
+  virtual StageSeconds takeSeconds() const = 0;
 };
 
 }  // namespace scanmill

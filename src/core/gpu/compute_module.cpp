@@ -5,6 +5,8 @@
 #include <vtk_glew.h>
 
 #include <algorithm>
+#include <array>
+#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -52,9 +54,9 @@ void findFunctions() {
   if (!GLEW_VERSION_4_3) throw NoDevice("its functions are not those of OpenGL 4.3");
 }
 
-std::string rendererName() {
-  const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  return name != nullptr ? name : "an unknown device";
+std::string textOf(GLenum name, const char* unknown) {
+  const auto* text = reinterpret_cast<const char*>(glGetString(name));
+  return text != nullptr ? text : unknown;
 }
 
 // Mesa's rasterisers on the processor, and Windows' by way of Mesa.
@@ -181,12 +183,62 @@ class MappedCopy {
   std::vector<std::byte> held_;  // where buffers cannot stay mapped
 };
 
+// Measures by the device's own clock how long it works. All calls come while the context is current.
+class DeviceClock {
+ public:
+  // The device's seconds between the calls before begin() and those before end() count for `stage`.
+  void begin() {
+    if (!running) return;
+    std::array<GLuint, 2> queries{};
+    glGenQueries(2, queries.data());
+    open_ = queries;
+    glQueryCounter(open_[0], GL_TIMESTAMP);
+  }
+  void end(const std::string& stage) {
+    if (open_[0] == 0) return;
+    glQueryCounter(open_[1], GL_TIMESTAMP);
+    pending_.push_back({stage, open_});
+    open_ = {};
+    collect(kMostPending);
+  }
+  // Adds up what was measured, and waits for the device where more than `most` pieces of work are under way.
+  void collect(std::size_t most) {
+    while (pending_.size() > most) {
+      const Pending& first = pending_.front();
+      std::array<GLuint64, 2> at{};
+      for (std::size_t k = 0; k < 2; ++k) glGetQueryObjectui64v(first.queries[k], GL_QUERY_RESULT, &at[k]);
+      seconds[first.stage] += 1e-9 * static_cast<double>(at[1] - at[0]);
+      glDeleteQueries(2, first.queries.data());
+      pending_.pop_front();
+    }
+  }
+
+  // Of all devices; used on the thread of all OpenGL alone.
+  static inline bool running = false;
+  static inline StageSeconds seconds;
+
+ private:
+  static constexpr std::size_t kMostPending = 64;
+  struct Pending {
+    std::string stage;
+    std::array<GLuint, 2> queries;
+  };
+  std::array<GLuint, 2> open_{};
+  std::deque<Pending> pending_;
+};
+
 // What a context has, made and used while it is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     findFunctions();
     parameters = std::make_unique<GlBuffer>();
+    all.push_back(this);
   }
+  ~ContextState() { std::erase(all, this); }
+  ContextState(const ContextState&) = delete;
+  ContextState& operator=(const ContextState&) = delete;
+
+  static inline std::vector<ContextState*> all;  // used on the thread of all OpenGL alone
 
   EglContext context;
   std::map<std::uint32_t, std::unique_ptr<GlProgram>> programs;
@@ -195,6 +247,7 @@ struct ContextState {
   std::uint32_t lastNumber = 0;
   std::unique_ptr<GlBuffer> parameters;
   std::vector<std::unique_ptr<BufferTexture>> textures;  // by binding
+  DeviceClock clock;
 };
 
 class GlCompute final : public ComputeBackend {
@@ -202,7 +255,8 @@ class GlCompute final : public ComputeBackend {
   explicit GlCompute(const std::string& device) {
     thread_->run([&] {
       auto made = std::make_unique<ContextState>(device);
-      name_ = rendererName();
+      name_ = textOf(GL_RENDERER, "an unknown device");
+      driver_ = textOf(GL_VERSION, "an unknown driver");
       software_ = isSoftware(name_);
       groups_ = groupsAtOnce(software_);
       limits_ = {limitOf(GL_MAX_SHADER_STORAGE_BLOCK_SIZE), limitOf(GL_MAX_TEXTURE_BUFFER_SIZE),
@@ -224,6 +278,7 @@ class GlCompute final : public ComputeBackend {
   GlCompute& operator=(const GlCompute&) = delete;
 
   std::string name() const override { return name_; }
+  std::string driver() const override { return driver_; }
   bool software() const override { return software_; }
   ComputeLimits limits() const override { return limits_; }
 
@@ -271,8 +326,11 @@ class GlCompute final : public ComputeBackend {
   }
 
   void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) override {
-    withContext(
-        [&](ContextState& state) { state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes); });
+    withContext([&](ContextState& state) {
+      state.clock.begin();
+      state.readbacks.at(readback)->start(state.buffers.at(buffer)->name(), bytes);
+      state.clock.end("read back");
+    });
   }
 
   const std::byte* copied(std::uint32_t readback) override {
@@ -315,7 +373,8 @@ class GlCompute final : public ComputeBackend {
 
   void run(const ComputeRun& run) override {
     withContext([&](ContextState& state) {
-      state.programs.at(run.program)->use();
+      GlProgram& program = *state.programs.at(run.program);
+      program.use();
       for (GLuint k = 0; k < run.buffers.size(); ++k) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, k, state.buffers.at(run.buffers[k])->name());
       }
@@ -328,6 +387,7 @@ class GlCompute final : public ComputeBackend {
         state.parameters->fill(run.parameters.data(), run.parameters.size(), GL_STREAM_DRAW);
         glBindBufferBase(GL_UNIFORM_BUFFER, 0, state.parameters->name());
       }
+      state.clock.begin();
       for (std::uint64_t first = 0; first < run.invocations; first += groups_ * kGroup) {
         const std::uint64_t end = std::min(first + groups_ * kGroup, run.invocations);
         glUniform1ui(kFirst, static_cast<GLuint>(first));
@@ -335,6 +395,7 @@ class GlCompute final : public ComputeBackend {
         glDispatchCompute(static_cast<GLuint>((end - first + kGroup - 1) / kGroup), 1, 1);
       }
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+      state.clock.end(program.label());
       glUseProgram(0);
       checkGl("a program cannot be run");
     });
@@ -368,6 +429,7 @@ class GlCompute final : public ComputeBackend {
   std::shared_ptr<GlThread> thread_ = GlThread::shared();
   std::unique_ptr<ContextState> state_;
   std::string name_;
+  std::string driver_;
   bool software_ = false;
   ComputeLimits limits_;
   std::uint64_t groups_ = 0;  // in one dispatch
@@ -379,6 +441,19 @@ class GlComputeModule final : public ComputeModule {
     return std::make_unique<GlCompute>(device);
   }
   std::vector<std::string> devices() const override { return eglDevices(); }
+
+  StageSeconds takeSeconds() const override {
+    StageSeconds taken;
+    GlThread::shared()->run([&] {
+      for (ContextState* state : ContextState::all) {
+        state->context.makeCurrent();
+        state->clock.collect(0);
+      }
+      DeviceClock::running = true;
+      taken = std::exchange(DeviceClock::seconds, {});
+    });
+    return taken;
+  }
 };
 
 }  // namespace

@@ -24,9 +24,4 @@ constexpr std::string_view kInstallOpenGl =
 // for the best one.
 std::string namedDevice();
 
-// Whether it is worth trying: the kernel knows of a graphics card, or the environment names a device. Loading OpenGL to
-// ask would cost more than most scans, and OpenGL on the processor is slower than the processor's own lanes
-// (docs/particle.md).
-bool mayHaveCard();
-
 }  // namespace scanmill

@@ -17,23 +17,16 @@ namespace {
 // Settings of `auto`: cheap to measure, and between them some way from exact to fast on processors and GPUs.
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
-                .summary = "Embree on all cores, or a graphics card: exact, the reference of the other methods",
+                .summary = "Embree on all cores: exact, the reference of the other methods",
                 .keys = "packet: 16 or 1, rays a call; "
                         "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
                         "robust: true, watertight at the edges of triangles; "
                         "bvh: medium, low or high, quality of the hierarchy; "
                         "instancing: auto, always or never; "
-                        "simplify: 1, share of the triangles that is kept, as in collision meshes; "
-                        "backend: auto, cpu or gl",
-                .can = {.footprints = true,
-                        .transmission = true,
-                        .motion = true,
-                        .moving = true,
-                        .reference = true,
-                        .openGl = true},
+                        "simplify: 1, share of the triangles that is kept, as in collision meshes",
+                .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
-                .referenceOptions = "{backend: cpu}",
                 .make = makeRayTracing},
     MethodEntry{
         .name = "depth_camera",
@@ -60,7 +53,7 @@ constexpr std::array kMethods{
                         "levels: auto or 1 to 16, each twice as coarse as the one before; "
                         "refine: triangle, normal or none, how hits are made exact; "
                         "steps: 512, a particle's budget; "
-                        "backend: auto, cpu or gl",
+                        "backend: cpu, or gl for a graphics card",
                 .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},
                 .autoSettings = "- particle\n- {particle: {refine: [normal, none]}}\n- {particle: {refine: [normal, "
@@ -94,7 +87,7 @@ const MethodEntry& firstMethodThat(bool MethodCapabilities::*can) {
 
 std::unique_ptr<Method> makeReference(const Scene& scene) {
   const MethodEntry& entry = firstMethodThat(&MethodCapabilities::reference);
-  const Value value = parseYaml(entry.referenceOptions, "reference method");
+  const Value value = parseYaml("{}", "reference method");
   Fields options(value, "method");
   return entry.make(scene, options);
 }

@@ -70,8 +70,6 @@ struct MethodEntry {
   // Those of its settings that `method: auto` chooses from where the pipeline names none: a YAML list as readSettings()
   // takes it (evaluate/settings.h).
   std::string_view autoSettings;
-  // Options, as YAML, with which makeReference() takes the row.
-  std::string_view referenceOptions = {};
   // `options` is the method's own map in the pipeline; finish() is called by the maker. The scene must outlive it.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };
@@ -82,8 +80,7 @@ const MethodEntry& requireMethod(std::string_view name, const Location& where);
 const MethodEntry* findMethod(std::string_view name);
 // The first row that can do such a thing. Only for what some row can do.
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can);
-// The method that judges others and looks at scenes before they are scanned: with default options, but on the processor
-// alone, so that the device of a run's scans is neither asked nor chosen by other work.
+// The method that judges others and looks at scenes before they are scanned, with default options.
 std::unique_ptr<Method> makeReference(const Scene& scene);
 
 }  // namespace scanmill

@@ -21,7 +21,6 @@ void TraceAccount::warn(BeamWarning warning) {
 TraceAccount& TraceAccount::operator+=(const TraceAccount& other) {
   addSeconds(other.seconds, seconds);
   for (const BeamWarning& warning : other.warnings) warn(warning);
-  backends.insert(other.backends.begin(), other.backends.end());
   return *this;
 }
 

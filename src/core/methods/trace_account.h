@@ -3,7 +3,6 @@
 // What a call of a method took, and what its user should know of it.
 
 #include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -23,12 +22,10 @@ struct TraceAccount {
   StageSeconds seconds;               // by the method's own stages; empty where it has but one
   std::vector<BeamWarning> warnings;  // at most one for each sensor and kind, in the order of sensor and kind
 
-  std::set<std::string> backends = {};  // who took the shots, where there was a choice (methods/backend_choice.h)
-
   // Adds a warning. Of two of the same sensor and kind the one with more beams stays: a user wants to know the worst
   // scan, and the order in which scans are traced must not change what is told.
   void warn(BeamWarning warning);
-  // Adds up the seconds, and adds the warnings and backends.
+  // Adds up the seconds, and adds the warnings.
   TraceAccount& operator+=(const TraceAccount& other);
   std::vector<std::string> warningTexts() const;
 };

@@ -101,6 +101,19 @@ TEST(WithWaiters, WhoeverWaitsHelps) {
   EXPECT_EQ(helpers.size(), 2u);
 }
 
+// Work in work does its loops where the waiters are.
+TEST(WithWaiters, AreKnownWhileTheWorkIsDone) {
+  EXPECT_FALSE(hasWaiters());
+  withWaiters([] {
+    EXPECT_TRUE(hasWaiters());
+    withWaiters([] { EXPECT_TRUE(hasWaiters()); });
+    EXPECT_TRUE(hasWaiters());
+    parallelFor(64, 1, [](std::size_t, std::size_t) { EXPECT_FALSE(hasWaiters()) << "its own loops are isolated"; });
+    EXPECT_TRUE(hasWaiters());
+  });
+  EXPECT_FALSE(hasWaiters());
+}
+
 TEST(ThreadLimit, HoldsWhileItLives) {
   const int before = threadCount();
   {

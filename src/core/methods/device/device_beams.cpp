@@ -8,12 +8,6 @@ namespace scanmill {
 
 namespace {
 
-std::vector<float> partsOf(const BeamTable& beams, std::size_t first, std::size_t count, double duration) {
-  std::vector<float> parts(count);
-  for (std::size_t i = 0; i < count; ++i) parts[i] = partOf(beams, first + i, duration);
-  return parts;
-}
-
 // Adds rows of rotation and position, pose after pose.
 void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
   for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
@@ -32,22 +26,19 @@ std::vector<std::uint32_t> stepsOf(const Shot& shot) {
 }  // namespace
 
 DeviceBeams::Table::Table(const ComputeDevice& device)
-    : directions(device), origins(device), parts(device), steps(device) {
-  // Buffers without storage cannot be bound.
-  origins.reserve(16);
-  parts.reserve(16);
+    : directions(device), origins(device), steps(device) {
+  origins.reserve(16);  // a buffer without storage cannot be bound
 }
 
 DeviceBeams::DeviceBeams(const ComputeDevice& device) : device_(device), poses_(device) {}
 
-void DeviceBeams::hold(const Shots& shots, std::size_t first, std::size_t count, double duration) {
+void DeviceBeams::hold(const Shots& shots) {
   std::vector<double> poses;
   for (const ShotFrame* frame : shots.frames) appendPoses(*frame, poses);
   poses_.hold(std::span<const double>(poses));
   const Shot& shot = *shots.shots.front();
   const auto holds = [&](const Table& table) {
-    return table.beams.lock() == shot.beams && table.first == first && table.count == count &&
-           (duration == 0 || table.duration == duration) && table.poses == shot.worldFromSensor.size();
+    return table.beams.lock() == shot.beams && table.poses == shot.worldFromSensor.size();
   };
   auto table = std::find_if(tables_.begin(), tables_.end(), holds);
   const bool known = table != tables_.end();
@@ -57,24 +48,17 @@ void DeviceBeams::hold(const Shots& shots, std::size_t first, std::size_t count,
     if (table == tables_.end()) --table;
   }
   tables_.splice(tables_.begin(), tables_, table);
-  if (!known) fill(tables_.front(), shot, first, count, duration);
+  if (!known) fill(tables_.front(), shot);
 }
 
-void DeviceBeams::fill(Table& table, const Shot& shot, std::size_t first, std::size_t count, double duration) {
+void DeviceBeams::fill(Table& table, const Shot& shot) {
   const BeamTable& beams = *shot.beams;
   table.beams.reset();  // what is there is of no table until all is there
-  table.directions.hold(std::span(beams.direction).subspan(first, count));
-  if (!beams.origin.empty()) table.origins.hold(std::span(beams.origin).subspan(first, count));
-  if (duration > 0) {
-    const std::vector<float> parts = partsOf(beams, first, count, duration);
-    table.parts.hold(std::span(parts));
-  }
+  table.directions.hold(std::span(beams.direction));
+  if (!beams.origin.empty()) table.origins.hold(std::span(beams.origin));
   const std::vector<std::uint32_t> steps = stepsOf(shot);
   table.steps.hold(std::span(steps));
   table.beams = shot.beams;
-  table.first = first;
-  table.count = count;
-  table.duration = duration;
   table.poses = shot.worldFromSensor.size();
 }
 
@@ -82,9 +66,8 @@ std::string DeviceBeams::shader() {
   return R"(
 layout(std430, binding = 0) readonly restrict buffer Directions { double directions[]; };
 layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; };
-layout(std430, binding = 2) readonly restrict buffer Parts { float parts[]; };
-layout(std430, binding = 3) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
-layout(std430, binding = 4) readonly restrict buffer Steps { uint stepOfColumn[]; };
+layout(std430, binding = 2) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
+layout(std430, binding = 3) readonly restrict buffer Steps { uint stepOfColumn[]; };
 
 // Of quotients and roots: a share of 2^-48, 16 units in the last place, where OpenGL lets quotients err by 2.5 and roots
 // by 4.5.

@@ -28,15 +28,13 @@ class DeviceBeams {
     std::vector<const ShotFrame*> frames;
   };
 
-  // Uploads the rays [first, first + count) of the shots' table, unless they are there, and the shots' poses.
-  // `duration`: s, of the revolution, where something moves; else 0. Tables stay, those that were last used: of the
-  // sensors of a vehicle.
-  void hold(const Shots& shots, std::size_t first, std::size_t count, double duration);
+  // Uploads the rays of the shots' table, unless they are there, and the shots' poses. Tables stay, those that were last
+  // used: of the sensors of a vehicle.
+  void hold(const Shots& shots);
 
-  // Bindings 0 to 4 of programs that use shader(), of what was last held.
+  // Bindings 0 to 3 of programs that use shader(), of what was last held.
   const ComputeBuffer& directions() const { return tables_.front().directions; }
   const ComputeBuffer& origins() const { return tables_.front().origins; }
-  const ComputeBuffer& parts() const { return tables_.front().parts; }
   const ComputeBuffer& poses() const { return poses_; }
   const ComputeBuffer& steps() const { return tables_.front().steps; }
 
@@ -44,9 +42,8 @@ class DeviceBeams {
   //
   //     void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d)
   //
-  // which gives the origin (m, relative to the world's origin) and the unit direction of a ray, counted from `first`,
-  // with the bits that setUp() in methods/world/resolve.h gives them. `firstPose`: of the shot, counted from that of
-  // the first. parts[ray] is when the ray fires, as part of the revolution (partOf() there).
+  // which gives the origin (m, relative to the world's origin) and the unit direction of a ray with the bits that
+  // setUp() in methods/world/resolve.h gives them. `firstPose`: of the shot, counted from that of the first.
   //
   //     bool settled(double value, double doubt, out float rounded)
   //
@@ -61,14 +58,11 @@ class DeviceBeams {
     explicit Table(const ComputeDevice& device);
 
     std::weak_ptr<const BeamTable> beams;  // whose rays the buffers hold
-    std::size_t first = 0;
-    std::size_t count = 0;
-    double duration = 0;
     std::size_t poses = 0;  // of a shot, for which `steps` is
-    ComputeBuffer directions, origins, parts, steps;
+    ComputeBuffer directions, origins, steps;
   };
 
-  static void fill(Table& table, const Shot& shot, std::size_t first, std::size_t count, double duration);
+  static void fill(Table& table, const Shot& shot);
 
   ComputeDevice device_;
   std::list<Table> tables_;  // the last used one first

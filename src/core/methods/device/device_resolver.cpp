@@ -51,12 +51,11 @@ DeviceResolver::DeviceResolver(const ComputeDevice& device, std::uint64_t most)
       most_(most),
       columns_(device),
       records_(device),
-      stands_(device),
       materials_(device),
       reflectances_(device),
       textured_(device) {
   // Buffers without storage cannot be read from.
-  for (ComputeBuffer* buffer : {&records_, &stands_, &materials_, &reflectances_, &textured_}) buffer->reserve(16);
+  for (ComputeBuffer* buffer : {&records_, &materials_, &reflectances_, &textured_}) buffer->reserve(16);
 }
 
 template <class T>
@@ -73,10 +72,6 @@ void DeviceResolver::holdMeshes(const World& world) {
   hold(reflectances_, Uint32, std::span<const std::uint32_t>(tables.texels), "scene's textures");
 }
 
-void DeviceResolver::holdPlaces(const std::vector<Stand>& stands) {
-  hold(stands_, Uint32x4, std::span<const Stand>(stands), "scene's placed meshes");
-}
-
 ResolverBlock DeviceResolver::block(const BeamTable& beams, Channels channels, std::size_t rays) {
   const RangeLimits limits = limitsOf(beams);
   return {limits.nearest, limits.farthest, bitsOf(channels), static_cast<std::uint32_t>(rays)};
@@ -91,8 +86,8 @@ void DeviceResolver::reserve(Channels channels, std::size_t rays) {
 }
 
 ComputeTable DeviceResolver::table(std::size_t binding) const {
-  const std::array<const ComputeBuffer*, kTables> buffers{&records_, &stands_, &materials_, &reflectances_, &textured_};
-  return {buffers[binding], binding == 3 ? Uint32 : Uint32x4};
+  const std::array<const ComputeBuffer*, kTables> buffers{&records_, &materials_, &reflectances_, &textured_};
+  return {buffers[binding], binding == 2 ? Uint32 : Uint32x4};
 }
 
 void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,

@@ -46,10 +46,8 @@ class DeviceResolver {
   // `most`: bytes of a table.
   DeviceResolver(const ComputeDevice& device, std::uint64_t most);
 
-  // Uploads the planes and labels of all triangles of a world, with its materials.
+  // Uploads the planes and labels of all triangles of a flat world, with its materials.
   void holdMeshes(const World& world);
-  // Uploads how its meshes are placed: standsOf() in device_tables.h.
-  void holdPlaces(const std::vector<Stand>& stands);
 
   static ResolverBlock block(const BeamTable& beams, Channels channels, std::size_t rays);
 
@@ -59,7 +57,7 @@ class DeviceResolver {
   // Binding kColumns of programs that use shader().
   const ComputeBuffer& columns() const { return columns_; }
   // Bindings 0 to kTables - 1 of these programs.
-  static constexpr std::size_t kTables = 5;
+  static constexpr std::size_t kTables = 4;
   ComputeTable table(std::size_t binding) const;
 
   // Some of the rays in columns().
@@ -75,17 +73,17 @@ class DeviceResolver {
 
   // GLSL that declares the tables, the buffer of columns (binding kColumns) and
   //
-  //     Plane planeOf(uint triangle, uint place, float part, dvec3 o, dvec3 d)
+  //     Plane planeOf(uint triangle, dvec3 d)
   //     double distanceTo(Plane plane, dvec3 o, out double doubt)  // m, along the ray
   //     void hit(uint ray, Plane plane, double range, double doubt, dvec3 o, dvec3 d)
   //     void miss(uint ray)
   //     void leave(uint ray, uint verdict)
   //     bool letsPass(Plane plane, double range, double doubt, dvec3 o, dvec3 d, out bool sure)  // by its texture
-  //     void planeRecord(uint triangle, out dvec3 normal, out double offset)  // of what is baked
+  //     void planeRecord(uint triangle, out dvec3 normal, out double offset)
   //
-  // `place` is 1 + the index into World::placed, or 0; `part` that of the revolution. It declares the program's uniform
-  // block, too: the members of ResolverBlock, and then `parameters`, GLSL such as "uint columns;".
-  static constexpr std::uint32_t kColumns = 6;
+  // It declares the program's uniform block, too: the members of ResolverBlock, and then `parameters`, GLSL such as
+  // "uint columns;".
+  static constexpr std::uint32_t kColumns = 5;
   static std::string shader(const std::string& parameters);
 
  private:
@@ -95,7 +93,7 @@ class DeviceResolver {
   ComputeDevice device_;
   std::uint64_t most_;
   ComputeBuffer columns_;
-  ComputeBuffer records_, stands_, materials_, reflectances_, textured_;
+  ComputeBuffer records_, materials_, reflectances_, textured_;
 };
 
 }  // namespace scanmill

@@ -6,7 +6,6 @@
 #include <bit>
 #include <map>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 #include "base/error.h"
@@ -26,16 +25,6 @@ std::uint32_t bits(float f) {
 
 DeviceWord wordOf(double a, double b) {
   return std::bit_cast<DeviceWord>(std::array{a, b});
-}
-
-void setRows(const Mat3& m, const Vec3d& translation, DeviceWord* words) {
-  const auto row = [&](double Vec3d::*axis) {
-    *words++ = wordOf(m.x.*axis, m.y.*axis);
-    *words++ = wordOf(m.z.*axis, translation.*axis);
-  };
-  row(&Vec3d::x);
-  row(&Vec3d::y);
-  row(&Vec3d::z);
 }
 
 // Makes the words of materials, and the texels of each texture that they use, once for materials that see it alike.
@@ -84,24 +73,23 @@ class MaterialTables {
 
 TexturedTriangle texturedTriangle(const TriangleBlock& block, std::uint32_t triangle) {
   TexturedTriangle made{};
-  std::array<std::uint32_t, 3> u{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec2f uv = block.uvs.empty() ? Vec2f{} : block.uvs[block.corners[triangle][k]];
-    u[k] = bits(uv.x);
+    const std::uint32_t corner = block.corners[triangle][k];
+    const Vec3f& p = block.vertices[corner];
+    const Vec2f uv = block.uvs.empty() ? Vec2f{} : block.uvs[corner];
+    made.words[k] = {bits(p.x), bits(p.y), bits(p.z), bits(uv.x)};
     made.words[3][k] = bits(uv.y);
   }
-  std::ranges::copy(cornerWords(block, triangle, u), made.words.begin());
   return made;
 }
 
-void appendBlock(const TriangleBlock& block, LabelTables& made) {
-  const std::size_t first = made.records.size();
-  made.records.resize(first + block.triangles.size());
+void addTriangles(const TriangleBlock& block, LabelTables& made) {
+  made.records.resize(block.triangles.size());
   parallelFor(block.triangles.size(), kGrain, [&](std::size_t from, std::size_t to) {
     for (std::size_t t = from; t < to; ++t) {
       const BlockTriangle& triangle = block.triangles[t];
       const HitSurface& surface = block.surfaces[triangle.surface];
-      made.records[first + t] = {
+      made.records[t] = {
           wordOf(triangle.normal.x, triangle.normal.y),
           wordOf(triangle.normal.z, triangle.offset),
           {surface.instance, surface.semantic | std::uint32_t{surface.material} << 16, triangle.primitive, 0}};
@@ -110,21 +98,11 @@ void appendBlock(const TriangleBlock& block, LabelTables& made) {
   for (std::uint32_t t = 0; t < block.triangles.size(); ++t) {
     if (made.materials[block.surfaceOf(t).material][3] == 0) continue;
     made.textured.push_back(texturedTriangle(block, t));
-    made.records[first + t].label[3] = static_cast<std::uint32_t>(made.textured.size());
+    made.records[t].label[3] = static_cast<std::uint32_t>(made.textured.size());
   }
 }
 
 }  // namespace
-
-std::array<DeviceWord, 3> cornerWords(const TriangleBlock& block, std::uint32_t triangle,
-                                      const std::array<std::uint32_t, 3>& behind) {
-  std::array<DeviceWord, 3> words;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3f& p = block.vertices[block.corners[triangle][k]];
-    words[k] = {bits(p.x), bits(p.y), bits(p.z), behind[k]};
-  }
-  return words;
-}
 
 std::uint64_t texelTableBytes(const Scene& scene) {
   std::map<std::pair<const Texture*, float>, std::uint64_t> bytes;
@@ -142,36 +120,8 @@ LabelTables labelTables(const World& world) {
   LabelTables made;
   MaterialTables materials(made);
   for (const Material& material : world.scene->materials) materials.append(material);
-  appendBlock(world.baked, made);
-  for (const std::unique_ptr<TriangleBlock>& block : world.shared->blocks) {
-    if (block != nullptr) appendBlock(*block, made);
-  }
+  addTriangles(world.baked, made);
   return made;
-}
-
-std::vector<Stand> standsOf(const World& world) {
-  std::unordered_map<const TriangleBlock*, std::uint32_t> firstRecord;  // of blocks that worlds share
-  auto next = static_cast<std::uint32_t>(world.baked.triangles.size());
-  for (const std::unique_ptr<TriangleBlock>& block : world.shared->blocks) {
-    if (block == nullptr) continue;
-    firstRecord[block.get()] = next;
-    next += static_cast<std::uint32_t>(block->triangles.size());
-  }
-  std::vector<Stand> stands(1 + world.placed.size());
-  stands[0].head = {0, 0, static_cast<std::uint32_t>(Standing::Baked), 0};
-  for (std::size_t k = 0; k < world.placed.size(); ++k) {
-    const PlacedBlock& placed = world.placed[k];
-    Stand& stand = stands[1 + k];
-    const Standing standing = placed.moves ? Standing::Moving : Standing::Placed;
-    stand.head = {firstRecord.at(placed.block), placed.firstInstanceId, static_cast<std::uint32_t>(standing), 0};
-    setRows(placed.originFromMesh.linear, placed.originFromMesh.translation, stand.rows.data());
-    if (placed.moves) {
-      setRows(placed.atEnd.linear, placed.atEnd.translation, stand.rows.data() + 6);
-    } else {
-      setRows(placed.normalFromMesh, {}, stand.rows.data() + 6);
-    }
-  }
-  return stands;
 }
 
 }  // namespace scanmill

@@ -9,23 +9,18 @@ namespace scanmill {
 namespace {
 
 constexpr const char* kDeclared = R"(
-layout(std430, binding = 6) writeonly restrict buffer HitColumns { uint hitColumns[]; };
+layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
 layout(binding = 0) uniform usamplerBuffer planeRecords;
-layout(binding = 1) uniform usamplerBuffer stands;
-layout(binding = 2) uniform usamplerBuffer materials;
-layout(binding = 3) uniform usamplerBuffer texels;
-layout(binding = 4) uniform usamplerBuffer texturedTriangles;
+layout(binding = 1) uniform usamplerBuffer materials;
+layout(binding = 2) uniform usamplerBuffer texels;
+layout(binding = 3) uniform usamplerBuffer texturedTriangles;
 
-// The plane of a triangle, relative to the world's origin, and what the triangle says. A doubt is by how much the
-// processor's number may differ.
+// The plane of a triangle, relative to the world's origin, and what the triangle says: with the processor's bits.
 struct Plane {
-  dvec3 normal, normalDoubt;
-  double offset, offsetDoubt;
-  double along, alongDoubt;  // normal . direction of the ray
+  dvec3 normal;
+  double offset;
+  double along;  // normal . direction of the ray
   uvec4 label;
-  uint instance;
-  uint place;
-  double part;
 };
 
 double sum3(dvec3 a, dvec3 b) {
@@ -43,22 +38,6 @@ double largest(dvec3 v) {
   return max(a.x, max(a.y, a.z));
 }
 
-dvec4 standRow(uint place, uint row) {
-  int at = int(13u * place + 1u + 2u * row);
-  uvec4 a = texelFetch(stands, at);
-  uvec4 b = texelFetch(stands, at + 1);
-  return dvec4(packDouble2x32(a.xy), packDouble2x32(a.zw), packDouble2x32(b.xy), packDouble2x32(b.zw));
-}
-
-// Row k of originFromMesh at a part of the revolution.
-dvec4 placedRow(uint place, uint row, bool moving, double part) {
-  precise dvec4 a = standRow(place, row);
-  if (!moving) return a;
-  dvec4 b = standRow(place, 3u + row);
-  precise dvec4 between = a + (b - a) * part;
-  return between;
-}
-
 void planeRecord(uint record, out dvec3 normal, out double offset) {
   uvec4 a = texelFetch(planeRecords, int(3u * record));
   uvec4 b = texelFetch(planeRecords, int(3u * record + 1u));
@@ -66,77 +45,19 @@ void planeRecord(uint record, out dvec3 normal, out double offset) {
   offset = packDouble2x32(b.zw);
 }
 
-Plane planeOf(uint triangle, uint place, float part, dvec3 o, dvec3 d) {
-  uvec4 head = texelFetch(stands, int(13u * place));
+Plane planeOf(uint triangle, dvec3 d) {
   Plane p;
-  planeRecord(head.x + triangle, p.normal, p.offset);
-  p.normalDoubt = dvec3(0.0LF);
-  p.offsetDoubt = 0.0LF;
-  p.label = texelFetch(planeRecords, int(3u * (head.x + triangle) + 2u));
-  p.instance = p.label.x;
-  p.place = place;
-  p.part = double(part);
-  if (place != 0u) {
-    bool moving = head.z == kMoving;
-    dvec4 x = placedRow(place, 0u, moving, p.part);
-    dvec4 y = placedRow(place, 1u, moving, p.part);
-    dvec4 z = placedRow(place, 2u, moving, p.part);
-    dvec3 translation = dvec3(x.w, y.w, z.w);
-    dvec3 turned;
-    // Of what moves, normals are turned by cofactors, and the processor divides these first by the determinant.
-    double determinant = 1.0LF;
-    double determinantBlur = 0.0LF;  // what its products add up to; likewise for each part of the normal
-    dvec3 blur = dvec3(0.0LF);
-    if (moving) {
-      dvec3 columnX = dvec3(x.x, y.x, z.x);
-      dvec3 columnY = dvec3(x.y, y.y, z.y);
-      dvec3 columnZ = dvec3(x.z, y.z, z.z);
-      dvec3 yz = across(columnY, columnZ);
-      dvec3 zx = across(columnZ, columnX);
-      dvec3 xy = across(columnX, columnY);
-      determinant = sum3(columnX, yz);
-      if (determinant < 0.0LF) {
-        yz = -yz;
-        zx = -zx;
-        xy = -xy;
-        determinant = -determinant;
-      }
-      precise dvec3 sum = yz * p.normal.x + zx * p.normal.y + xy * p.normal.z;
-      turned = sum;
-      dvec3 lx = abs(columnX), ly = abs(columnY), lz = abs(columnZ), n = abs(p.normal);
-      blur = (ly.yzx * lz.zxy + ly.zxy * lz.yzx) * n.x + (lz.yzx * lx.zxy + lz.zxy * lx.yzx) * n.y +
-             (lx.yzx * ly.zxy + lx.zxy * ly.yzx) * n.z;
-      determinantBlur = sum3(lx, ly.yzx * lz.zxy + ly.zxy * lz.yzx);
-    } else {
-      turned = dvec3(sum3(standRow(place, 3u).xyz, p.normal), sum3(standRow(place, 4u).xyz, p.normal),
-                     sum3(standRow(place, 5u).xyz, p.normal));
-    }
-    double scale = 1.0LF / sqrt(sum3(turned, turned));
-    double blurred = (blur.x + blur.y + blur.z) * scale;  // share of the length
-    p.normal = turned * scale;
-    p.normalDoubt = (abs(p.normal) * (1.0LF + 4.0LF * blurred) + blur * (4.0LF * scale)) * kSlack;
-    double shifted = p.offset * scale * determinant;
-    double moved = sum3(p.normal, translation);
-    p.offsetDoubt = sum3(p.normalDoubt, abs(translation)) +
-                    (abs(shifted) * (1.0LF + 4.0LF * blurred) + abs(p.offset) * scale * determinantBlur * 4.0LF +
-                     sum3(abs(p.normal), abs(translation))) * (2.0LF * kSlack);
-    p.offset = shifted + moved;
-    p.instance = p.label.x == 0u ? 0u : head.y + p.label.x - 1u;
-  }
+  planeRecord(triangle, p.normal, p.offset);
+  p.label = texelFetch(planeRecords, int(3u * triangle + 2u));
   p.along = sum3(p.normal, d);
-  p.alongDoubt = sum3(p.normalDoubt, abs(d));
-  if (place != 0u) p.alongDoubt += sum3(abs(p.normal), abs(d)) * kSlack;
   return p;
 }
 
+// `doubt`: by how much the processor's number may differ.
 double distanceTo(Plane p, dvec3 o, out double doubt) {
-  double origin = sum3(p.normal, o);
-  double originDoubt = sum3(p.normalDoubt, abs(o));
-  if (p.place != 0u) originDoubt += sum3(abs(p.normal), abs(o)) * kSlack;
-  precise double gap = p.offset - origin;
+  precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
-  doubt = (p.offsetDoubt + originDoubt + abs(range) * p.alongDoubt) / max(abs(p.along) - p.alongDoubt, 1e-300LF) +
-          abs(range) * kSlack;
+  doubt = abs(range) * kSlack;
   return range;
 }
 
@@ -151,22 +72,12 @@ uint texelOf(float coordinate, uint side) {
 bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
   int at = int(4u * (p.label.w - 1u));
   uvec4 behind = texelFetch(texturedTriangles, at + 3);
-  uvec4 head = texelFetch(stands, int(13u * p.place));
   dvec3 corner[3];
   float u[3];
   for (int k = 0; k < 3; ++k) {
     uvec4 word = texelFetch(texturedTriangles, at + k);
     corner[k] = dvec3(uintBitsToFloat(word.xyz));
     u[k] = uintBitsToFloat(word.w);
-  }
-  if (p.place != 0u) {
-    dvec4 rows[3];
-    for (uint k = 0u; k < 3u; ++k) rows[k] = placedRow(p.place, k, head.z == kMoving, p.part);
-    for (int k = 0; k < 3; ++k) {
-      dvec3 c = corner[k];
-      corner[k] = dvec3(sum3(rows[0].xyz, c) + rows[0].w, sum3(rows[1].xyz, c) + rows[1].w,
-                        sum3(rows[2].xyz, c) + rows[2].w);
-    }
   }
   dvec3 ab = corner[1] - corner[0];
   dvec3 ac = corner[2] - corner[0];
@@ -235,7 +146,7 @@ constexpr const char* kHit = R"(
 void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
   float rounded;
   bool sure = settled(range, doubt, rounded);
-  if (abs(range - nearest) <= doubt || abs(range - farthest) <= doubt || !(abs(p.along) > p.alongDoubt)) sure = false;
+  if (abs(range - nearest) <= doubt || abs(range - farthest) <= doubt || p.along == 0.0LF) sure = false;
   if (sure && !(range >= nearest && range <= farthest)) {
     miss(ray);
     return;
@@ -244,7 +155,7 @@ void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
   uint column = rays;
   if (wants(kIncidence)) {
     double cosine = abs(p.along);
-    sure = settled(min(cosine, 1.0LF), p.alongDoubt, rounded) && sure;
+    sure = settled(min(cosine, 1.0LF), 0.0LF, rounded) && sure;
     put(column, ray, floatBitsToUint(rounded));
   }
   if (wants(kReflectance)) {
@@ -255,13 +166,13 @@ void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
     }
     put(column, ray, reflectance & ~kLetsPass);
   }
-  if (wants(kInstance)) put(column, ray, p.instance);
+  if (wants(kInstance)) put(column, ray, p.label.x);
   if (wants(kSemantic | kMaterial)) put(column, ray, p.label.y);
   if (wants(kPrimitive)) put(column, ray, p.label.z);
   if (wants(kNormal)) {
     dvec3 towards = p.along > 0.0LF ? -p.normal : p.normal;
     for (int k = 0; k < 3; ++k) {
-      sure = settled(towards[k], p.normalDoubt[k], rounded) && sure;
+      sure = settled(towards[k], 0.0LF, rounded) && sure;
       hitColumns[column + 3u * ray + uint(k)] = floatBitsToUint(rounded);
     }
   }
@@ -281,8 +192,7 @@ std::string DeviceResolver::shader(const std::string& parameters) {
          channel("kIncidence", Channel::Incidence) + verdict("kOpen", RayVerdict::Open) +
          verdict("kExhaustedRay", RayVerdict::Exhausted) + verdict("kLeftRay", RayVerdict::Left) +
          glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
-         glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u) +
-         glslConstant("kMoving", static_cast<std::uint32_t>(Standing::Moving)) + kDeclared + kHit;
+         glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u) + kDeclared + kHit;
 }
 
 }  // namespace scanmill

@@ -12,7 +12,6 @@
 #include "base/parallel.h"
 #include "methods/field/brick.h"
 #include "methods/field/brick_pool.h"
-#include "methods/field/device_bricks.h"
 #include "methods/field/nearby.h"
 #include "methods/particle/shape.h"
 
@@ -21,7 +20,6 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // a table's entry of a full brick without a place
-constexpr std::uint32_t kUnseen = 0xFFFFFFFEu;  // of a brick of which it is not known whether it is empty
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // instead of an index
 constexpr float kNothing = 1e30f;               // voxels, to the nearest surface of an empty world
 constexpr std::size_t kBricksPerTask = 8;
@@ -35,8 +33,7 @@ constexpr std::size_t withRoom(std::size_t count) {
 
 class Builder {
  public:
-  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before,
-          DeviceBricks* device);
+  Builder(const World& world, const FieldShape& shape, const std::vector<std::shared_ptr<const DistanceField>>& before);
 
   std::shared_ptr<const DistanceField> build();
 
@@ -50,18 +47,15 @@ class Builder {
   void fillTable();
   void fillRow(std::size_t level, std::size_t row, FacetCache& facets);
   float distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const;
-  void fillByDevice();
   void findUnmade();
   void append();
   void startPool();
   void makeBricks();
   void makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint32_t>& lists);
-  void makeBricksByDevice();
   std::uint64_t placeLists();
   void assemble();
 
   const World& world_;
-  DeviceBricks* const device_;                // null: the processor makes all
   std::vector<const DistanceField*> before_;  // fields of one pool
   std::shared_ptr<BrickPool> poolBefore_;     // null: none
   std::shared_ptr<DistanceField> field_;
@@ -81,10 +75,8 @@ class Builder {
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,
-                 const std::vector<std::shared_ptr<const DistanceField>>& before, DeviceBricks* device)
-    : world_(world),
-      device_(world.baked.triangles.empty() ? nullptr : device),
-      field_(std::make_shared<DistanceField>()) {
+                 const std::vector<std::shared_ptr<const DistanceField>>& before)
+    : world_(world), field_(std::make_shared<DistanceField>()) {
   if (!world.placed.empty()) throw Error("particle: a field is built of a world without instanced meshes");
   for (const auto& field : before) {
     if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
@@ -166,7 +158,7 @@ void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
     } else if (world_.baked.triangles.empty()) {
       entry = tableEntry(kNothing);
     } else {
-      entry = device_ != nullptr ? kUnseen : tableEntry(distanceOf(placeOf(level, brick), nearest, facets));
+      entry = tableEntry(distanceOf(placeOf(level, brick), nearest, facets));
     }
   }
 }
@@ -182,35 +174,6 @@ void Builder::fillTable() {
       for (std::size_t row = first; row < last; ++row) fillRow(level, row, facets);
     });
   }
-  if (device_ != nullptr) fillByDevice();
-}
-
-// Those of the table that fillRow() has left open.
-void Builder::fillByDevice() {
-  std::vector<std::uint32_t> open;
-  std::vector<BrickPlace> places;
-  std::vector<float> distances;
-  const auto measure = [&] {
-    distances.resize(open.size());
-    device_->centres(places, distances);
-    parallelFor(open.size(), 1024, [&](std::size_t first, std::size_t last) {
-      FacetCache facets;
-      std::uint32_t nearest = 0;
-      for (std::size_t i = first; i < last; ++i) {
-        const float distance = std::isnan(distances[i]) ? distanceOf(places[i], nearest, facets) : distances[i];
-        field_->table[open[i]] = tableEntry(distance);
-      }
-    });
-    open.clear();
-    places.clear();
-  };
-  for (std::uint32_t i = 0; i < field_->table.size(); ++i) {
-    if (field_->table[i] != kUnseen) continue;
-    open.push_back(i);
-    places.push_back(placeOf(i));
-    if (open.size() == DeviceBricks::kCentresAtOnce) measure();
-  }
-  if (!open.empty()) measure();
 }
 
 void Builder::findUnmade() {
@@ -262,10 +225,6 @@ void Builder::startPool() {
 
 void Builder::makeBricks() {
   lists_.resize(unmade_.size());
-  if (device_ != nullptr) {
-    makeBricksByDevice();
-    return;
-  }
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t first, std::size_t last) {
     BrickMaker maker(world_, field_->shape.lists);
     std::vector<std::uint32_t> lists;
@@ -281,33 +240,6 @@ void Builder::makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint3
   lists.clear();
   maker.make(placeOf(brick.entry), &pool_->distance[at], &pool_->word[at], lists);
   lists_[brick.made].assign(lists.begin(), lists.end());
-}
-
-void Builder::makeBricksByDevice() {
-  std::vector<std::size_t> numbers;  // into bricks_
-  std::vector<BrickPlace> places;
-  for (std::size_t i = 0; i < bricks_.size(); ++i) {
-    if (bricks_[i].made == kNone) continue;
-    numbers.push_back(i);
-    places.push_back(placeOf(bricks_[i].entry));
-  }
-  device_->make(places, field_->shape.lists, [&](std::size_t place, const DeviceBricks::Made& made) {
-    const std::size_t i = numbers[place];
-    if (made.left) {
-      BrickMaker maker(world_, field_->shape.lists);
-      std::vector<std::uint32_t> lists;
-      makeBrick(i, maker, lists);
-      return;
-    }
-    const std::size_t at = (first_ + i) * kBrickStride;
-    for (std::size_t c = 0; c < kCornersPerBrick; ++c) {
-      pool_->distance[at + c] = static_cast<std::uint16_t>(made.corners[2 * c]);
-      pool_->word[at + c] = made.corners[2 * c + 1];
-    }
-    pool_->distance[at + kCornersPerBrick] = 0;
-    pool_->word[at + kCornersPerBrick] = kNoWord;
-    lists_[bricks_[i].made].assign(made.lists.begin(), made.lists.end());
-  });
 }
 
 // Where the lists of all bricks begin. Returns where the last ones end: anywhere, there may be no room for so many.
@@ -385,9 +317,8 @@ std::shared_ptr<const DistanceField> Builder::build() {
 }  // namespace
 
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
-                                                const std::vector<std::shared_ptr<const DistanceField>>& before,
-                                                DeviceBricks* device) {
-  return Builder(world, shape, before, device).build();
+                                                const std::vector<std::shared_ptr<const DistanceField>>& before) {
+  return Builder(world, shape, before).build();
 }
 
 }  // namespace scanmill

@@ -10,16 +10,12 @@
 
 namespace scanmill {
 
-class DeviceBricks;
-
 // Builds the field of a world. Where `before` are fields of the same world with the same voxel size and lists, the
 // bricks that one of them has are taken over from it, or shared with it (brick_pool.h): all from those of the first
 // one's pool. What particles read is the same as without them, byte by byte. The world must be flat: nothing in it is
 // instanced. An empty world gives a field of empty bricks. Runs on all threads; what particles read does not depend on
-// how many there are. Moving a field by a metre takes a thirtieth of building it. `device`: makes the bricks, byte by
-// byte as the processor; it holds the world. Null: the processor makes them.
+// how many there are. Moving a field by a metre takes a thirtieth of building it.
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
-                                                const std::vector<std::shared_ptr<const DistanceField>>& before = {},
-                                                DeviceBricks* device = nullptr);
+                                                const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 
 }  // namespace scanmill

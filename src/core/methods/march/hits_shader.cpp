@@ -37,8 +37,8 @@ constexpr const char* kParameters = R"(
 // What resolve() does with a particle (methods/particle/march_job.cpp), in its order, in double. Where rounding of a
 // quotient could change what is decided, the particle is left to the processor.
 constexpr const char* kEnds = R"(
-layout(std430, binding = 5) restrict buffer HitRecords { uint records[]; };
-layout(std430, binding = 7) restrict buffer Particles { float particles[]; };
+layout(std430, binding = 4) restrict buffer HitRecords { uint records[]; };
+layout(std430, binding = 6) restrict buffer Particles { float particles[]; };
 
 dvec3 onRay(dvec3 o, dvec3 d, double range) {
   precise dvec3 point = o + d * range;
@@ -119,7 +119,7 @@ bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   if (exact == 0.0LF) rest = 0.0;
   precise float total = way + rest;
   precise double traced = double(total) * voxel;
-  Plane plane = planeOf(triangle, 0u, 0.0, o, d);
+  Plane plane = planeOf(triangle, d);
   if (triangle >= firstAlpha) {
     bool sure;
     bool open = letsPass(plane, traced, 0.0LF, o, d, sure);
@@ -151,10 +151,10 @@ bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
 )";
 
 constexpr const char* kNearest = R"(
-layout(binding = 5) uniform usamplerBuffer levels;
-layout(binding = 6) uniform usamplerBuffer table;
-layout(binding = 7) uniform usamplerBuffer distances;
-layout(binding = 8) uniform usamplerBuffer words;
+layout(binding = 4) uniform usamplerBuffer levels;
+layout(binding = 5) uniform usamplerBuffer table;
+layout(binding = 6) uniform usamplerBuffer distances;
+layout(binding = 7) uniform usamplerBuffer words;
 
 // In the field's frame. False where a float32 of it could have other bits.
 bool fieldFrame(dvec3 point, double doubt, out vec3 q) {
@@ -314,7 +314,7 @@ bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   float rounded;
   sure = settled(rest.range, rest.doubt, rounded) && sure;
   if (sure) {
-    hit(ray, planeOf(rest.triangle, 0u, 0.0, o, d), double(rounded), 0.0LF, o, d);
+    hit(ray, planeOf(rest.triangle, d), double(rounded), 0.0LF, o, d);
   } else {
     leave(ray, kOpen);
   }

@@ -106,8 +106,4 @@ class GlMarcher {
 // Throws Error where the machine has no OpenGL 4.3 by EGL: the text names the CPU backend.
 std::unique_ptr<GlMarcher> makeGlMarcher();
 
-// One that may be faster than the processor: where the kernel knows of a graphics card, or where SCANMILL_GL_DEVICE
-// names a device. Null where there is none, or none that works.
-std::unique_ptr<GlMarcher> findGlMarcher();
-
 }  // namespace scanmill

@@ -11,10 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "base/stage_clock.h"
 #include "gpu/compute.h"
-#include "gpu/device.h"
 #include "methods/device/device_beams.h"
 #include "methods/device/device_resolver.h"
 #include "methods/device/shot_queue.h"
@@ -165,7 +163,7 @@ class ComputeMarcher : public GlMarcher {
       shots.frames.push_back(one->launch->frame);
     }
     device_.atOnce([&] {
-      beams_.hold(shots, 0, flight.rays(), 0);
+      beams_.hold(shots);
       resolver_.reserve(flight.channels, batch.rays);
       const std::size_t particles = flight.launch->size() * together.size();
       for (std::size_t first = 0; first < particles; first += slice_) {
@@ -188,8 +186,8 @@ class ComputeMarcher : public GlMarcher {
     block.first = static_cast<std::uint32_t>(first);
     block.count = static_cast<std::uint32_t>(count);
     launchers_.of(lists).run(count,
-                             {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(),
-                              &beams_.steps(), &march_.particles()},
+                             {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),
+                              &march_.particles()},
                              std::as_bytes(std::span(&block, 1)));
     HitsBlock hits = hitsBlock(field, world, block, *flight.launch, flight.channels, rays);
     const bool holes = lists && world.baked.firstAlpha < world.baked.triangles.size();
@@ -198,10 +196,10 @@ class ComputeMarcher : public GlMarcher {
       hits.last = hole == kMostHoles || !holes ? 1 : 0;
       resolvers_.of(lists).run(
           count,
-          {&beams_.directions(), &beams_.origins(), &beams_.parts(), &beams_.poses(), &beams_.steps(),
-           &march_.records(), &resolver_.columns(), &march_.particles()},
+          {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.records(),
+           &resolver_.columns(), &march_.particles()},
           std::as_bytes(std::span(&hits, 1)),
-          {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), resolver_.table(4),
+          {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3),
            march_.fields().levels(), march_.fields().table(), march_.fields().distances(), march_.fields().words()});
     }
   }
@@ -210,7 +208,6 @@ class ComputeMarcher : public GlMarcher {
     if (labelled_.lock() == world) return;
     labelled_.reset();
     resolver_.holdMeshes(*world);
-    resolver_.holdPlaces(standsOf(*world));
     labelled_ = world;
   }
 
@@ -235,15 +232,6 @@ std::unique_ptr<GlMarcher> makeGlMarcher(const GlMarcherLimits& limits) {
 
 std::unique_ptr<GlMarcher> makeGlMarcher() {
   return makeGlMarcher(GlMarcherLimits{});
-}
-
-std::unique_ptr<GlMarcher> findGlMarcher() {
-  try {
-    return mayHaveCard() ? makeGlMarcher() : nullptr;
-  } catch (const Error& error) {
-    if (!namedDevice().empty()) warn(fmt::format("particles fly on the processor: {}", error.what()));
-    return nullptr;
-  }
 }
 
 }  // namespace scanmill

@@ -29,7 +29,7 @@ struct GlMarcherLimits {
 // world's origin). Parameters: MarchBlock of device_march.cpp.
 std::string marchShader(bool lists);
 
-// The compute program that makes the particles of ParticleLaunch. Storage buffers: 0 to 4 those of DeviceBeams, 5
+// The compute program that makes the particles of ParticleLaunch. Storage buffers: 0 to 3 those of DeviceBeams, 4
 // particles as above. Parameters: LaunchBlock of march_gl.cpp.
 std::string launchShader(bool lists);
 
@@ -40,8 +40,8 @@ constexpr std::uint32_t kGoOn = 3;                    // the particle goes on be
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // its hit is made
 
 // The compute program that makes hits of what became of particles, for fields with lists or without. Storage buffers: 0
-// to 4 those of DeviceBeams, 5 hit records and 7 particles as above, 6 and tables 0 to 4 those of DeviceResolver.
-// Tables without lists: 5 the field's levels, 6 its table, 7 distances, 8 words. Parameters: HitsBlock of march_gl.cpp.
+// to 3 those of DeviceBeams, 4 hit records and 6 particles as above, 5 and tables 0 to 3 those of DeviceResolver.
+// Tables without lists: 4 the field's levels, 5 its table, 6 distances, 7 words. Parameters: HitsBlock of march_gl.cpp.
 std::string particleHitsShader(bool lists);
 
 // One of these programs, for fields without lists and with, each made when it is first needed.

@@ -162,6 +162,49 @@ vec3 crossed(vec3 a, vec3 b) {
   return product;
 }
 
+struct Facet {
+  vec3 a, ab, ac;  // a corner and the edges from it, m
+};
+
+Facet facetOf(uint triangle) {
+  int at = int(3u * triangle);
+  return Facet(texelFetch(triangles, at).xyz, texelFetch(triangles, at + 1).xyz, texelFetch(triangles, at + 2).xyz);
+}
+
+// The nearest triangle of a list that a particle meets in a voxel.
+struct Search {
+  vec3 d, place;    // m, where the particle enters the voxel
+  float low, high;  // m from there, between which it counts
+  float tie;        // m
+  float numerator, denominator;  // of the way to it, m; the denominator is 0 where there is none
+  uint triangle;
+};
+
+void meet(inout Search found, uint triangle, Facet facet) {
+  precise vec3 p = crossed(found.d, facet.ac);
+  precise float determinant = dotted(facet.ab, p);
+  precise float facing = determinant < 0.0 ? -1.0 : 1.0;
+  precise vec3 s = found.place - facet.a;
+  precise vec3 q = crossed(s, facet.ab);
+  precise float whole = determinant * facing;
+  precise float u = dotted(s, p) * facing;
+  precise float v = dotted(found.d, q) * facing;
+  precise float t = dotted(facet.ac, q) * facing;
+  precise float seam = whole * kSeam;
+  precise float corner = u + v;
+  precise float most = whole + seam;
+  precise float nearer = (found.numerator - found.tie * found.denominator) * whole;
+  precise float here = t * found.denominator;
+  precise float first = found.low * whole;
+  precise float last = found.high * whole;
+  if (whole > 0.0 && u >= -seam && v >= -seam && corner <= most && t >= first && t <= last &&
+      (!(found.denominator > 0.0) || here < nearer)) {
+    found.numerator = t;
+    found.denominator = whole;
+    found.triangle = triangle;
+  }
+}
+
 void invoke(uint i) {
   precise vec3 o = column3(0u, i);
   precise vec3 d = column3(3u, i);
@@ -219,45 +262,26 @@ void invoke(uint i) {
     precise float low = max(-kBehind * voxel, (begin - way) * metres);
     precise float high = (ahead + kNudge) * voxel;
     precise float tie = kTie * voxel;
-    precise float bestNumerator = 0.0;
-    precise float bestDenominator = 0.0;
-    uint bestTriangle = 0u;
+    Search found = Search(d, place, low, high, tie, 0.0, 0.0, 0u);
     bool more = word != kNoWord;
     while (more) {
-      uint entry = fetch(lists, word);
-      ++word;
-      more = entry < kLastOfList;
-      uint triangle = entry & ~kLastOfList;
-      precise vec3 a = texelFetch(triangles, int(3u * triangle)).xyz;
-      precise vec3 ab = texelFetch(triangles, int(3u * triangle + 1u)).xyz;
-      precise vec3 ac = texelFetch(triangles, int(3u * triangle + 2u)).xyz;
-      precise vec3 p = crossed(d, ac);
-      precise float determinant = dotted(ab, p);
-      precise float facing = determinant < 0.0 ? -1.0 : 1.0;
-      precise vec3 s = place - a;
-      precise vec3 q = crossed(s, ab);
-      precise float whole = determinant * facing;
-      precise float u = dotted(s, p) * facing;
-      precise float v = dotted(d, q) * facing;
-      precise float t = dotted(ac, q) * facing;
-      precise float seam = whole * kSeam;
-      precise float corner = u + v;
-      precise float most = whole + seam;
-      precise float nearer = (bestNumerator - tie * bestDenominator) * whole;
-      precise float here = t * bestDenominator;
-      precise float first = low * whole;
-      precise float last = high * whole;
-      if (whole > 0.0 && u >= -seam && v >= -seam && corner <= most && t >= first && t <= last &&
-          (!(bestDenominator > 0.0) || here < nearer)) {
-        bestNumerator = t;
-        bestDenominator = whole;
-        bestTriangle = triangle;
-      }
+      // Four entries at a time: a device waits for its memory most, and these do not wait for each other. Behind the
+      // list's end stands another list, or nothing.
+      uvec4 entries = uvec4(fetch(lists, word), fetch(lists, word + 1u), fetch(lists, word + 2u), fetch(lists, word + 3u));
+      word += 4u;
+      uvec4 numbers = entries & ~kLastOfList;
+      Facet facets[4] = Facet[](facetOf(numbers.x), facetOf(numbers.y), facetOf(numbers.z), facetOf(numbers.w));
+      bvec4 last = greaterThanEqual(entries, uvec4(kLastOfList));
+      meet(found, numbers.x, facets[0]);
+      if (!last.x) meet(found, numbers.y, facets[1]);
+      if (!any(last.xy)) meet(found, numbers.z, facets[2]);
+      if (!any(last.xyz)) meet(found, numbers.w, facets[3]);
+      more = !any(last);
     }
-    if (bestDenominator > 0.0) {
-      record(i, way, bestTriangle, kHit + 4u * taken);
-      records[3u * count + i] = floatBitsToUint(bestNumerator);
-      records[4u * count + i] = floatBitsToUint(bestDenominator);
+    if (found.denominator > 0.0) {
+      record(i, way, found.triangle, kHit + 4u * taken);
+      records[3u * count + i] = floatBitsToUint(found.numerator);
+      records[4u * count + i] = floatBitsToUint(found.denominator);
       return;
     }
     precise float stride = ahead * grow;
@@ -279,7 +303,7 @@ layout(std140, binding = 0) uniform LaunchParameters {
   uint shotParticles;
   uint shotPoses;
 };
-layout(std430, binding = 5) writeonly restrict buffer Particles { float particles[]; };
+layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
 
 // Numbers with the processor's bits.
 void put(uint column, uint i, double value) {

@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/tsan_order.h"
+#include "methods/field/build.h"
 
 namespace scanmill {
 
@@ -61,9 +62,8 @@ struct FieldStore::Work {
   std::exception_ptr failure;
 };
 
-FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options, Backend backend)
+FieldStore::FieldStore(const Scene& scene, const ParticleOptions& options)
     : options_(checked(scene, options)),
-      backend_(std::move(backend)),
       bounds_(scene.bounds()),
       mostPools_(mostPoolsOf(options, bounds_)),
       worlds_(scene, Instancing::Never, {}) {}
@@ -91,14 +91,20 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
                                                          const FieldShape& shape, StageClock& clock) const {
   for (;;) {
     std::shared_ptr<Work> work;
+    bool own = false;
     {
       const std::scoped_lock lock(mutex_);
       if (auto field = known(world, shape)) return field;
-      if (work_ == nullptr) work_ = std::make_shared<Work>(world, shape);
+      own = work_ == nullptr;
+      if (own) work_ = std::make_shared<Work>(world, shape);
       work = work_;
     }
-    tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });
-    work->done.take();
+    if (own && hasWaiters()) {  // the scene is being loaded: whoever waits for that helps, and nobody waits for the field
+      build(*work, clock);
+    } else {
+      tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });
+      work->done.take();
+    }
     if (work->world != world || !(work->shape == shape)) continue;  // it was another thread's
     if (work->failure) std::rethrow_exception(work->failure);
     return work->field;
@@ -129,7 +135,7 @@ void FieldStore::build(Work& work, StageClock& clock) const {
     // Threads work on drives that are far from each other: the nearest field is of the same one.
     std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
     const WallTimer timer;
-    withWaiters([&] { work.field = backend_().build(work.world, work.shape, before); });
+    withWaiters([&] { work.field = buildField(*work.world, work.shape, before); });
     clock.add(before.empty() ? "field_build" : "field_update", timer.seconds());
     const std::scoped_lock lock(mutex_);
     keep(work);

@@ -2,14 +2,12 @@
 
 // The fields of a run: built, or moved along with the sensor.
 
-#include <functional>
 #include <list>
 #include <memory>
 #include <mutex>
 
 #include "base/stage_clock.h"
 #include "methods/field/distance_field.h"
-#include "methods/particle/field_backend.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
 
@@ -17,10 +15,9 @@ namespace scanmill {
 
 class FieldStore {
  public:
-  // The scene and the backend, which is asked for when the first field is built, must outlive it. Throws InputError
-  // where the field would be too large for this machine: see checkField() in shape.h.
-  using Backend = std::function<FieldBackend&()>;
-  FieldStore(const Scene& scene, const ParticleOptions& options, Backend backend);
+  // The scene must outlive it. Throws InputError where the field would be too large for this machine: see checkField()
+  // in shape.h.
+  FieldStore(const Scene& scene, const ParticleOptions& options);
 
   struct Place {
     std::shared_ptr<const World> world;
@@ -52,7 +49,6 @@ class FieldStore {
   void keep(const Work& work) const;
 
   ParticleOptions options_;
-  Backend backend_;
   Box bounds_;  // m, world
   std::size_t mostPools_;
   Worlds worlds_;

@@ -38,12 +38,11 @@ T named(Fields& fields, std::string_view key, const std::pair<const char*, T> (&
   return found->second;
 }
 
-using Backend = BackendChoice::Asked;
+using Backend = ParticleOptions::Backend;
 using Extent = ParticleOptions::Extent;
 using Refine = ParticleOptions::Refine;
 
-constexpr std::pair<const char*, Backend> kBackends[] = {
-    {"auto", Backend::Auto}, {"cpu", Backend::Cpu}, {"gl", Backend::Gl}};
+constexpr std::pair<const char*, Backend> kBackends[] = {{"cpu", Backend::Cpu}, {"gl", Backend::Gl}};
 constexpr std::pair<const char*, Extent> kExtents[] = {{"sensor", Extent::Sensor}, {"scene", Extent::Scene}};
 constexpr std::pair<const char*, Refine> kRefines[] = {
     {"none", Refine::None}, {"normal", Refine::ByNormal}, {"triangle", Refine::ByTriangle}};

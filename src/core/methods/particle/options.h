@@ -4,7 +4,6 @@
 #include <string>
 
 #include "config/fields.h"
-#include "methods/backend_choice.h"
 #include "methods/field/distance_field.h"
 
 namespace scanmill {
@@ -15,7 +14,7 @@ inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks 
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
-  BackendChoice::Asked backend = BackendChoice::Asked::Auto;
+  enum class Backend { Cpu, Gl } backend = Backend::Cpu;        // the processor, or compute shaders of OpenGL
   enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // levels around the sensor, or one level for all
   double voxel = 0.1;                                           // m, of the finest level
   std::uint32_t voxels = 256;                                   // across each level
@@ -25,7 +24,7 @@ struct ParticleOptions {
   Location where;             // of what chose the voxels, for messages
 };
 
-// {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: auto}
+// {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
 //
 // Throws InputError, also for a key that has no effect beside the others.
 ParticleOptions readParticleOptions(Fields& fields);

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -22,9 +21,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stage_clock.h"
-#include "methods/backend_choice.h"
 #include "methods/device/device_tables.h"
-#include "methods/device/wide_hierarchy.h"
 #include "methods/march/march.h"
 #include "methods/particle/field_store.h"
 #include "methods/particle/march_job.h"
@@ -50,46 +47,14 @@ std::vector<Tile> tilesOf(const BeamTable& beams) {
   return tiles;
 }
 
-// A device, and whether it takes the shots.
-struct FlyingBackend {
-  GlMarcher* gl;  // null: none
-  BackendChoice choice;
-
-  FlyingBackend(BackendChoice::Asked asked, GlMarcher* marcher)
-      : gl(marcher), choice(asked, gl != nullptr ? gl->device() : "", "particles fly") {}
-};
-
-// That of all scenes of a run with such particles, since a choice costs four scans. The device is opened for the first
-// shot, which plans and reports have none of, and never closed: the driver may be gone by the time that the program
-// ends.
-FlyingBackend& automaticBackend(ParticleOptions::Refine refine) {
-  static GlMarcher* const gl = findGlMarcher().release();
-  static std::mutex mutex;
-  static auto* const known = std::make_unique<std::map<ParticleOptions::Refine, FlyingBackend>>().release();
-  const std::scoped_lock lock(mutex);
-  return known->try_emplace(refine, BackendChoice::Asked::Auto, gl).first->second;
-}
-
-// That of all fields of a run, likewise.
-FieldBackend& fieldBackend(BackendChoice::Asked asked) {
-  static auto* const processor = std::make_unique<FieldBackend>(nullptr).release();
-  if (asked == BackendChoice::Asked::Cpu) return *processor;
-  static auto* const card = std::make_unique<FieldBackend>(findDeviceBricks()).release();
-  return *card;
-}
-
 class ParticleMethod : public Method {
  public:
   ParticleMethod(const Scene& scene, ParticleOptions options)
       : scene_(scene),
         options_(std::move(options)),
-        fields_(scene, options_, [asked = options_.backend]() -> FieldBackend& { return fieldBackend(asked); }),
-        materials_(compactMaterials(scene)) {
-    if (options_.backend == BackendChoice::Asked::Gl) gl_ = makeGlMarcher();
-    if (options_.backend != BackendChoice::Asked::Auto) {
-      asked_ = std::make_unique<FlyingBackend>(options_.backend, gl_.get());
-    }
-  }
+        fields_(scene, options_),
+        materials_(compactMaterials(scene)),
+        gl_(options_.backend == ParticleOptions::Backend::Gl ? makeGlMarcher() : nullptr) {}
 
   TraceAccount prepare(const Shot& shot) const override {
     StageClock clock;
@@ -103,32 +68,11 @@ class ParticleMethod : public Method {
     const ShotFrame frame = frameOf(shot, place.world->origin);
     const MarchJob job{shot,           *place.world, *place.field, frame, options_.refine,
                        options_.steps, place.box,    place.whole};
-    const std::vector<Tile> tiles = tilesOf(*shot.beams);
-    MarchCounts counts;
-    GlMarcher* gl = nullptr;
-    const auto onDevice = [&](Hits& made, StageClock& stages) {
-      made.reset(shot.beams->rings, shot.beams->columns, channels);
-      counts = marchOnDevice(*gl, job, place, made, stages);
-    };
-    const auto onProcessor = [&](Hits& made, StageClock& stages) {
-      made.reset(shot.beams->rings, shot.beams->columns, channels);
-      counts = marchOnProcessor(job, tiles, made, stages);
-    };
-    if (asked_ == nullptr && shot.beams->size() < BackendChoice::kFewRays) {  // no device is opened for it
-      onProcessor(hits, clock);
-      std::sort(hits.unresolved.begin(), hits.unresolved.end());
-      return account(clock, shot, counts);
-    }
-    FlyingBackend& backend = asked_ != nullptr ? *asked_ : automaticBackend(options_.refine);
-    gl = backend.gl;
-    backend.choice.trace(shot.beams->size(), onDevice, onProcessor, hits, clock);
+    hits.reset(shot.beams->rings, shot.beams->columns, channels);
+    const MarchCounts counts = gl_ != nullptr ? marchOnDevice(job, place, hits, clock)
+                                              : marchOnProcessor(job, tilesOf(*shot.beams), hits, clock);
     std::sort(hits.unresolved.begin(), hits.unresolved.end());
-    TraceAccount told = account(clock, shot, counts);
-    if (const std::string by = backend.choice.outcome(); !by.empty()) told.backends.insert("particles: " + by);
-    if (const std::string by = fieldBackend(options_.backend).outcome(place.field->shape.lists); !by.empty()) {
-      told.backends.insert("fields: " + by);
-    }
-    return told;
+    return account(clock, shot, counts);
   }
 
   std::vector<std::string> modelled() const override {
@@ -205,13 +149,13 @@ class ParticleMethod : public Method {
   }
 
   // What the device leaves undecided is marched anew by the tiles that hold it.
-  MarchCounts marchOnDevice(GlMarcher& gl, const MarchJob& job, const FieldStore::Place& place, Hits& hits,
+  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits,
                             StageClock& clock) const {
     std::vector<UndecidedRay> undecided;
     const ParticleLaunch launch{&job.shot, &job.frame,
                                 job.box,   farthest(*job.shot.beams),
                                 job.whole, job.refine == ParticleOptions::Refine::ByNormal};
-    gl.march(place.field, place.world, job.steps, launch, hits, undecided, clock);
+    gl_->march(place.field, place.world, job.steps, launch, hits, undecided, clock);
     const StageTimer timer(clock, "undecided");
     std::vector<Tile> open;
     for (const UndecidedRay& ray : undecided) {
@@ -237,20 +181,8 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // The same on every machine.
   std::string backendLine() const {
-    switch (options_.backend) {
-      case BackendChoice::Asked::Cpu:
-        return "particles fly on the processor";
-      case BackendChoice::Asked::Auto:
-        return fmt::format(
-            "particles fly on the processor or, where there is one, a graphics card (about {} there for field and "
-            "scene), whichever takes "
-            "the first scan faster: both give the same bytes",
-            memoryText(deviceBytes()));
-      case BackendChoice::Asked::Gl:
-        break;
-    }
+    if (gl_ == nullptr) return "particles fly on the processor";
     return fmt::format("particles fly by OpenGL on {} (about {} there for field and scene)", gl_->device(),
                        memoryText(deviceBytes()));
   }
@@ -258,7 +190,7 @@ class ParticleMethod : public Method {
   // Of a field, with room for the bricks that moving brings, of what bricks are made of, and hits.
   double deviceBytes() const {
     constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
-    const std::uint64_t each = kDeviceBytesPerTriangle + kResolverBytesPerTriangle +
+    const std::uint64_t each = kResolverBytesPerTriangle +
                                (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
     const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;
     return room * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
@@ -307,8 +239,7 @@ class ParticleMethod : public Method {
   ParticleOptions options_;
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
-  std::unique_ptr<GlMarcher> gl_;         // that the pipeline asks for; else null
-  std::unique_ptr<FlyingBackend> asked_;  // null: automaticBackend()
+  std::unique_ptr<GlMarcher> gl_;  // null: the processor marches
 };
 
 }  // namespace

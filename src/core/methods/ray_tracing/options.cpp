@@ -22,14 +22,6 @@ RayTracingOptions readRayTracingOptions(Fields& fields) {
                        : instancing == "never" ? Instancing::Never
                                                : Instancing::Auto;
   options.simplify = fields.number("simplify", {0.01, 1}, 1);
-  const std::string backend = fields.choice("backend", {"auto", "cpu", "gl"}, "auto");
-  using Backend = BackendChoice::Asked;
-  options.backend = backend == "gl" ? Backend::Gl : backend == "cpu" || !options.robust ? Backend::Cpu : Backend::Auto;
-  if (options.backend == Backend::Gl && !options.robust) {
-    throw InputError(
-        fields.require("robust").where,
-        "robust: a graphics card meets triangles watertight alone: leave robust out, or take backend: cpu");
-  }
   fields.finish();
   return options;
 }

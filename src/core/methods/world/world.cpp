@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 
 #include "base/error.h"
@@ -251,9 +250,7 @@ std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing) {
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                                const HierarchyOptions& options) {
-  static std::atomic<std::uint64_t> built = 0;
   SharedMeshes shared;
-  shared.number = ++built;
   shared.blocks.resize(scene.meshes.size());
   shared.scenes.resize(scene.meshes.size());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
@@ -276,7 +273,6 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
   world->time = time;
   world->duration = duration;
   world->shared = &shared;
-  world->splits = options.quality == HierarchyQuality::High;
   bake(*world, instanced);
   world->embree = newScene(device, options);
   attachBlock(device, world->embree.get(), world->baked, options);

@@ -88,7 +88,6 @@ struct HierarchyOptions {
 
 // Meshes that many instances share: built once, whatever the origin.
 struct SharedMeshes {
-  std::uint64_t number = 0;                            // of those that this process has built, from 1 on
   std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null where it is baked
   std::vector<SceneHandle> scenes;
 };
@@ -113,7 +112,6 @@ struct World {
   const SharedMeshes* shared = nullptr;  // of which blocks are placed; it outlives the world
   SceneHandle embree;
   bool alpha = false;
-  bool splits = false;                              // hierarchies hold parts of triangles
   double time = 0;                                  // s, when the revolution starts, of a scene that moves
   double duration = 0;                              // s
   static constexpr std::uint32_t kFirstPlaced = 2;  // 0 and 1 are the baked geometries

@@ -240,7 +240,6 @@ class DatasetRun {
 
   GenerateSummary finish() {
     summary_.warnings = maker_.scenes().warnings();
-    summary_.backends = maker_.scenes().backends();
     summary_.stages = maker_.stageSeconds();
     addSeconds(clock_.seconds(), summary_.stages);
     maker_.finish();

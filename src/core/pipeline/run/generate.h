@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -53,7 +52,6 @@ struct GenerateSummary {
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   StageSeconds stages;             // of processor time ("trace", "effects", "encode", "write", ...)
-  std::set<std::string> backends;  // who took the shots, where there was a choice: "rays: <device> (2.1 ms a scan ...)"
   std::size_t resumedShards = 0;   // that were whole already, or were made by others meanwhile
   std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/plan/warnings.h
 };

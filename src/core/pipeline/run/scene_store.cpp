@@ -182,13 +182,6 @@ std::vector<std::string> SceneStore::warnings() const {
   return lines;
 }
 
-std::set<std::string> SceneStore::backends() const {
-  const std::scoped_lock lock(mutex_);
-  std::set<std::string> all;
-  for (const Told& told : told_) all.insert(told.account.backends.begin(), told.account.backends.end());
-  return all;
-}
-
 StageSeconds SceneStore::methodSeconds() const {
   const std::scoped_lock lock(mutex_);
   StageSeconds seconds;

@@ -66,7 +66,6 @@ class SceneStore {
   std::vector<std::string> warnings() const;
   // By the method's own stages; empty where it has but one.
   // Who took the shots, where there was a choice (TraceAccount).
-  std::set<std::string> backends() const;
   StageSeconds methodSeconds() const;
   double setupSeconds() const;
 

@@ -188,12 +188,13 @@ class StudyRun {
     }
   }
 
-  // The first setting of each method, on the first shot's pose.
+  // The first setting of each method, and of each backend that it may have, on the first shot's pose.
   void takeRings() {
     if (choice_.rings.empty()) return;
     std::set<std::string> seen;
     for (const MethodSetting& s : choice_.settings) {
-      if (!seen.insert(s.setting.method).second) continue;
+      const Value* backend = s.choice.options.find("backend");
+      if (!seen.insert(s.setting.method + (backend != nullptr ? backend->text : "")).second) continue;
       if (timer_.seconds() > budget_) {
         study_.left.push_back(
             fmt::format("rings of {}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
@@ -229,21 +230,30 @@ class StudyRun {
     method->prepare(shot);
     Hits hits;
     method->trace(shot, measureOptions_.channels, hits);
-    const auto timed = [&](const auto& work) {
-      std::vector<double> seconds;
-      for (int i = 0; i < std::max(choice_.repeats, 3); ++i) {
-        seconds.push_back(secondsOf(work));
-      }
-      return spreadOf(std::move(seconds)).median;
-    };
-    fit.timings.push_back({rings, timed([&] { method->trace(shot, measureOptions_.channels, hits); })});
+    fit.timings.push_back({rings, medianSeconds([&] { method->trace(shot, measureOptions_.channels, hits); })});
     const bool first = study_.rings.empty() && setting.setting.name == choice_.settings.front().setting.name;
-    if (!first || !options_.showScan) return;
-    if (!study_.showing) study_.showing = RingFit{};
+    if (first && options_.showScan) timeShowing(*method, shot, hits);
+  }
+
+  double medianSeconds(const std::function<void()>& work) const {
+    std::vector<double> seconds;
+    for (int i = 0; i < std::max(choice_.repeats, 3); ++i) seconds.push_back(secondsOf(work));
+    return spreadOf(std::move(seconds)).median;
+  }
+
+  // How long it takes to show a scan. Where nothing can be shown the rest of the study goes on.
+  void timeShowing(const Method& method, const Shot& shot, const Hits& hits) {
     Returns returns;
     Scan scan;
-    senseShot(setupOf(plan_, scene_, *method, shot.sensor), shot, hits, returns, scan);
-    study_.showing->timings.push_back({rings, timed([&] { options_.showScan(scan, scene_.ontology); })});
+    senseShot(setupOf(plan_, scene_, method, shot.sensor), shot, hits, returns, scan);
+    try {
+      const double seconds = medianSeconds([&] { options_.showScan(scan, scene_.ontology); });
+      if (!study_.showing) study_.showing = RingFit{};
+      study_.showing->timings.push_back({shot.beams->rings, seconds});
+    } catch (const Error& error) {
+      options_.showScan = nullptr;
+      study_.left.push_back(fmt::format("showing a scan: {}", error.what()));
+    }
   }
 
   void takeEncodings() {

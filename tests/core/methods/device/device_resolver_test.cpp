@@ -1,5 +1,5 @@
-// What a device has made of rays becomes hits. That its numbers are the processor's is tested with the methods:
-// ray_tracing/gl_tracer_test.cpp, particle/device_test.cpp.
+// What a device has made of rays becomes hits. That its numbers are the processor's is tested in
+// particle/device_test.cpp.
 
 #include "methods/device/device_resolver.h"
 
@@ -71,12 +71,10 @@ TEST(DeviceResolver, TakesAPieceOfWhatADeviceHasMade) {
 // What `plan` says of the device's memory.
 TEST(DeviceTables, TakeAsMuchMemoryAsIsSaid) {
   const Scene street = proceduralStreet();
-  for (const Instancing instancing : {Instancing::Never, Instancing::Auto}) {
-    const Worlds worlds(street, instancing, {});
-    const LabelTables tables = labelTables(*worlds.near({}));
-    EXPECT_EQ(tables.records.size() * sizeof(TriangleRecord), worlds.triangles() * kResolverBytesPerTriangle);
-    EXPECT_LE(tables.texels.size() * sizeof(tables.texels[0]), texelTableBytes(street));
-  }
+  const Worlds worlds(street, Instancing::Never, {});
+  const LabelTables tables = labelTables(*worlds.near({}));
+  EXPECT_EQ(tables.records.size() * sizeof(TriangleRecord), worlds.triangles() * kResolverBytesPerTriangle);
+  EXPECT_LE(tables.texels.size() * sizeof(tables.texels[0]), texelTableBytes(street));
 }
 
 // Materials that see a texture alike share its texels; others do not.

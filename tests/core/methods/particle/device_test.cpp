@@ -49,8 +49,7 @@ struct Made {
 std::unique_ptr<Made> madeOf(const Scene& scene, const Shot& shot, const ParticleOptions& options,
                              const GlMarcherLimits& limits = {}) {
   auto made = std::make_unique<Made>();
-  FieldBackend processor(nullptr);
-  const FieldStore fields(scene, options, [&]() -> FieldBackend& { return processor; });
+  const FieldStore fields(scene, options);
   StageClock ignored;
   const FieldStore::Place place =
       fields.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, ignored);

@@ -38,11 +38,6 @@ ParticleOptions smallField() {
 
 constexpr double kRange = 20;  // m
 
-FieldBackend& onProcessor() {
-  static FieldBackend backend(nullptr);
-  return backend;
-}
-
 // How far it is from places around the sensor to what is nearest, m.
 std::vector<float> distancesAt(const FieldStore::Place& place) {
   std::vector<float> distances;
@@ -60,7 +55,7 @@ std::vector<float> distancesAt(const FieldStore::Place& place) {
 TEST(FieldStore, DrivesDoNotDisturbEachOther) {
   const Scene scene = alley();
   const ThreadLimit limit(2);
-  const FieldStore store(scene, smallField(), onProcessor);
+  const FieldStore store(scene, smallField());
   StageClock clock;
   std::vector<std::shared_ptr<const DistanceField>> last(2);
   std::size_t kept = 0;
@@ -70,7 +65,7 @@ TEST(FieldStore, DrivesDoNotDisturbEachOther) {
       const Vec3d sensor{(drive == 0 ? -200.0 : 150.0) + step, 0, 0.5};
       const FieldStore::Place place = store.around(sensor, kRange, clock);
       EXPECT_EQ(distancesAt(place),
-                distancesAt(FieldStore(scene, smallField(), onProcessor).around(sensor, kRange, clock)));
+                distancesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
       if (last[drive] != nullptr && place.field->pool == last[drive]->pool) ++kept;
       last[drive] = place.field;
     }
@@ -82,7 +77,7 @@ TEST(FieldStore, DrivesDoNotDisturbEachOther) {
 TEST(FieldStore, OldDrivesAreForgotten) {
   const Scene scene = alley();
   const ThreadLimit limit(2);
-  const FieldStore store(scene, smallField(), onProcessor);
+  const FieldStore store(scene, smallField());
   StageClock clock;
   std::vector<std::weak_ptr<const DistanceField>> fields;
   for (int k = 0; k < 10; ++k) fields.push_back(store.around({-290.0 + 60 * k, 0, 0.5}, kRange, clock).field);
@@ -97,7 +92,7 @@ TEST(FieldStore, OfAWholeSceneThereIsOne) {
   ParticleOptions options = smallField();
   options.extent = ParticleOptions::Extent::Scene;
   options.voxel = 1;
-  const FieldStore store(scene, options, onProcessor);
+  const FieldStore store(scene, options);
   EXPECT_EQ(store.fewestFields(), 1u);
   StageClock clock;
   const auto here = store.around({-100, 0, 0.5}, kRange, clock).field;
@@ -113,9 +108,9 @@ TEST(FieldStore, ServesSeveralThreads) {
   const auto sensorAt = [](int k) { return Vec3d{-100.0 + 2 * k, 0, 0.5}; };
   constexpr int kPlaces = 6;
   for (int k = 0; k < kPlaces; ++k) {
-    expected.push_back(distancesAt(FieldStore(scene, smallField(), onProcessor).around(sensorAt(k), kRange, ignored)));
+    expected.push_back(distancesAt(FieldStore(scene, smallField()).around(sensorAt(k), kRange, ignored)));
   }
-  const FieldStore store(scene, smallField(), onProcessor);
+  const FieldStore store(scene, smallField());
   StageClock clock;
   std::vector<std::thread> threads;
   for (int t = 0; t < 4; ++t) {

@@ -29,7 +29,7 @@ ParticleOptions optionsOf(const std::string& yaml, const std::string& file = "pi
 
 TEST(ParticleOptions, Defaults) {
   const ParticleOptions options = optionsOf("");
-  EXPECT_EQ(options.backend, BackendChoice::Asked::Auto);
+  EXPECT_EQ(options.backend, ParticleOptions::Backend::Cpu);
   EXPECT_EQ(options.extent, ParticleOptions::Extent::Sensor);
   EXPECT_EQ(options.voxel, 0.1);
   EXPECT_EQ(options.voxels, 256u);
@@ -41,7 +41,7 @@ TEST(ParticleOptions, Defaults) {
 TEST(ParticleOptions, EveryKeyIsRead) {
   const ParticleOptions options =
       optionsOf("field: scene, voxel_m: 0.25, levels: 1, refine: none, steps: 16, backend: gl");
-  EXPECT_EQ(options.backend, BackendChoice::Asked::Gl);
+  EXPECT_EQ(options.backend, ParticleOptions::Backend::Gl);
   EXPECT_EQ(options.extent, ParticleOptions::Extent::Scene);
   EXPECT_EQ(options.voxel, 0.25);
   EXPECT_EQ(options.levels, 1u);

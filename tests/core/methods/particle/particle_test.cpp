@@ -512,24 +512,5 @@ TEST(Particle, BothBackendsGiveTheSameBytes) {
   }
 }
 
-// The first scan tells which backend is the faster one, the others know; and scans do not depend on it.
-// One choice serves all scenes of a process: none is left where a test before this one has made it.
-TEST(Particle, TheFasterBackendIsChosenOnceAndGivesTheSameBytes) {
-  SKIP_WITHOUT_GL();
-  const Scene scene = things();
-  const Shot shot = shotAt(spinning(32, 500, -25, 5, 120));
-  const Hits expected = flown(scene, shot, "backend: cpu");
-  ::setenv("SCANMILL_GL_DEVICE", "software", 1);
-  std::size_t choices = 0;
-  for (int round = 0; round < 3; ++round) {
-    const auto method = particle(scene, "backend: auto");
-    Hits hits;
-    choices += method->trace(shot, Channels::all(), hits).seconds.count("backend_choice");
-    expectSameHits(hits, expected);
-  }
-  ::unsetenv("SCANMILL_GL_DEVICE");
-  EXPECT_LE(choices, 1u);
-}
-
 }  // namespace
 }  // namespace scanmill

@@ -76,7 +76,7 @@ TEST_F(ReasonsRun, ParticlesMeetTheSameWeather) {
       with("[intensity, reflectance_variation: {}, weather: {kind: snow, severity: heavy}]");
   sound(wet, "ray_tracing");
   std::vector<std::string> other = wet;
-  other.emplace_back("method={particle: {backend: cpu}}");
+  other.emplace_back("method=particle");
   sound(other, "particle");
   const std::vector<Scan> a = scans(".pcd", "ray_tracing");
   const std::vector<Scan> b = scans(".pcd", "particle");

@@ -1,4 +1,4 @@
-#include "methods/field/same_field.h"
+#include "tests/core/methods/field/same_field.h"
 
 #include <algorithm>
 #include <cstddef>
