@@ -75,7 +75,8 @@ void field(benchmark::State& state, bool lists) {
 FIELDS(nearest, false);
 FIELDS(lists, true);
 
-// A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a scan.
+// A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a
+// scan.
 void scan(benchmark::State& state, const std::string& options) {
   const Shot shot = streetShot(streetBeams(state.range(0)), -20);
   const auto particle = methodOf("particle", street(), "{" + options + "}");

@@ -1,15 +1,11 @@
 #pragma once
 
-#include <unistd.h>
-
 namespace scanmill {
 
 // A file descriptor that is closed in the end; negative where opening failed.
 struct Descriptor {
   explicit Descriptor(int opened) : number(opened) {}
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
+  ~Descriptor();
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   int number;

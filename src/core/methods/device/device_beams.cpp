@@ -25,8 +25,7 @@ std::vector<std::uint32_t> stepsOf(const Shot& shot) {
 
 }  // namespace
 
-DeviceBeams::Table::Table(const ComputeDevice& device)
-    : directions(device), origins(device), steps(device) {
+DeviceBeams::Table::Table(const ComputeDevice& device) : directions(device), origins(device), steps(device) {
   origins.reserve(16);  // a buffer without storage cannot be bound
 }
 

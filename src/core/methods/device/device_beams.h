@@ -28,8 +28,8 @@ class DeviceBeams {
     std::vector<const ShotFrame*> frames;
   };
 
-  // Uploads the rays of the shots' table, unless they are there, and the shots' poses. Tables stay, those that were last
-  // used: of the sensors of a vehicle.
+  // Uploads the rays of the shots' table, unless they are there, and the shots' poses. Tables stay, those that were
+  // last used: of the sensors of a vehicle.
   void hold(const Shots& shots);
 
   // Bindings 0 to 3 of programs that use shader(), of what was last held.
@@ -58,7 +58,7 @@ class DeviceBeams {
     explicit Table(const ComputeDevice& device);
 
     std::weak_ptr<const BeamTable> beams;  // whose rays the buffers hold
-    std::size_t poses = 0;  // of a shot, for which `steps` is
+    std::size_t poses = 0;                 // of a shot, for which `steps` is
     ComputeBuffer directions, origins, steps;
   };
 

@@ -185,10 +185,9 @@ class ComputeMarcher : public GlMarcher {
     LaunchBlock block = launchBlock(field, *flight.launch);
     block.first = static_cast<std::uint32_t>(first);
     block.count = static_cast<std::uint32_t>(count);
-    launchers_.of(lists).run(count,
-                             {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(),
-                              &march_.particles()},
-                             std::as_bytes(std::span(&block, 1)));
+    launchers_.of(lists).run(
+        count, {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.particles()},
+        std::as_bytes(std::span(&block, 1)));
     HitsBlock hits = hitsBlock(field, world, block, *flight.launch, flight.channels, rays);
     const bool holes = lists && world.baked.firstAlpha < world.baked.triangles.size();
     for (std::uint32_t hole = 0; hole <= (holes ? kMostHoles : 0); ++hole) {
@@ -199,8 +198,8 @@ class ComputeMarcher : public GlMarcher {
           {&beams_.directions(), &beams_.origins(), &beams_.poses(), &beams_.steps(), &march_.records(),
            &resolver_.columns(), &march_.particles()},
           std::as_bytes(std::span(&hits, 1)),
-          {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3),
-           march_.fields().levels(), march_.fields().table(), march_.fields().distances(), march_.fields().words()});
+          {resolver_.table(0), resolver_.table(1), resolver_.table(2), resolver_.table(3), march_.fields().levels(),
+           march_.fields().table(), march_.fields().distances(), march_.fields().words()});
     }
   }
 

@@ -149,8 +149,7 @@ class ParticleMethod : public Method {
   }
 
   // What the device leaves undecided is marched anew by the tiles that hold it.
-  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits,
-                            StageClock& clock) const {
+  MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits, StageClock& clock) const {
     std::vector<UndecidedRay> undecided;
     const ParticleLaunch launch{&job.shot, &job.frame,
                                 job.box,   farthest(*job.shot.beams),
@@ -190,8 +189,8 @@ class ParticleMethod : public Method {
   // Of a field, with room for the bricks that moving brings, of what bricks are made of, and hits.
   double deviceBytes() const {
     constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
-    const std::uint64_t each = kResolverBytesPerTriangle +
-                               (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
+    const std::uint64_t each =
+        kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
     const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;
     return room * fieldBytes() + static_cast<double>(scene_.placedTriangles() * each + texelTableBytes(scene_));
   }

@@ -51,8 +51,8 @@ struct GenerateSummary {
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
-  StageSeconds stages;             // of processor time ("trace", "effects", "encode", "write", ...)
-  std::size_t resumedShards = 0;   // that were whole already, or were made by others meanwhile
+  StageSeconds stages;                // of processor time ("trace", "effects", "encode", "write", ...)
+  std::size_t resumedShards = 0;      // that were whole already, or were made by others meanwhile
   std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/plan/warnings.h
 };
 

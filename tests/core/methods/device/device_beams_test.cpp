@@ -52,8 +52,7 @@ struct Maker {
                                       table.origin.empty() ? 0u : 1u};
     std::vector<double> made(6 * shots.size() * count);
     written.reserve(made.size() * sizeof(double));
-    program.run(shots.size() * count,
-                {&beams.directions(), &beams.origins(), &beams.poses(), &beams.steps(), &written},
+    program.run(shots.size() * count, {&beams.directions(), &beams.origins(), &beams.poses(), &beams.steps(), &written},
                 std::as_bytes(std::span(parameters)));
     const ComputeBuffer::Target target{0, std::as_writable_bytes(std::span(made))};
     written.read({&target, 1});

@@ -64,8 +64,7 @@ TEST(FieldStore, DrivesDoNotDisturbEachOther) {
     for (std::size_t drive = 0; drive < 2; ++drive) {
       const Vec3d sensor{(drive == 0 ? -200.0 : 150.0) + step, 0, 0.5};
       const FieldStore::Place place = store.around(sensor, kRange, clock);
-      EXPECT_EQ(distancesAt(place),
-                distancesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
+      EXPECT_EQ(distancesAt(place), distancesAt(FieldStore(scene, smallField()).around(sensor, kRange, clock)));
       if (last[drive] != nullptr && place.field->pool == last[drive]->pool) ++kept;
       last[drive] = place.field;
     }
