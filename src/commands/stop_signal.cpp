@@ -1,6 +1,7 @@
 #include "commands/stop_signal.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace scanmill {
 

@@ -2,12 +2,11 @@
 
 // What Embree alone costs: the yardstick of our trace stage.
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <vector>
 
 #include "base/parallel.h"
+#include "scene/embree.h"
 #include "scene/scene.h"
 #include "sensors/beams.h"
 
@@ -75,15 +74,13 @@ class BareEmbree {
       alignas(64) int valid[16];
       std::fill_n(valid, 16, -1);
       for (std::size_t i = first; i < last; ++i) {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        EmbreeContext context = newEmbreeContext();
         RTCRayHit16& r = results_[i];
         r.ray = packets[i];
         std::fill_n(r.hit.geomID, 16, RTC_INVALID_GEOMETRY_ID);
         std::fill_n(r.hit.instID[0], 16, RTC_INVALID_GEOMETRY_ID);
         if (width == 16) {
-          rtcIntersect16(valid, scene_.get(), &context, &r);
+          intersectPacket(scene_.get(), context, valid, r);
         } else {
           for (unsigned k = 0; k < 16; ++k) traceOne(r, k, context);
         }
@@ -103,7 +100,7 @@ class BareEmbree {
     p.flags[i] = 0;
   }
 
-  void traceOne(RTCRayHit16& packet, unsigned k, RTCIntersectContext& context) const {
+  void traceOne(RTCRayHit16& packet, unsigned k, EmbreeContext& context) const {
     RTCRayHit one;
     one.ray = {packet.ray.org_x[k],
                packet.ray.org_y[k],
@@ -119,7 +116,7 @@ class BareEmbree {
                0};
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene_.get(), &context, &one);
+    intersectOne(scene_.get(), context, one);
     packet.ray.tfar[k] = one.ray.tfar;
     packet.hit.primID[k] = one.hit.primID;
   }

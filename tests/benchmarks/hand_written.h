@@ -4,7 +4,6 @@
 // what they meet, rows, a file for each scan. The yardstick of the whole way to a dataset. It knows one still sensor of
 // one kind, opaque meshes and these columns alone.
 
-#include <embree3/rtcore.h>
 #include <pcl/PCLPointCloud2.h>
 #include <pcl/io/pcd_io.h>
 
@@ -112,10 +111,8 @@ class HandWritten {
           packet.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
           packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         }
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-        rtcIntersect16(valid, scene_.get(), &context, &packet);
+        EmbreeContext context = newEmbreeContext();
+        intersectPacket(scene_.get(), context, valid, packet);
         for (unsigned k = 0; k < kWide; ++k) {
           if (packet.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
           const Vec3f normal{packet.hit.Ng_x[k], packet.hit.Ng_y[k], packet.hit.Ng_z[k]};

@@ -52,8 +52,8 @@ const Interface& loadModule(const std::vector<std::string>& folders) {
 // next call tries again.
 template <class Interface>
 const Interface& moduleOf() {
-  static const Interface& loaded = loadModule<Interface>(programLibraryFolders());
-  return loaded;
+  static const Interface* const loaded = &loadModule<Interface>(programLibraryFolders());
+  return *loaded;
 }
 
 template <class Interface>

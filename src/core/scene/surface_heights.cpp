@@ -1,13 +1,12 @@
 #include "scene/surface_heights.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include "base/error.h"
 #include "scene/class_triangles.h"
+#include "scene/embree.h"
 
 namespace scanmill {
 namespace {
@@ -33,7 +32,7 @@ struct Facet {
 
 // Every triangle that a ray crosses.
 struct Crossings {
-  RTCIntersectContext embree;
+  EmbreeContext embree;
   std::vector<Facet>* found;
 };
 
@@ -114,8 +113,7 @@ struct SurfaceHeights::Hierarchy {
 
   std::vector<Facet> crossedAt(double x, double y) const {
     std::vector<Facet> found;
-    Crossings crossings{{}, &found};
-    rtcInitIntersectContext(&crossings.embree);
+    Crossings crossings{newEmbreeContext(), &found};
     RTCRayHit ray{};
     ray.ray.org_x = static_cast<float>(x - anchor.x);
     ray.ray.org_y = static_cast<float>(y - anchor.y);
@@ -125,7 +123,7 @@ struct SurfaceHeights::Hierarchy {
     ray.ray.mask = UINT32_MAX;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(all, &crossings.embree, &ray);
+    intersectOne(all, crossings.embree, ray);
     return found;
   }
 };

@@ -1,12 +1,11 @@
 #include "methods/field/nearby.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "methods/field/distance_field.h"
+#include "scene/embree.h"
 
 namespace scanmill {
 

@@ -2,18 +2,17 @@
 
 // Embree's intersection filter: the tie rule, and alpha-tested textures.
 
-#include <embree3/rtcore.h>
-
 #include <cstdint>
 
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
+#include "scene/embree.h"
 
 namespace scanmill {
 
 // Follows a packet through Embree: what each lane's ray holds so far. Lane i belongs to the ray whose id is i.
 struct TieContext {
-  RTCIntersectContext embree;
+  EmbreeContext embree = newEmbreeContext();
   const World* world;
   float floor;                          // m, see coplanarFloor()
   alignas(64) float distance[kPacket];  // to the nearest surface; infinite: nothing was hit

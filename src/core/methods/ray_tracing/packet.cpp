@@ -1,13 +1,12 @@
 #include "methods/ray_tracing/packet.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "base/instruction_sets.h"
+#include "scene/embree.h"
 
 namespace scanmill {
 
@@ -53,8 +52,7 @@ void intersectAll(const PacketJob& job, const Rays& rays, const float* parts, Ti
     packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     valid[i] = i < rays.count ? -1 : 0;
   }
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect16(valid, job.world.embree.get(), &context.embree, &packet);
+  intersectPacket(job.world.embree.get(), context.embree, valid, packet);
 }
 
 void intersectEach(const PacketJob& job, const Rays& rays, const float* parts, TieContext& context) {
@@ -68,7 +66,7 @@ void intersectEach(const PacketJob& job, const Rays& rays, const float* parts, T
                static_cast<unsigned>(i),        0};
     one.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     one.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(job.world.embree.get(), &context.embree, &one);
+    intersectOne(job.world.embree.get(), context.embree, one);
   }
 }
 
@@ -92,7 +90,6 @@ struct Pending {
 
 void intersect(const PacketJob& job, Pending& p) {
   TieContext context;
-  rtcInitIntersectContext(&context.embree);
   context.world = &job.world;
   context.floor = job.coplanarFloor;
   context.reset();

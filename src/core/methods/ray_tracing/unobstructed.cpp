@@ -1,7 +1,5 @@
 #include "methods/ray_tracing/unobstructed.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "methods/world/resolve.h"
+#include "scene/embree.h"
 
 namespace scanmill {
 
@@ -17,7 +16,7 @@ namespace {
 constexpr double kSlack = 1e-3;  // m, about boxes, for what rounds
 
 struct ThingContext {
-  RTCIntersectContext embree;
+  EmbreeContext embree = newEmbreeContext();
   const World* world;
   std::uint32_t thing;
 };
@@ -133,7 +132,6 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
   const double angle = angleOf(extent, frame, grid.farthestOrigin()) + 1e-6;
 
   ThingContext context{};
-  rtcInitIntersectContext(&context.embree);
   context.world = world.get();
   context.thing = boxes_.things()[thing].id;
   const auto blocked = [&](const Vec3d& o, const Vec3d& d, double from, double to, float part) {
@@ -149,7 +147,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
                ~0u,
                0,
                0};
-    rtcOccluded1(world->embree.get(), &context.embree, &ray);
+    occludeOne(world->embree.get(), context.embree, ray);
     return ray.tfar < 0;
   };
   std::vector<std::pair<double, std::uint32_t>> firing;  // and the beam

@@ -1,6 +1,5 @@
 #include "methods/world/world.h"
 
-#include <embree3/rtcore.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
+#include "scene/embree.h"
 #include "scene/reflectance.h"
 
 namespace scanmill {

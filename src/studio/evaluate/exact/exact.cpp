@@ -5,8 +5,6 @@
 
 #include "evaluate/exact/exact.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,6 +17,7 @@
 #include "methods/ray_tracing/filter.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"
+#include "scene/embree.h"
 
 namespace scanmill {
 
@@ -60,7 +59,7 @@ struct Found {
 
 // Follows a ray through Embree.
 struct ExactContext {
-  RTCIntersectContext embree;
+  EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
   double far;                 // m
@@ -173,7 +172,7 @@ void findTriangles(const Vec3d& origin, const Vec3d& direction, ExactContext& co
              0};
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   ray.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(context.world->world.embree.get(), &context.embree, &ray);
+  intersectOne(context.world->world.embree.get(), context.embree, ray);
 }
 
 SceneHandle hierarchyOf(RTCDevice device, const ExactWorld& made) {
@@ -240,7 +239,6 @@ class ExactTracer::Impl {
       const Vec3d direction{rays.dx[i], rays.dy[i], rays.dz[i]};
       const ShearedBeam beam(origin, direction);
       ExactContext context;
-      rtcInitIntersectContext(&context.embree);
       context.world = &world;
       context.beam = &beam;
       context.far = reachOf(shot.beams->maxRange);
