@@ -17,7 +17,7 @@ scanmill list."""
 
 ENVIRONMENT = [
     ("SCANMILL_RESOURCES", "the folder that holds the program's own pipelines, scenes and labels"),
-    ("SCANMILL_GL_DEVICE", "which graphics device the depth camera, rays and particles use (0, 1 ... or software)"),
+    ("SCANMILL_GL_DEVICE", "which graphics device the depth camera and particles use (0, 1 ... or software)"),
     ("SCANMILL_BLENDER", "the program that reads .blend files and renders passes; else the one of PATH"),
 ]
 EXIT_STATUS = [("0", "done"), ("1", "work that failed"), ("2", "wrong usage or input"), ("128 + n", "stopped by signal n")]

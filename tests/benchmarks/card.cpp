@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -26,6 +27,7 @@
 #include "base/process.h"
 #include "config/resources.h"
 #include "gpu/compute.h"
+#include "gpu/device.h"
 #include "methods/particle/particle.h"
 #include "pipeline/run/generate.h"
 #include "tests/benchmarks/street_beams.h"
@@ -48,8 +50,9 @@ constexpr std::size_t kMostInFlight = 64;  // shots
 
 Json figures = Json::object();
 std::string table;
-int others = 0;  // scans and datasets whose bytes differ
-int rounds = 2;  // that each dataset is made
+fs::path output;  // folder of the figures
+int others = 0;   // scans and datasets whose bytes differ
+int rounds = 2;   // that each dataset is made
 
 template <class... Parts>
 void print(fmt::format_string<Parts...> text, Parts&&... parts) {
@@ -165,32 +168,50 @@ void measureScans() {
 }
 
 struct MadeDataset {
-  double seconds = 0;  // without what sets scenes up
-  double setUp = 0;
+  double seconds = 0;
   double beams = 0;
   std::string digest;
   StageSeconds stages;
 };
 
+// A folder for one dataset, in memory where there is room, so that the disk is not measured; else beside the figures.
+class DatasetFolder {
+ public:
+  explicit DatasetFolder(const fs::path& figuresFolder) {
+    constexpr std::uintmax_t kRoom = std::uintmax_t{2} << 30;
+    const fs::path memory = "/dev/shm";
+    std::error_code failure;
+    const fs::space_info space = fs::space(memory, failure);
+    const bool roomy = !failure && space.available >= kRoom;
+    path_ = (roomy ? memory : figuresFolder) / fmt::format("scanmill-card-{}", ::getpid());
+  }
+  ~DatasetFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  DatasetFolder(const DatasetFolder&) = delete;
+  DatasetFolder& operator=(const DatasetFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
 MadeDataset make(const std::string& pipeline, std::vector<std::string> set, const std::string& method) {
-  const fs::path folder = (fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) / "scanmill-card";
+  const DatasetFolder folder(output);
   set.push_back("method=" + method);
   GenerateOptions options;
-  options.folder = folder;
-  options.overwrite = true;
+  options.folder = folder.path();
   options.quiet = true;
   MadeDataset made;
-  const double whole = secondsOf([&] {
+  made.seconds = secondsOf([&] {
     const Plan plan(readPipeline(resourceFolder() / "pipelines" / pipeline, set));
     const GenerateSummary summary = generate(plan, options);
     for (const ShardRecord& shard : summary.manifest.shards) made.digest += shard.sha256;
     made.beams = static_cast<double>(summary.beams);
     made.stages = summary.stages;
   });
-  fs::remove_all(folder);
   made.digest = sha256(made.digest);
-  made.seconds = whole;
-  if (const auto setup = made.stages.find("setup"); setup != made.stages.end()) made.setUp = setup->second;
   return made;
 }
 
@@ -242,19 +263,16 @@ void measureDatasets() {
 }
 
 // The paper's chart: time a scan by the number of rings.
-void drawChart(const fs::path& program, const fs::path& folder) {
+void drawChart(const fs::path& program) {
   const fs::path pipeline = resourceFolder() / "pipelines/paper/timing.yaml";
   const char* settings =
       "tradeoff.settings=[ray_tracing, {depth_camera: {layout: three_120}}, {particle: {refine: none, backend: cpu}}, "
       "{particle: {refine: none, backend: gl}}]";
   constexpr double kPatience = 600;  // s
-  Process child({program, "tradeoff", pipeline, "-o", folder / "timing", "--set", settings});
+  Process child({program, "tradeoff", pipeline, "--overwrite", "-o", output / "timing", "--set", settings});
   while (child.readLine(kPatience)) continue;
-  if (const std::string end = child.wait(kPatience); end != "exit code 0") {
-    print("\nThe chart could not be drawn ({}): {}\n", end, child.lastLines());
-    return;
-  }
-  figures["chart"] = Json::parse(readFile(folder / "timing/tradeoff.json")).at("rings");
+  if (const std::string end = child.wait(kPatience); end != "exit code 0") throw Error(end + ": " + child.lastLines());
+  figures["chart"] = Json::parse(readFile(output / "timing/tradeoff.json")).at("rings");
   print("\nThe chart of time by rings: timing/rings.svg\n");
 }
 
@@ -267,30 +285,48 @@ std::string processor() {
   return "a processor";
 }
 
-int measure(const fs::path& program, const fs::path& folder) {
-  fs::create_directories(folder);
+void writeFigures() {
+  writeFile(output / "card.json", figures.dump(1) + "\n");
+  writeFile(output / "card.txt", table);
+}
+
+// What fails is told, and the rest goes on.
+void part(const char* what, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    print("\n{} could not be measured: {}\n", what, error.what());
+    figures["failed"][what] = error.what();
+  }
+  writeFigures();
+}
+
+int measure(const fs::path& program) {
   {
     const ComputeDevice device({"the card cannot be measured", "is its driver installed, with EGL and OpenGL 4.3?"});
+    if (device.software() && namedDevice().empty()) {
+      throw Error(
+          fmt::format("there is no graphics card that can be used, only {}: install the card's driver with its "
+                      "EGL library, or set SCANMILL_GL_DEVICE=software to measure this one",
+                      device.name()));
+    }
     if (device.software()) rounds = 1;
     figures["device"] = {{"name", device.name()}, {"driver", device.driver()}, {"software", device.software()}};
     print("{}\ndriver {}\nbeside {} threads of {}\n", device.nameAndPlace(), device.driver(), threadCount(),
           processor());
   }
   figures["processor"] = {{"name", processor()}, {"threads", threadCount()}};
-  const auto write = [&] {
-    writeFile(folder / "card.json", figures.dump(1) + "\n");
-    writeFile(folder / "card.txt", table);
-  };
-  measureScans();
-  write();
-  measureDatasets();
-  write();
-  drawChart(program, folder);
-  write();
-  print("\n{}\n", others == 0 ? "All bytes of particles are the processor's."
-                              : fmt::format("{} times particles gave OTHER bytes than on the processor.", others));
-  write();
-  return others == 0 ? 0 : 1;
+  fs::create_directories(output);
+  part("scans", measureScans);
+  part("datasets", measureDatasets);
+  part("the chart", [&] { drawChart(program); });
+  const bool whole = !figures.contains("failed");
+  print("\n{}{}\n",
+        others == 0 ? "All bytes of particles are the processor's."
+                    : fmt::format("{} times particles gave OTHER bytes than on the processor.", others),
+        whole ? "" : " Not all could be measured: see above.");
+  writeFigures();
+  return others == 0 && whole ? 0 : 1;
 }
 
 }  // namespace
@@ -302,7 +338,8 @@ int main(int count, char** words) {
     return 2;
   }
   try {
-    return scanmill::measure(words[1], words[2]);
+    scanmill::output = words[2];
+    return scanmill::measure(words[1]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;
