@@ -20,7 +20,7 @@ std::span<const Command> commands() {
               "two sets of scans, and which features of local patches tell them apart, as a page", runCompare},
       Command{"draft", "ASSET... -o FILE.yaml",
               "a scene file of 3D files: units, axes, classes and materials are guessed, for you to check", runDraft},
-      Command{"plan", "PIPELINE", "what a pipeline would do, what it leaves out and what its features cost", runPlan},
+      Command{"plan", "PIPELINE", "what a pipeline would do, what it leaves out and, with --costs, what its features cost", runPlan},
       Command{"verify", "DIR", "whether a dataset or a recording is whole: every file is decoded", runVerify},
       Command{"regenerate", "DIR", "damaged shards of a dataset, or a sample, made again byte for byte", runRegenerate},
       Command{"export", "DIR --to LAYOUT -o DIR",

@@ -402,8 +402,7 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   const Value value = readYaml(file);
   switch (fileKind(value)) {
     case FileKind::Pipeline: {
-      const std::vector<std::string> plan{file.string(), "--quick"};
-      runPlan(plan);
+      runPlan({file.string()});
       return;
     }
     case FileKind::Scene:

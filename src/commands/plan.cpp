@@ -93,8 +93,8 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
-// What a feature adds to a frame, in ms and in per cent of the frame; where that drowns in the scatter, how large that
-// is.
+// What a feature adds to a frame, in ms and in per cent of the frame. Those whose cost drowns in the scatter of equal
+// frames share one line.
 void printFeatures(const FeatureCosts& costs) {
   if (costs.points == 0) {
     warn(fmt::format("no beam of {} meets anything: what features cost is not measured", costs.frame));
@@ -103,23 +103,27 @@ void printFeatures(const FeatureCosts& costs) {
   const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
   std::vector<std::vector<std::string>> rows{
       {"what a feature costs a frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
-  const FrameCost& whole = costs.whole;
-  rows.push_back({"as the pipeline is", ms(whole.traceSeconds), ms(whole.effectsSeconds), ms(whole.encodeSeconds),
-                  ms(whole.seconds()), "", fmt::format("{:.0f}", whole.bytes * 1e-3)});
+  const auto add = [&](const std::string& name, const FrameCost& cost, const std::string& share) {
+    rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
+                    share, fmt::format("{:+}", std::lround(cost.bytes * 1e-3))});
+  };
+  add("as the pipeline is", costs.whole, "");
+  std::string lost;
+  double scatter = 0;
   for (const FeatureCost& f : costs.features) {
-    const bool told = f.cost.seconds() > f.scatter;
-    // Parts of what drowns in the scatter mean nothing.
-    const auto part = [&](double seconds) { return told ? ms(seconds) : std::string(); };
-    rows.push_back({fmt::format("{}{}", f.feature, f.present ? "" : ", if added"), part(f.cost.traceSeconds),
-                    part(f.cost.effectsSeconds), part(f.cost.encodeSeconds), part(f.cost.seconds()),
-                    told ? fmt::format("{:+.1f} %", 100 * f.cost.seconds() / whole.seconds())
-                         : fmt::format("< {:.1f} %", 100 * std::max(f.scatter, -f.cost.seconds()) / whole.seconds()),
-                    fmt::format("{:+}", std::lround(f.cost.bytes * 1e-3))});
+    const std::string name = fmt::format("{}{}", f.feature, f.present ? "" : ", if added");
+    if (f.cost.seconds() > f.scatter) {
+      add(name, f.cost, fmt::format("{:+.1f} %", 100 * f.cost.seconds() / costs.whole.seconds()));
+      continue;
+    }
+    lost += (lost.empty() ? "" : "; ") + name;
+    scatter = std::max({scatter, f.scatter, -f.cost.seconds()});
   }
-  printText(
-      "\n{}measured on {}: the least times of frames with and without, tracing on all cores, the rest on one; a share\n"
-      "with < is lost in the scatter of equal frames, which is as large as that\n",
-      formatTable(rows), costs.frame);
+  printText("\n{}measured on {}: the least times of frames with and without, tracing on all cores, the rest on one\n",
+            formatTable(rows), costs.frame);
+  if (lost.empty()) return;
+  printText("lost in the scatter of equal frames, which is up to {:.0f} %: {}\n", 100 * scatter / costs.whole.seconds(),
+            lost);
 }
 
 // With a bar on a terminal, which ends before anything else is printed.
@@ -150,12 +154,14 @@ std::string placeOf(const Scene& scene) {
 int runPlan(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("plan");
   cxxopts::Options options = describe(command);
-  options.add_options()("quick", "do not measure what features cost, which traces a frame some hundred times");
+  options.add_options()("costs", "measure what each feature costs, which traces a frame some hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(command, options, arguments,
-                                          "  scanmill plan pipelines/truck_town.yaml\n"
-                                          "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill plan pipelines/truck_town.yaml\n"
+                     "  scanmill plan pipelines/street.yaml --costs    # what each effect and column costs\n"
+                     "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
   const ResourceLimits limits(parsed);
   const Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)));
@@ -243,7 +249,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   if (pipeline.recording == nullptr) {
     printText("\n");
     printUnlabeled(unlabeled);
-    if (parsed.options.count("quick") == 0 && !pipeline.method.automatic) {
+    if (parsed.options.count("costs") > 0 && !pipeline.method.automatic) {
       printFeatures(measured([&] { return readPipeline(parsed.pipeline(), pipelineOverrides(parsed)); }));
     }
   }

@@ -43,7 +43,7 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
                 "  - {primitive: box, size: [1, 1, 1], class: car, material: brick}\n");
   EXPECT_EQ(scanmill({"info", at("named.yaml")}).code, 0);
   EXPECT_EQ(scanmill({"plan", pipeline_, "--set", "scenes.0.scene=named"}).code, 0);
-  EXPECT_EQ(scanmill({"plan", "street", "--quick"}).code, 0);
+  EXPECT_EQ(scanmill({"plan", "street"}).code, 0);
   const Outcome missing = scanmill({"plan", "streat"});
   EXPECT_EQ(missing.code, 2);
   EXPECT_THAT(missing.error, HasSubstr("did you mean 'street.yaml'?"));
@@ -60,7 +60,7 @@ TEST_F(FirstSteps, TheGuidesPipelineForAnOwnSceneRuns) {
                 "ontology: scanmill\nmaterials: materials\nobjects:\n"
                 "  - {primitive: plane, size: [200, 200], class: road, material: asphalt}\n"
                 "  - {primitive: box, size: [9, 9, 9], class: building, material: brick, position: [30, 20, 4.5]}\n");
-  EXPECT_EQ(scanmill({"plan", file, "--quick"}).code, 0);
+  EXPECT_EQ(scanmill({"plan", file}).code, 0);
   const Outcome made = scanmill({"generate", file, "-o", at("town"), "-q", "--set", "trajectories.0.frames=2"});
   EXPECT_EQ(made.code, 0) << made.error;
   EXPECT_EQ(made.error, "") << "no warnings";

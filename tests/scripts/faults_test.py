@@ -806,7 +806,7 @@ class Resources(Faults):
 
     def memory_planned(self, pipeline):
         """Bytes of the scene and of frames, as `plan` says."""
-        said = scanmill("plan", pipeline, "--quick").said
+        said = scanmill("plan", pipeline).said
         words = re.search(r"memory: about ([\d.]+) (\w+) for the scene and ([\d.]+) (\w+) for frames in flight", said)
         self.assertTrue(words, said)
         units = {"B": 0, "bytes": 0, "KiB": 10, "MiB": 20, "GiB": 30}
