@@ -8,7 +8,7 @@
 // keeps the sensor's rings and columns.
 
 #include <fmt/format.h>
-#include <pcl/io/lzf.h>
+#include <lzf.h>
 
 #include <algorithm>
 #include <cstring>
@@ -144,7 +144,7 @@ void appendCompressed(const Scan& scan, std::string& out) {
     to += storedSize<T>(name) * size;
   });
   char* const packed = packedScratch.get(room);
-  const unsigned packedSize = pcl::lzfCompress(planes, static_cast<unsigned>(raw), packed, static_cast<unsigned>(room));
+  const unsigned packedSize = lzf_compress(planes, static_cast<unsigned>(raw), packed, static_cast<unsigned>(room));
   if (packedSize == 0) throw Error("LZF compression failed");
   const std::uint32_t sizes[2] = {packedSize, static_cast<std::uint32_t>(raw)};
   out.reserve(out.size() + sizeof(sizes) + packedSize);

@@ -1,7 +1,7 @@
 #include "formats/pcd_reader.h"
 
 #include <fmt/format.h>
-#include <pcl/io/lzf.h>
+#include <lzf.h>
 
 #include <algorithm>
 #include <array>
@@ -322,7 +322,7 @@ class BodyReader {
     if (header_.points == 0) return newScan();
     if (sizes[1] > sizes[0] * kLzfGain) throw InputError(where_, "the compressed block is too short for its points");
     const auto planes = std::make_unique_for_overwrite<char[]>(sizes[1]);
-    if (pcl::lzfDecompress(packed.data(), sizes[0], planes.get(), sizes[1]) != sizes[1]) {
+    if (lzf_decompress(packed.data(), sizes[0], planes.get(), sizes[1]) != sizes[1]) {
       throw InputError(where_, "the compressed block is damaged");
     }
     return readTable(planes.get(), true);
