@@ -2,6 +2,9 @@
 
 `pip install .` calls build_wheel(); `pip install -e .` is not supported. What the extension needs besides Python is what
 `scripts/setup` installs. An existing build is used again where the environment variable SCANMILL_BUILD names its folder.
+
+With SCANMILL_BUNDLE=1 the wheel has the program and all libraries, for machines without a compiler, root or Debian:
+`scripts/packages` makes it so. What is heavy and seldom needed stays out (LEFT_OUT).
 """
 
 import base64
@@ -37,7 +40,24 @@ def metadata():
 def tag():
     interpreter = "cp" + sysconfig.get_config_var("py_version_nodot")
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
+    if os.environ.get("SCANMILL_BUNDLE"):  # pip refuses it where glibc is older
+        platform = platform.replace("linux", "manylinux_" + os.confstr("CS_GNU_LIBC_VERSION").split()[1].replace(".", "_"))
     return f"{interpreter}-{interpreter}-{platform}"
+
+
+# Modules that a bundled wheel lacks: of images (OpenImageIO brings 200 MB of codecs) and of heights (GDAL).
+LEFT_OUT = ("libscanmill_images.so", "libscanmill_rasters.so")
+
+
+def bundle(build, package):
+    """Brings the program and what it and the extension link into the package."""
+    (package / "bin").mkdir()
+    shutil.copy(build / "scanmill", package / "bin" / "scanmill")
+    shutil.copy(next(build.glob("lib*/**/libscanmill_viewer.so")), package / "lib")
+    for name in LEFT_OUT:
+        (package / "lib" / name).unlink()
+    files = [package / "bin" / "scanmill", *package.glob("_core*.so"), *(package / "lib").glob("*.so")]
+    subprocess.run([ROOT / "scripts" / "bundle_libraries", package, *files], check=True)
 
 
 def check_interpreter(build):
@@ -66,7 +86,10 @@ def built():
     staging = build / "wheel"
     shutil.rmtree(staging, ignore_errors=True)
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", staging], check=True)
-    return staging / "lib" / "python3" / "dist-packages"
+    site = staging / "lib" / "python3" / "dist-packages"
+    if os.environ.get("SCANMILL_BUNDLE"):
+        bundle(build, site / "scanmill")
+    return site
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
@@ -78,13 +101,18 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: scanmill\nRoot-Is-Purelib: false\nTag: {tag()}\n",
         f"{info}/LICENSE": (ROOT / "LICENSE").read_text(),
     }
+    if os.environ.get("SCANMILL_BUNDLE"):
+        texts[f"{info}/entry_points.txt"] = "[console_scripts]\nscanmill = scanmill.program:main\n"
     name = f"scanmill-{version()}-{tag()}.whl"
     record = []
     with zipfile.ZipFile(Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
         for where, data in [(n, p.read_bytes()) for n, p in files.items()] + [(n, t.encode()) for n, t in texts.items()]:
             digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
             record.append(f"{where},sha256={digest},{len(data)}")
-            wheel.writestr(where, data)
+            entry = zipfile.ZipInfo(where, (1980, 1, 1, 0, 0, 0))  # the same wheel whenever it is made
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o100755 if where in files and os.access(files[where], os.X_OK) else 0o100644) << 16
+            wheel.writestr(entry, data)
         record.append(f"{info}/RECORD,,")
         wheel.writestr(f"{info}/RECORD", "\n".join(record) + "\n")
     return name

@@ -1,16 +1,21 @@
 """The wheel that `pip install .` installs works away from the source tree and from the build."""
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "src" / "python"))
 import build_backend  # noqa: E402
+
+GLIBC = re.compile(r"lib(c|m|mvec|dl|rt|pthread|resolv|util|anl)\.so|ld-linux")
 
 USE = """
 import sys, scanmill
@@ -42,6 +47,32 @@ class Wheel(unittest.TestCase):
             environment["PYTHONPATH"] = str(Path(folder) / "site")
             subprocess.run([sys.executable, "-c", USE, folder] + ([dataset] if dataset else []), cwd="/",
                            env=environment, check=True)
+
+    @unittest.skipUnless(shutil.which("patchelf"), "patchelf is missing: scripts/setup --bundle")
+    def test_a_bundled_one_brings_the_program_and_its_libraries(self):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.dict(os.environ, SCANMILL_BUNDLE="1"):
+            name = build_backend.build_wheel(folder)
+            self.assertIn("manylinux", name)
+            self.assertLess((Path(folder) / name).stat().st_size, 70e6)
+            with zipfile.ZipFile(Path(folder) / name) as archive:
+                modes = {entry.filename: entry.external_attr >> 16 for entry in archive.infolist()}
+                archive.extractall(Path(folder) / "site")
+            self.assertTrue(modes["scanmill/bin/scanmill"] & 0o100, "pip makes it a program")
+            package = Path(folder) / "site" / "scanmill"
+            (package / "bin" / "scanmill").chmod(0o755)
+            # Nothing but glibc and what graphics drivers link comes from elsewhere.
+            own = {p.name for p in (package / "lib").glob("*.so*")}
+            system = {p.name for p in (package / "lib" / "fallback").iterdir()}
+            for file in [package / "bin" / "scanmill", *package.glob("_core*.so"), *(package / "lib").glob("libscanmill*")]:
+                linked = subprocess.run(["ldd", file], capture_output=True, text=True, check=True).stdout
+                for library, path in re.findall(r"(\S+) => (/\S+)", linked):
+                    within = Path(path).resolve().is_relative_to(package.resolve())
+                    self.assertTrue(within if library in own else library in system or GLIBC.match(library), (file, library, path))
+            environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(Path(folder) / "site")}
+            subprocess.run([sys.executable, "-c", USE, folder], cwd="/", env=environment, check=True)
+            said = subprocess.run([sys.executable, "-m", "scanmill.program", "list", "scenes"], cwd="/", env=environment,
+                                  capture_output=True, text=True, check=True).stdout
+            self.assertIn(folder, said, "its own scenes")
 
     def test_a_build_for_another_python_is_refused(self):
         with tempfile.TemporaryDirectory() as folder:

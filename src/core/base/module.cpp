@@ -1,8 +1,10 @@
 #include "base/module.h"
 
 #include <dlfcn.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -14,7 +16,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr const char* kInstallAgain = "build or install Scanmill again (cmake --install)";
+constexpr const char* kInstallAgain =
+    "build or install Scanmill again (cmake --install); a wheel has neither images nor GDAL: the archive and the "
+    "Debian packages do";
 
 std::string lastError() {
   const char* text = ::dlerror();
@@ -46,12 +50,12 @@ std::vector<std::string> programLibraryFolders() {
 }
 
 const void* loadModuleObject(const ModuleFile& module, const std::vector<std::string>& folders) {
-  std::string sought;
+  std::vector<std::string> sought;
   for (const std::string& folder : folders) {
     const std::string file = fmt::format("{}/{}", folder, module.name);
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
-      sought += (sought.empty() ? "" : ", ") + file;
+      sought.push_back(file);
       continue;
     }
     // It is loaded locally, so that nothing of its libraries stands in for a symbol of the program. It is never closed,
@@ -69,7 +73,12 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
     }
     return entry->object;
   }
-  throw Error(fmt::format("{}, {} is missing: looked for {}; {}", module.without, module.name, sought, kInstallAgain));
+  constexpr std::size_t kTold = 4;
+  const std::size_t more = sought.size() - std::min(sought.size(), kTold);
+  sought.resize(sought.size() - more);
+  throw Error(fmt::format("{}, {} is missing: looked for {}{}; {}", module.without, module.name,
+                          fmt::join(sought, ", "), more > 0 ? fmt::format(" and in {} more folders", more) : "",
+                          kInstallAgain));
 }
 
 }  // namespace scanmill

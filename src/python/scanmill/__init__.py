@@ -12,6 +12,10 @@ scanmill.augment changes samples at random, scanmill.torch has datasets and batc
 file or an argument raises InputError, a ValueError; work that failed raises Error, a RuntimeError.
 """
 
+from ._libraries import load_missing as _load_missing
+
+_load_missing()
+
 from ._core import Error, InputError, __version__, resource_folder
 from .batch import pad_batch
 from .dataset import Dataset, Sample, decode, open_dataset as open
