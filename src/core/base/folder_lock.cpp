@@ -55,6 +55,10 @@ bool mayBeHeld(const std::string& words) {
   return pid > 0 && pid != ::getpid() && (::kill(pid, 0) == 0 || errno == EPERM);
 }
 
+bool isSame(const struct stat& a, const struct stat& b) {
+  return a.st_ino == b.st_ino && a.st_dev == b.st_dev;
+}
+
 [[noreturn]] void refuseForeign(const std::filesystem::path& file, const char* what) {
   throw ForeignFile({file.string()}, fmt::format("is {}, which this program does not make: remove it", what));
 }
@@ -96,17 +100,23 @@ std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& fol
   return lock;
 }
 
-// True where the path still leads to the file that is held; then removes it, if asked to.
-bool FolderLock::isStillThere(bool remove) const {
+// True where the path still leads to the file that is held. Needs no further descriptor, of which there may be none.
+bool FolderLock::isStillThere() const {
   struct stat own {};
   struct stat named {};
+  return ::fstat(descriptor_, &own) == 0 && ::lstat(file_.c_str(), &named) == 0 && isSame(own, named);
+}
+
+// Not where a link leads to it by now.
+void FolderLock::remove() const {
   std::filesystem::path foreign;
   const Descriptor place(openPlace(folder_, file_, foreign));
-  const bool there = place.number >= 0 && ::fstat(descriptor_, &own) == 0 &&
-                     ::fstatat(place.number, file_.filename().c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
-                     own.st_ino == named.st_ino && own.st_dev == named.st_dev;
-  if (there && remove) ::unlinkat(place.number, file_.filename().c_str(), 0);
-  return there;
+  struct stat own {};
+  struct stat named {};
+  if (place.number >= 0 && ::fstat(descriptor_, &own) == 0 &&
+      ::fstatat(place.number, file_.filename().c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 && isSame(own, named)) {
+    ::unlinkat(place.number, file_.filename().c_str(), 0);
+  }
 }
 
 bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
@@ -188,7 +198,7 @@ void FolderLock::release() {
 
 FolderLock::~FolderLock() {
   if (descriptor_ < 0 || !makeAlone()) return;
-  isStillThere(true);
+  remove();
   release();
 }
 

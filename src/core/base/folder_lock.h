@@ -50,7 +50,8 @@ class FolderLock {
  private:
   FolderLock() = default;
   bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind, std::string& holder);
-  bool isStillThere(bool remove = false) const;
+  bool isStillThere() const;
+  void remove() const;
   void release();
 
   std::filesystem::path folder_;
