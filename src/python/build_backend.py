@@ -40,7 +40,7 @@ def metadata():
 def tag():
     interpreter = "cp" + sysconfig.get_config_var("py_version_nodot")
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    if os.environ.get("SCANMILL_BUNDLE"):  # pip refuses it where glibc is older
+    if bundled():  # pip refuses it where glibc is older
         platform = platform.replace("linux", "manylinux_" + os.confstr("CS_GNU_LIBC_VERSION").split()[1].replace(".", "_"))
     return f"{interpreter}-{interpreter}-{platform}"
 
@@ -49,8 +49,14 @@ def tag():
 LEFT_OUT = ("libscanmill_images.so", "libscanmill_rasters.so")
 
 
+def bundled():
+    return os.environ.get("SCANMILL_BUNDLE", "0") not in ("", "0")
+
+
 def bundle(build, package):
     """Brings the program and what it and the extension link into the package."""
+    if not (build / "scanmill").exists():
+        sys.exit(f"error: SCANMILL_BUNDLE wants a build with the program: name one by SCANMILL_BUILD ({build} has none)")
     (package / "bin").mkdir()
     shutil.copy(build / "scanmill", package / "bin" / "scanmill")
     shutil.copy(next(build.glob("lib*/**/libscanmill_viewer.so")), package / "lib")
@@ -87,7 +93,7 @@ def built():
     shutil.rmtree(staging, ignore_errors=True)
     subprocess.run(["cmake", "--install", build, "--component", "python", "--prefix", staging], check=True)
     site = staging / "lib" / "python3" / "dist-packages"
-    if os.environ.get("SCANMILL_BUNDLE"):
+    if bundled():
         bundle(build, site / "scanmill")
     return site
 
@@ -101,7 +107,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: scanmill\nRoot-Is-Purelib: false\nTag: {tag()}\n",
         f"{info}/LICENSE": (ROOT / "LICENSE").read_text(),
     }
-    if os.environ.get("SCANMILL_BUNDLE"):
+    if bundled():
         texts[f"{info}/entry_points.txt"] = "[console_scripts]\nscanmill = scanmill.program:main\n"
     name = f"scanmill-{version()}-{tag()}.whl"
     record = []

@@ -81,14 +81,14 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
 
 // Several echoes are chosen from: unless the list says how, the strongest is reported.
 void addDetection(std::vector<MadeEffect>& made) {
-  const EffectEntry& detection = requireEffect("detection", {});
+  const EffectEntry* const detection = &requireEffect("detection", {});
   const auto several =
       std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->mostReturns(1) > 1; });
-  const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &detection; });
+  const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == detection; });
   if (several == made.end() || named) return;
   const Value none;
   Fields options(none, "effect detection");
-  made.push_back({&detection, several->where, detection.make(options), ""});
+  made.push_back({detection, several->where, detection->make(options), ""});
 }
 
 // They run in the order of their stages, whatever the order of the file.
