@@ -32,6 +32,7 @@ namespace {
 constexpr double kMostCornersSquared = 4e9;
 
 constexpr std::string_view kCollada = "Collada Importer";
+constexpr std::string_view kFbx = "Autodesk FBX Importer";
 
 Affine toAffine(const aiMatrix4x4& m) {
   return {{{m.a1, m.b1, m.c1}, {m.a2, m.b2, m.c2}, {m.a3, m.b3, m.c3}}, {m.a4, m.b4, m.c4}};
@@ -58,6 +59,7 @@ class Importer {
     read.upDeclared = declared.has_value();
     read.missing = missed_.libraries;
     read.outOfRange = dropBadFaces();
+    undoTurnOfFbx();
     triangulate();
     read.materials = materialsOf(*scene_);
     read.images = imagesOf(*scene_);
@@ -133,6 +135,12 @@ class Importer {
     return dropped;
   }
 
+  // Assimp 5.4 turns the root of FBX files by their declared axes, which is done here for all its versions, by up axis
+  // and unit alone: assetFromImported().
+  void undoTurnOfFbx() const {
+    if (importedAs() == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
+  }
+
   void triangulate() {
     unsigned steps = aiProcess_TransformUVCoords;
     double squared = 0;
@@ -162,7 +170,7 @@ class Importer {
     double scale = options_.metresPerUnit;
     const std::string format = importedAs();
     if (format == kCollada && !options_.up) up = 'y';  // to which the importer has turned the declared axis
-    if (format == "Autodesk FBX Importer") {
+    if (format == kFbx) {
       scale *=
           static_cast<double>(metadata(*scene_, "UnitScaleFactor", 1.0f)) * 0.01;  // FBX states its unit in centimetres
     }
@@ -177,7 +185,7 @@ class Importer {
   // The up axis that the file states or its kind prescribes; nothing where neither does.
   std::optional<char> declaredUp() const {
     const std::string format = importedAs();
-    if (format == "Autodesk FBX Importer") {
+    if (format == kFbx) {
       const std::int32_t axis = metadata(*scene_, "UpAxis", std::int32_t{1});
       return axis >= 0 && axis <= 2 ? "xyz"[axis] : 'y';
     }
