@@ -54,6 +54,33 @@ void addFont(ImFontAtlas& atlas, double letter) {
   atlas.AddFontDefault(&config);
 }
 
+// Dear ImGui 1.89 and later (Debian 13) take keys as events, earlier versions (Debian 12) by a table and flags.
+#if IMGUI_VERSION_NUM >= 18900
+void nameKeys(ImGuiIO&) {}
+
+void setKey(ImGuiIO& io, ImGuiKey key, bool down) {
+  io.AddKeyEvent(key, down);
+}
+
+void setModifiers(ImGuiIO& io, bool shift, bool control) {
+  io.AddKeyEvent(ImGuiMod_Shift, shift);
+  io.AddKeyEvent(ImGuiMod_Ctrl, control);
+}
+#else
+void nameKeys(ImGuiIO& io) {
+  for (const auto& [name, key] : kKeys) io.KeyMap[key] = key;
+}
+
+void setKey(ImGuiIO& io, ImGuiKey key, bool down) {
+  io.KeysDown[key] = down;
+}
+
+void setModifiers(ImGuiIO& io, bool shift, bool control) {
+  io.KeyShift = shift;
+  io.KeyCtrl = control;
+}
+#endif
+
 }  // namespace
 
 struct Toolkit::State {
@@ -72,7 +99,7 @@ Toolkit::Toolkit(Canvas& canvas, double letter)
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
   io.ConfigInputTextCursorBlink = false;
   io.DeltaTime = 1.0F / 60;
-  for (const auto& [name, key] : kKeys) io.KeyMap[key] = key;
+  nameKeys(io);
   addFont(*io.Fonts, letter);
   unsigned char* pixels = nullptr;
   int width = 0;
@@ -136,8 +163,7 @@ void Toolkit::take(const CanvasEvent& event) {
   ImGuiIO& io = ImGui::GetIO();
   if (event.kind == Kind::Move || event.kind == Kind::Down || event.kind == Kind::Up || event.kind == Kind::Wheel) {
     io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
-    io.KeyShift = event.shift;
-    io.KeyCtrl = event.control;
+    setModifiers(io, event.shift, event.control);
   }
   if (event.kind == Kind::Down || event.kind == Kind::Up) {
     constexpr std::array<int, 4> kButtons{0, 0, 2, 1};
@@ -148,7 +174,7 @@ void Toolkit::take(const CanvasEvent& event) {
   if (event.kind != Kind::Key) return;
   for (const auto& [name, key] : kKeys) {
     if (name != event.key) continue;
-    io.KeysDown[key] = true;
+    setKey(io, key, true);
     state_->pressed.push_back(key);
     return;
   }
@@ -162,7 +188,7 @@ void Toolkit::frame(const std::function<void()>& panels) {
   ImGui::NewFrame();
   panels();
   ImGui::Render();
-  for (const ImGuiKey key : std::exchange(state_->pressed, {})) io.KeysDown[key] = false;
+  for (const ImGuiKey key : std::exchange(state_->pressed, {})) setKey(io, key, false);
 
   static_assert(sizeof(ImDrawVert) == sizeof(OverlayVertex) &&
                 offsetof(ImDrawVert, col) == offsetof(OverlayVertex, color));
