@@ -2,7 +2,9 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <dlfcn.h>
 
+#include <cstdarg>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -73,8 +75,20 @@ class OpenImageIoReader final : public ImageReader {
   int next_ = 0;                             // row
 };
 
+// OpenImageIO tries all its readers on a damaged file. From 2.5 on (Debian 13) libtiff, which it links and we do not,
+// then prints what it thinks of files of other kinds.
+void silenceLibtiff() {
+  using Handler = void (*)(const char* module, const char* format, va_list arguments);
+  for (const char* name : {"TIFFSetErrorHandler", "TIFFSetWarningHandler"}) {
+    const auto set = reinterpret_cast<Handler (*)(Handler)>(::dlsym(RTLD_DEFAULT, name));
+    if (set != nullptr) set(nullptr);
+  }
+}
+
 class OpenImageIo final : public ImagesModule {
  public:
+  OpenImageIo() { silenceLibtiff(); }
+
   std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const override {
     return std::make_unique<OpenImageIoReader>(name, bytes);
   }
