@@ -93,8 +93,8 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
-// What a feature adds to a frame, in ms and in per cent of the frame. Those whose cost drowns in the scatter of equal
-// frames share one line.
+// Prints what each feature adds to a frame, in ms and in per cent of the frame. Features whose cost is lost in the
+// scatter of equal frames share one line.
 void printFeatures(const FeatureCosts& costs) {
   if (costs.points == 0) {
     warn(fmt::format("no beam of {} meets anything: what features cost is not measured", costs.frame));

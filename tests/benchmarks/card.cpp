@@ -1,14 +1,14 @@
-// What a graphics card is worth: particles on the card and on all cores of its machine, rays on these cores, and the
-// depth camera, which draws on the card; scan by scan, and in whole datasets. Particles must give the same bytes.
+// Measures what a graphics card is worth: particles on the card and on all cores of its machine, rays on these cores,
+// and the depth camera, which draws on the card; scan by scan, and in whole datasets. Particles must give the same
+// bytes.
 //
 //     bench_card PROGRAM FOLDER
 //
 // PROGRAM is scanmill, which draws the paper's chart. FOLDER gets card.json with all figures, card.txt with the table
-// that is printed, and the chart, timing/rings.svg. The device is the one that SCANMILL_GL_DEVICE names, or the best
-// that there is. Times are medians in milliseconds a scan.
+// that is printed, and the chart, timing/rings.svg. The device is the one that SCANMILL_GL_DEVICE names, or the first
+// card. Times are medians in milliseconds a scan.
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -28,7 +28,6 @@
 #include "config/resources.h"
 #include "gpu/compute.h"
 #include "gpu/device.h"
-#include "methods/particle/particle.h"
 #include "pipeline/run/generate.h"
 #include "tests/benchmarks/street_beams.h"
 #include "tests/benchmarks/timing.h"
@@ -41,7 +40,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// What scans with labels and intensity read: 20 bytes a ray come back from a device.
+// Scans with labels and intensity read these channels: 20 bytes a ray come back from a device.
 constexpr Channels kLabelled = Channels(Channel::Range) | Channel::Instance | Channel::Semantic | Channel::Material |
                                Channel::Reflectance | Channel::Incidence;
 constexpr double kSeconds = 0.4;           // that each figure is measured for, but for those of very slow devices
@@ -102,7 +101,6 @@ double inFlight(const Method& method, const Shot& shot, double alone) {
 struct Timing {
   double alone = 0;     // s, one scan after the other
   double inFlight = 0;  // s a scan
-  Json row;
 };
 
 Timing timed(const std::string& name, const Method& method, const Shot& shot, Hits& hits) {
@@ -115,22 +113,22 @@ Timing timed(const std::string& name, const Method& method, const Shot& shot, Hi
   });
   const auto scans = static_cast<double>(seconds.size());
   const StageSeconds programs = takeDeviceSeconds();
-  Timing made{median(seconds), 0, {}};
+  Timing made{median(seconds)};
   made.inFlight = inFlight(method, shot, made.alone);
-  made.row = {
+  Json row{
       {"beams", shot.beams->size()}, {"ms", rounded(1e3 * made.alone)}, {"in_flight_ms", rounded(1e3 * made.inFlight)}};
   std::string stages;
   const auto add = [&](const char* key, const StageSeconds& of, double runs) {
     for (const auto& [stage, sum] : of) {
       const double ms = 1e3 * sum / runs;
-      made.row[key][stage] = rounded(ms);
+      row[key][stage] = rounded(ms);
       stages += fmt::format("{}{} {:.3g}", stages.empty() ? "" : ", ", stage, ms);
     }
   };
   add("device_ms", programs, scans);
   if (programs.empty()) add("stage_ms", account.seconds, scans);
   print("{:<42} {:>9.3f} {:>9.3f}  {}\n", name, 1e3 * made.alone, 1e3 * made.inFlight, stages);
-  figures["scans"][name] = made.row;
+  figures["scans"][name] = row;
   return made;
 }
 
@@ -290,7 +288,7 @@ void writeFigures() {
   writeFile(output / "card.txt", table);
 }
 
-// What fails is told, and the rest goes on.
+// Measures a part. If it fails, that is told, and the next parts are measured all the same.
 void part(const char* what, const std::function<void()>& work) {
   try {
     work();

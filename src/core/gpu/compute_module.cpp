@@ -213,7 +213,7 @@ class DeviceClock {
     }
   }
 
-  // Of all devices; used on the thread of all OpenGL alone.
+  // The two serve all devices, and are used on the thread of all OpenGL alone.
   static inline bool running = false;
   static inline StageSeconds seconds;
 

@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// What a query and its filter functions share. A filter gets the address of the context, which therefore is the first
-// member of whatever else a filter needs.
+// A query and its filter functions share the context. A filter gets its address, so that a struct which holds more for
+// the filter has the context as its first member.
 #if SCANMILL_EMBREE_MAJOR >= 4
 using EmbreeContext = RTCRayQueryContext;
 #else

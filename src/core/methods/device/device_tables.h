@@ -1,6 +1,6 @@
 #pragma once
 
-// What a flat world says of its triangles, as shaders read it: arrays of 16-byte words.
+// Tables of a flat world's triangles, materials and texels, as shaders read them: arrays of 16-byte words.
 
 #include <array>
 #include <cstdint>

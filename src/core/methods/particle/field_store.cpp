@@ -99,8 +99,8 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
       if (own) work_ = std::make_shared<Work>(world, shape);
       work = work_;
     }
-    if (own &&
-        hasWaiters()) {  // the scene is being loaded: whoever waits for that helps, and nobody waits for the field
+    if (own && hasWaiters()) {
+      // The scene is being loaded: whoever waits for the scene helps, and nobody waits for the field.
       build(*work, clock);
     } else {
       tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });

@@ -35,7 +35,7 @@ struct Maker {
   ComputeProgram program{device, "rays", DeviceBeams::shader() + kWriteRays};
   ComputeBuffer written{device};
 
-  // Of shots that share a table.
+  // Returns the rays of shots that share a table.
   std::vector<double> raysOf(const std::vector<Shot>& shots) {
     const BeamTable& table = *shots.front().beams;
     std::vector<ShotFrame> frames;

@@ -1,5 +1,5 @@
-// What a device has made of rays becomes hits. That its numbers are the processor's is tested in
-// particle/device_test.cpp.
+// Hits are taken from the columns that a device has written. particle/device_test.cpp tests that their numbers are the
+// processor's.
 
 #include "methods/device/device_resolver.h"
 
