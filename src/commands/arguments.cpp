@@ -128,6 +128,16 @@ void addRecordingOptions(cxxopts::Options& options) {
                                cxxopts::value<std::string>(), "DIR");
 }
 
+std::uint64_t countOption(const Arguments& arguments, const char* name) {
+  const std::string text = arguments.options[name].as<std::string>();
+  std::uint64_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw InputError(fmt::format("--{} {}: is no whole number from 0", name, text));
+  }
+  return number;
+}
+
 std::string folderOption(const Arguments& arguments, const std::string& name) {
   if (arguments.options.count(name) == 0) return {};
   auto folder = arguments.options[name].as<std::string>();

@@ -60,6 +60,9 @@ class ResourceLimits {
 void addRecordingOptions(cxxopts::Options& options);
 // Null where neither is given.
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
+// An option whose value is a whole number from 0. Throws InputError where it is none.
+std::uint64_t countOption(const Arguments& arguments, const char* name);
+
 // Empty where the option is not given. Throws InputError where it is given without a name.
 std::string folderOption(const Arguments& arguments, const std::string& name);
 

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/forecast_text.h"
 #include "commands/stop_signal.h"
 #include "commands/sweep.h"
 #include "commands/table.h"
@@ -50,7 +50,7 @@ void printMade(const GenerateSummary& s, const GenerateOptions& options) {
                 : fmt::format("when all are there: scanmill merge {}", folder));
 }
 
-void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
+void printSummary(const GenerateSummary& s, const GenerateOptions& options, const std::optional<Forecast>& told) {
   std::vector<std::vector<std::string>> rows{{"class", "points", "share"}};
   for (const auto& [id, count] : s.pointsPerClass) {
     const SemanticClass* c = s.manifest.ontology.find(id);
@@ -64,6 +64,10 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options) {
   printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
             shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * made / s.seconds),
             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
+  if (told) {
+    printText("forecast: {}; {}; in fact {} and {}\n", timeText(*told), sizeText(*told), shortTime(s.seconds),
+              shortBytes(static_cast<double>(s.bytes)));
+  }
   printText("stages (s of thread time):");
   for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
   printText("\n");
@@ -105,16 +109,6 @@ void chooseMethod(Plan& plan, const GenerateOptions& options) {
   plan.choose(chosen.setting.choice, calibration.record());
 }
 
-std::uint64_t countOption(const Arguments& parsed, const char* name) {
-  const std::string text = parsed.options[name].as<std::string>();
-  std::uint64_t number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw InputError(fmt::format("--{} {}: is no whole number from 0", name, text));
-  }
-  return number;
-}
-
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   const bool listed = parsed.options.count("shards") > 0;
   const bool worker = parsed.options.count("worker") > 0;
@@ -138,6 +132,10 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   if (own >= all) throw InputError(fmt::format("--worker {} of {}: workers are numbered from 0", own, all));
   ShardChoice choice{ShardChoice::Kind::Listed, {}};
   for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);
+  if (choice.listed.empty()) {
+    warn(fmt::format("worker {} of {} makes nothing: there are {} shards; with `output.shard_samples` there are more",
+                     own, all, shards));
+  }
   return choice;
 }
 
@@ -176,6 +174,14 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return;
   }
+  std::optional<Forecast> told;
+  if (!generateOptions.quiet && !generateOptions.resume && generateOptions.shards.kind == ShardChoice::Kind::All) {
+    std::vector<std::string> all = pipelineOverrides(parsed);
+    all.insert(all.end(), overrides.begin(), overrides.end());
+    if (const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, std::move(all))) {
+      told = forecast(*costs, plan.pipeline().frames(), scenesOf(plan.pipeline()));
+    }
+  }
   const GenerateSummary summary = generate(plan, generateOptions);
   if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
     printText("{}: is whole, there is nothing to make\n", generateOptions.folder.string());
@@ -185,7 +191,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   if (generateOptions.quiet) {
     printMade(summary, generateOptions);
   } else {
-    printSummary(summary, generateOptions);
+    printSummary(summary, generateOptions, told);
   }
 }
 

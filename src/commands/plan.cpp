@@ -5,31 +5,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
+#include <optional>
+#include <utility>
 
 #include "base/grouped.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
+#include "commands/forecast_text.h"
+#include "commands/plan_checks.h"
 #include "commands/table.h"
 #include "evaluate/auto/calibrate.h"
-#include "pipeline/plan/dataset_size.h"
 #include "pipeline/plan/feature_costs.h"
-#include "pipeline/plan/heading_warnings.h"
-#include "pipeline/plan/scene_shares.h"
+#include "pipeline/plan/shard_jobs.h"
 #include "pipeline/plan/warnings.h"
-#include "pipeline/plan/way_warnings.h"
 #include "pipeline/run/progress.h"
-#include "scene/thing_boxes.h"
 
 namespace scanmill {
 
 namespace {
 
 constexpr std::size_t kMostSequences = 40;  // that are listed
-constexpr std::size_t kMostScenes = 20;     // that are looked at: others of the same pipeline differ by their seeds
 
 void printSensors(const Plan& plan) {
   std::vector<std::vector<std::string>> rows{
@@ -58,39 +55,6 @@ void printSequences(const Pipeline& pipeline) {
     printText("and {} sequences more\n", grouped(pipeline.sequences.size() - kMostSequences));
   }
   printText("\n");
-}
-
-// By file, material and texture, the largest first.
-void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
-  constexpr std::size_t kMostRows = 20;
-  if (unlabeled.empty()) {
-    printText("unlabelled geometry: none\n");
-    return;
-  }
-  struct Group {
-    std::uint64_t triangles = 0;
-    std::set<std::string> nodes;
-  };
-  std::map<UnlabeledPart, Group> groups;
-  for (const auto& [part, triangles] : unlabeled) {
-    Group& group = groups[{part.file, part.material, part.texture, {}}];
-    group.triangles += triangles;
-    group.nodes.insert(part.node);
-  }
-  std::vector<std::pair<UnlabeledPart, Group>> sorted(groups.begin(), groups.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
-  printText("unlabelled geometry (no rule gives it a class):\n");
-  std::vector<std::vector<std::string>> rows{{"file", "material", "texture", "nodes", "triangles"}};
-  for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
-    const auto& [part, group] = sorted[i];
-    const std::string& first = *group.nodes.begin();
-    rows.push_back({part.file, part.material, part.texture,
-                    group.nodes.size() == 1 ? first : fmt::format("{} and {} more", first, group.nodes.size() - 1),
-                    grouped(group.triangles)});
-  }
-  printText("{}", formatTable(rows));
-  if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
 // Prints what each feature adds to a frame, in ms and in per cent of the frame. Features whose cost is lost in the
@@ -140,13 +104,50 @@ FeatureCosts measured(const std::function<Pipeline()>& reread) {
   return costs;
 }
 
-// What kind of place the seed has drawn.
-std::string placeOf(const Scene& scene) {
-  std::string words = scene.about;
-  for (const DrawnValue& draw : scene.draws) {
-    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", draw.key, draw.value);
+// "6 shards: train 4, val 1, test 1".
+std::string shardsText(const Plan& plan) {
+  std::vector<std::pair<std::string, std::size_t>> splits;
+  const std::vector<ShardJob> jobs = shardJobs(plan);
+  for (const ShardJob& job : jobs) {
+    if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);
+    ++splits.back().second;
   }
-  return words;
+  std::string text = fmt::format("{} shard{}", grouped(jobs.size()), jobs.size() == 1 ? "" : "s");
+  for (std::size_t i = 0; splits.size() > 1 && i < splits.size(); ++i) {
+    text += fmt::format("{}{} {}", i == 0 ? ": " : ", ", splits[i].first, grouped(splits[i].second));
+  }
+  return text;
+}
+
+// The first lines: frames, shards, time and size.
+void printForecast(const Arguments& parsed, const Plan& plan) {
+  const bool asked = parsed.options.count("frames") > 0;
+  const std::uint64_t frames = asked ? countOption(parsed, "frames") : 0;
+  if (asked && plan.pipeline().recording != nullptr)
+    throw InputError("--frames: a recording has the frames that it has");
+  const Pipeline& pipeline = plan.pipeline();
+  std::string why;
+  const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed), &why);
+  const std::uint64_t scenes = scenesOf(pipeline);
+  printText("{} frames in {}\n", grouped(pipeline.frames()), shardsText(plan));
+  const auto print = [](const Forecast& f) { printText("time: {}\nsize: {}\n", timeText(f), sizeText(f)); };
+  if (costs) {
+    print(forecast(*costs, pipeline.frames(), scenes));
+  } else {
+    printText("time and size: unknown, no sample could be made of a small town: {}\n", why);
+  }
+  if (!asked) {
+    printText("\n");
+    return;
+  }
+  const std::uint64_t wanted = (frames * scenes + pipeline.frames() - 1) / pipeline.frames();
+  printText(
+      "\nfor {} frames: {} scenes (each scene file with each of its seeds) of {} frames in place of {}: `seeds: "
+      "[1, ..., {}]` for one scene file\n",
+      grouped(frames), grouped(wanted),
+      shortNumber(static_cast<double>(pipeline.frames()) / static_cast<double>(scenes)), grouped(scenes), wanted);
+  if (costs) print(forecast(*costs, frames, wanted));
+  printText("\n");
 }
 
 }  // namespace
@@ -154,12 +155,17 @@ std::string placeOf(const Scene& scene) {
 int runPlan(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("plan");
   cxxopts::Options options = describe(command);
-  options.add_options()("costs", "measure what each feature costs, which traces a frame some hundred times");
+  options.add_options()("frames", "say also how many seeds a dataset of so many frames wants, and what it costs",
+                        cxxopts::value<std::string>(),
+                        "N")("check", "load the scenes: ways through walls, unlabelled parts, odd sizes, memory")(
+      "costs", "measure what each feature costs, which traces a frame some hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(command, options, arguments,
-                     "  scanmill plan pipelines/truck_town.yaml\n"
+                     "  scanmill plan pipelines/quickstart.yaml\n"
+                     "  scanmill plan pipelines/quickstart.yaml --frames 10000\n"
+                     "  scanmill plan pipelines/truck_town.yaml --check    # what its scenes hold\n"
                      "  scanmill plan pipelines/street.yaml --costs    # what each effect and column costs\n"
                      "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
@@ -169,100 +175,30 @@ int runPlan(const std::vector<std::string>& arguments) {
   checkAutoChoice(pipeline);
   for (const std::string& line : vehicleWarnings(plan)) warn(line);
   for (const std::string& line : driveWarnings(pipeline)) warn(line);
+  printForecast(parsed, plan);
   printSensors(plan);
   printSequences(pipeline);
 
-  std::vector<std::vector<std::string>> scenes{
-      {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
-  std::map<UnlabeledPart, std::uint64_t> unlabeled;
-  std::set<std::string> rules;  // what is said of them, once for all seeds
-  std::vector<std::string> modelled = plan.modelled();
-  std::uint64_t sceneBytes = 0;
-  std::size_t things = 0;
-  std::uint64_t more = 0;  // scenes
-  Ontology ontology;
-  for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
-    const Sequence& s = pipeline.sequences[i];
-    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // its ways were looked at with those of the first
-    if (scenes.size() > kMostScenes) {
-      ++more;
-      continue;
-    }
-    const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
-    const Scene scene = plan.loadScene(s);
-    const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
-    scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
-                      grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
-                      grouped(scene.dropped.total()), placeOf(scene)});
-    for (const std::string& line : damageWarnings(scene)) warn(line);
-    for (const std::string& line : sizeWarnings(scene)) warn(line);
-    for (const std::string& line : thingSizeWarnings(scene)) warn(line);
-    for (const std::string& line : seedWarnings(pipeline, s, scene)) warn(line);
-    for (const std::string& line : shareWarnings(scene)) warn(line);
-    for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
-    for (const std::string& line : withoutWarnings(scene)) rules.insert(line);
-    if (pipeline.objects) {
-      for (const std::string& line : headingWarnings(scene, ThingBoxes(scene))) warn(line);
-    }
-    if (pipeline.recording == nullptr) {
-      const SceneProbe probe(scene, method.get(), pipeline.method.entry);
-      for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {
-        for (const std::string& line : wayWarnings(plan, k, probe)) warn(line);
-      }
-    }
-    for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
-    ontology = scene.ontology;
-    if (method == nullptr) continue;
-    // Counts differ from scene to scene: what is said of one feature is said once, of the first that has it.
-    for (const std::string& line : method->modelled()) {
-      const auto feature = [](const std::string& text) { return text.substr(0, text.find(':')); };
-      const auto isSame = [&](const std::string& known) {
-        return feature(known) == feature(line) &&
-               (known.find("left out") == known.npos) == (line.find("left out") == line.npos);
-      };
-      if (std::none_of(modelled.begin(), modelled.end(), isSame)) modelled.push_back(line);
-    }
-    plan.checkMemory(method->memoryBytes(), name);
-    if (pipeline.objects) things = std::max(things, ThingBoxes(scene).things().size());
-    sceneBytes = std::max(sceneBytes, method->memoryBytes());
-  }
-  for (const std::string& line : rules) warn(line);
-  // Procedural towns alone are some kind of place.
-  const bool places =
-      std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
-  for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);
-  if (pipeline.recording == nullptr) {
-    printText("{}", formatTable(scenes));
-    if (more > 0) printText("and {} scenes more, which are looked at when the dataset is made\n", grouped(more));
-    printText("\n");
-  } else {
-    printText("scenes: none, the scans are made of the {} in {}\n\n", nameOf(pipeline.recording->kind),
-              pipeline.recording->folder.string());
-  }
-
+  const bool loads = parsed.options.count("check") > 0 || pipeline.recording != nullptr;
+  SceneFindings found = loads ? checkScenes(plan) : SceneFindings{plan.modelled(), 0};
   if (pipeline.method.automatic) {
-    modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
-                                   readAutoChoice(pipeline).settings.size()));
+    found.modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
+                                         readAutoChoice(pipeline).settings.size()));
   }
-  printText("modelled and left out:\n");
-  for (const std::string& line : modelled) printText("  {}\n", line);
-  if (pipeline.recording == nullptr) {
-    printText("\n");
-    printUnlabeled(unlabeled);
-    if (parsed.options.count("costs") > 0 && !pipeline.method.automatic) {
-      printFeatures(measured([&] { return readPipeline(parsed.pipeline(), pipelineOverrides(parsed)); }));
-    }
+  printText("{}modelled and left out:\n", loads ? "\n" : "");
+  for (const std::string& line : found.modelled) printText("  {}\n", line);
+  if (parsed.options.count("costs") > 0 && pipeline.recording == nullptr && !pipeline.method.automatic) {
+    printFeatures(measured([&] { return readPipeline(parsed.pipeline(), pipelineOverrides(parsed)); }));
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
   printText("\n{} frames x {} {} = {} rays ({} allowed)\n", grouped(pipeline.frames()),
             grouped(pipeline.raysPerFrame()), pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays",
             shortNumber(rays), shortNumber(pipeline.maxRays));
-  printText("memory: {} for the scene and {} for frames in flight\n",
-            pipeline.method.automatic ? "what the chosen method takes"
-                                      : "about " + shortBytes(static_cast<double>(sceneBytes)),
-            shortBytes(inFlight));
-  printText("disk: at most about {}\n", shortBytes(mostDatasetBytes(plan, ontology, things)));
+  printText("memory: {} for frames in flight", shortBytes(inFlight));
+  if (found.bytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(found.bytes)));
+  printText("\n");
+  if (!loads) printText("scenes were not loaded: --check does, and looks at ways, labels and sizes\n");
   return 0;
 }
 

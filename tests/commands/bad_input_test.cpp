@@ -386,7 +386,7 @@ TEST_F(BadInput, WhatNamesHoldIsWrittenOut) {
                                                   {"info", at("evil.tar")},
                                                   {"info", at("out")},
                                                   {"verify", at("out")},
-                                                  {"plan", at("evil.yaml")},
+                                                  {"plan", at("evil.yaml"), "--check"},
                                                   {"info", at(evil)},
                                                   {"generate", pipeline_, "-o", at("x"), "--set", evil + "=1"}}) {
     const Outcome outcome = scanmill(command);

@@ -132,7 +132,7 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
                 "  - {name: van, primitive: box, size: [9500, 2000, 2000], class: car, material: brick}\n"
                 "  - {name: nut, primitive: box, size: [1e-4, 1e-4, 1e-4], class: car, material: brick}\n");
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
-           {"info", at("huge.yaml")}, {"plan", pipeline_, "--set", "scenes.0.scene=huge.yaml"}}) {
+           {"info", at("huge.yaml")}, {"plan", pipeline_, "--check", "--set", "scenes.0.scene=huge.yaml"}}) {
     const Outcome o = scanmill(arguments);
     EXPECT_EQ(o.code, 0) << o.error;
     EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' is 9.5e+03 m large"), HasSubstr("'nut' is 0.0001 m large")));
@@ -140,7 +140,7 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
 }
 
 TEST_F(FirstSteps, SeedsOfProceduralScenesAreNoMistake) {
-  const Outcome o = scanmill({"plan", pipeline_, "--set", "scenes=[{scene: street, seeds: [1, 2]}]", "--set",
+  const Outcome o = scanmill({"plan", pipeline_, "--check", "--set", "scenes=[{scene: street, seeds: [1, 2]}]", "--set",
                               "splits={by: seed, train: [1], val: [2]}"});
   EXPECT_EQ(o.code, 0);
   EXPECT_EQ(o.error, "");

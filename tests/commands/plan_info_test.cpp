@@ -38,12 +38,41 @@ class Tell : public SmallWorld {
   }
 };
 
+TEST_F(Tell, PlanSaysFirstHowLongItTakesAndHowLargeItIs) {
+  const std::string out = told({"plan", pipeline_});
+  EXPECT_TRUE(out.starts_with("4 frames in 1 shard\n")) << out;
+  EXPECT_THAT(out, AllOf(ContainsRegex("\ntime: [0-9.]+ s \\([0-9.]+ to [0-9.]+ s\\) on [0-9]+ threads?\n"),
+                         ContainsRegex("\nsize: [0-9.]+ [KM]iB \\([0-9.]+ to [0-9.]+ [KM]iB\\)\n")));
+}
+
 TEST_F(Tell, PlanPrintsRaysMemoryAndWhatIsLeftOut) {
   const std::string out = told({"plan", pipeline_});
   EXPECT_THAT(out, AllOf(HasSubstr("4 frames x 512 beams = 2.05 k rays (100 G allowed)"),
-                         ContainsRegex("memory: about [0-9.]+ [KMG]?i?B for the scene"), HasSubstr("disk: at most"),
+                         ContainsRegex("memory: [0-9.]+ [KMG]?i?B for frames in flight\n"),
                          HasSubstr("channels left out, nothing reads them:"), HasSubstr("scene-s1-drive"),
-                         HasSubstr("unlabelled geometry: none")));
+                         HasSubstr("scenes were not loaded: --check does")));
+  EXPECT_THAT(told({"plan", pipeline_, "--check"}),
+              AllOf(ContainsRegex("frames in flight and about [0-9.]+ [KMG]?i?B for the scene"),
+                    HasSubstr("unlabelled geometry: none"), HasSubstr("rays: traced by Embree"),
+                    Not(HasSubstr("were not loaded"))));
+}
+
+// A scene that cannot be loaded costs a plan nothing, and a check says what is wrong with it.
+TEST_F(Tell, PlanLoadsNoSceneUnlessItIsAskedTo) {
+  folder_.write("scene.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: {0}/labels/materials.yaml\n"
+                                          "objects:\n  - {{file: absent.obj, class: building, material: wood}}\n",
+                                          SCANMILL_SOURCE_DIR));
+  EXPECT_THAT(told({"plan", pipeline_}), HasSubstr("\ntime: "));
+  const Outcome checked = scanmill({"plan", pipeline_, "--check"});
+  EXPECT_EQ(checked.code, 2);
+  EXPECT_THAT(checked.error, HasSubstr("absent.obj"));
+}
+
+TEST_F(Tell, PlanSaysHowManySeedsSoManyFramesWant) {
+  const std::string out = told({"plan", pipeline_, "--frames", "1001"});
+  EXPECT_THAT(out, AllOf(HasSubstr("for 1,001 frames: 251 scenes"), HasSubstr("of 4 frames in place of 1"),
+                         HasSubstr("`seeds: [1, ..., 251]`")));
+  expectRefused(scanmill({"plan", pipeline_, "--frames", "many"}), "is no whole number");
 }
 
 TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
@@ -57,7 +86,7 @@ TEST_F(Tell, PlanListsUnlabelledGeometryOfEveryScene) {
   }
   // Scenes of the same name and seed are still two scenes.
   const std::string out =
-      told({"plan", pipeline_, "--set",
+      told({"plan", pipeline_, "--check", "--set",
             fmt::format("scenes=[{{scene: {0}}}, {{scene: {1}, trajectories: [{{name: spot, poses: [{{position: [0, 0, "
                         "1]}}]}}]}}]",
                         at("a/town.yaml"), at("b/town.yaml"))});
@@ -70,8 +99,7 @@ TEST_F(Tell, PlanTellsWhatFeaturesCost) {
   const std::vector<std::string> noisy{"plan",  pipeline_,
                                        "--set", "effects=[intensity, {range_noise: {sigma_m: 0.01}}]",
                                        "--set", "output.columns=[intensity, label, time]"};
-  EXPECT_THAT(told(noisy), AllOf(Not(HasSubstr("costs a frame")), HasSubstr("unlabelled geometry: none")))
-      << "nothing is traced unless it is asked for";
+  EXPECT_THAT(told(noisy), Not(HasSubstr("costs a frame"))) << "features are not measured unless it is asked for";
   std::vector<std::string> costs = noisy;
   costs.emplace_back("--costs");
   const std::string out = told(costs);
@@ -94,7 +122,7 @@ TEST_F(Tell, PlanLeavesTheChoiceOfTheMethodOpen) {
   EXPECT_THAT(told({"plan", pipeline_, "--set",
                     "method={auto: {max_error: {p99: 1cm}, settings: [ray_tracing, depth_camera]}}"}),
               AllOf(HasSubstr("method: auto, one of 2 settings"), HasSubstr("4 frames x 512 beams"),
-                    HasSubstr("disk: at most"), Not(HasSubstr("costs a frame"))));
+                    Not(HasSubstr("costs a frame"))));
   expectRefused(scanmill({"plan", pipeline_, "--set", "method=auto"}), "say what is good enough");
   expectRefused(scanmill({"plan", pipeline_, "--set", "method={auto: {max_error: {p90: 1cm}}}"}), "unknown key 'p90'");
 }
@@ -110,7 +138,7 @@ TEST_F(Tell, PlanOfARecordingNeedsNoScene) {
   fs::remove(at("scene.yaml"));
   EXPECT_THAT(told({"plan", bare, "--from-hits", at("hits")}),
               AllOf(HasSubstr("scenes: none, the scans are made of the hits in " + at("hits")),
-                    HasSubstr("4 frames x 512 beams"), HasSubstr("scene-s1-drive"), HasSubstr("disk: at most"),
+                    HasSubstr("4 frames x 512 beams"), HasSubstr("scene-s1-drive"), HasSubstr("\nsize: "),
                     HasSubstr("hits: not traced now"), Not(HasSubstr("unlabelled"))));
   expectRefused(scanmill({"plan", bare}), "the key 'scenes' is missing");
   expectRefused(scanmill({"plan", bare, "--from-hits", at("hits"), "--from-passes", at("hits")}), "exclude");

@@ -166,12 +166,6 @@ void forEachWithin(const Value& value, const Do& apply) {
   for (const Value::Entry& entry : value.entries) apply(entry.value);
 }
 
-std::size_t countDistributions(const Value& value) {
-  std::size_t count = isDistribution(value) ? 1 : 0;
-  forEachWithin(value, [&](const Value& part) { count += countDistributions(part); });
-  return count;
-}
-
 }  // namespace
 
 bool isDistribution(const Value& value) {
@@ -220,20 +214,6 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
     entry.value = withDraws(entry.value, before + entry.key, address, draws);
   }
   return copy;
-}
-
-void addLongestDraws(const Value& value, const std::string& key, std::vector<DrawnValue>& draws) {
-  if (isDistribution(value)) {
-    // A distribution is longer than the text of its numbers, each of which has no more than 24 characters.
-    constexpr std::size_t kNumber = 24;
-    draws.push_back({key, std::string(flowText(value).size() + kNumber * countDistributions(value), '0')});
-    return;
-  }
-  const std::string before = key.empty() ? "" : key + ".";
-  for (std::size_t i = 0; i < value.items.size(); ++i) {
-    addLongestDraws(value.items[i], before + std::to_string(i), draws);
-  }
-  for (const Value::Entry& entry : value.entries) addLongestDraws(entry.value, before + entry.key, draws);
 }
 
 std::size_t countCases(const Value& value) {

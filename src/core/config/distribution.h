@@ -41,9 +41,6 @@ const Value* findDrawnPerFrame(const Value& value);
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
                 std::vector<DrawnValue>& draws);
 
-// Appends the keys that withDraws() would, with values at least as long as theirs.
-void addLongestDraws(const Value& value, const std::string& key, std::vector<DrawnValue>& draws);
-
 // What may be drawn has ends: the least and the greatest number, each item of a choice. A reader that takes all of the
 // cases 0 to countCases(value) - 1 takes whatever is drawn, unless it minds how two numbers go together: in each case
 // every distribution within the value is at one of its ends, and each end has its turn. 1: nothing is drawn.

@@ -31,8 +31,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 0.0005;  // m
-constexpr std::uint16_t kMostClass = 255;
+constexpr double kStep = 0.0005;        // m
 constexpr std::uint8_t kSynthetic = 1;  // bit of the classification's flags
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
@@ -176,11 +175,11 @@ class Las : public ScanFiles {
                                           [&](const SensorRecord* sensor) { return sensor->name == scan.sensor; });
       for (const auto& [id, points] : scan.pointsPerClass) {
         const std::uint16_t own = plan.classes.of(id);
-        if (!isExported || points == 0 || own <= kMostClass) continue;
+        if (!isExported || points == 0 || own <= kMostLasClass) continue;
         throw InputError({plan.dataset.string()},
                          fmt::format("the sample {} has points of the class {}, whose id is {}; LAS holds ids up to "
                                      "{}: give an ontology of smaller ids with --classes FILE",
-                                     sample.key, plan.classes.classOf(id).name, own, kMostClass));
+                                     sample.key, plan.classes.classOf(id).name, own, kMostLasClass));
       }
     }
   }

@@ -16,7 +16,6 @@ constexpr std::uint16_t kHeaderBytes = 375;
 constexpr std::uint8_t kFormat = 6;
 constexpr std::uint16_t kReturnsAreMadeUp = 1 << 3;  // bits of the global encoding
 constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;
-constexpr std::uint16_t kMostClass = 255;
 
 // As "OpenGIS Implementation Specification: Coordinate Transformation Services", OGC 01-009, 7.2, writes a system that
 // has no place on the earth; local data may have the types 10000 to 32767. There is no third axis because PROJ, which
@@ -43,7 +42,7 @@ void putRecord(const char* user, std::uint16_t id, const char* description, std:
 // A class and 15 characters, 256 times.
 std::string classNames(const Ontology& classes) {
   std::string bytes;
-  for (std::uint16_t id = 0; id <= kMostClass; ++id) {
+  for (std::uint16_t id = 0; id <= kMostLasClass; ++id) {
     const SemanticClass* const known = classes.find(id);
     putNumber(static_cast<std::uint8_t>(id), bytes);
     putText(known == nullptr ? "" : known->name, 15, bytes);

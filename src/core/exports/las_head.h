@@ -14,6 +14,8 @@
 
 namespace scanmill {
 
+constexpr std::uint16_t kMostLasClass = 255;
+
 // What the header says of the points.
 struct LasPoints {
   static constexpr std::uint8_t kMostReturns = 15;

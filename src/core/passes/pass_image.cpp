@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;  // pixels of a task
+constexpr std::size_t kImageGrain = 8192;  // pixels of a task
 
 constexpr std::pair<Channel, const char*> kPlanes[] = {
     {Channel::Normal, "normal"},     {Channel::Instance, "instance"},   {Channel::Semantic, "semantic"},
@@ -107,7 +107,7 @@ void ImageSource::require(PassChoice asked) const {
 void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) {
   require(asked);
   planes.reset(addresses.size(), asked);
-  parallelFor(addresses.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  parallelFor(addresses.size(), kImageGrain, [&](std::size_t first, std::size_t last) {
     struct Place {
       std::uint32_t image;
       PixelAddress pixel;

@@ -13,8 +13,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGrain = 4096;  // pixels of a task
-constexpr std::size_t kLanes = 64;    // pixels that are looked up together, so that memory answers all of them at once
+constexpr std::size_t kResolverGrain = 4096;  // pixels of a task
+constexpr std::size_t kLanes = 64;  // pixels that are looked up together, so that memory answers all of them at once
 
 // The line of sight through pixel (i, j) has the direction corner + right * i + down * j, world axes.
 struct DrawnView {
@@ -78,7 +78,7 @@ Resolver::Resolver(const Scene& scene) : scene_(scene) {
     const Mesh& mesh = scene.meshes[m];
     const auto firstSurface = static_cast<std::uint32_t>(surfaces_.size());
     for (const Surface& s : mesh.surfaces) surfaces_.push_back({s.object, s.semantic, s.material});
-    parallelFor(mesh.triangles.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    parallelFor(mesh.triangles.size(), kResolverGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t t = first; t < last; ++t) {
         const Triangle& corners = mesh.triangles[t];
         const Vec3d a(mesh.positions[corners[0]]);
@@ -113,7 +113,7 @@ void Resolver::resolve(std::span<const Camera> cameras, std::span<const PixelAdd
   planes.reset(seen.size(), asked);
   Job job{{}, 0, addresses, seen, asked, planes};
   job.views = viewsOf(cameras, job.pixels);
-  parallelFor(seen.size(), kGrain, [&](std::size_t first, std::size_t last) {
+  parallelFor(seen.size(), kResolverGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; i += kLanes) resolveBlock(job, i, std::min(i + kLanes, last));
   });
 }

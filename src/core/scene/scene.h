@@ -171,9 +171,6 @@ Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 // InputError with the place. Absent where the scene has no town.
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
 
-// The keys of a scene file that seeds draw values for, with values as long as any. Throws InputError with the place.
-std::vector<DrawnValue> longestSceneDraws(const std::filesystem::path& path);
-
 // Reads no more of it than which ontology it names, and that. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);
 

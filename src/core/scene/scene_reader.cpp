@@ -410,13 +410,6 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
 
 }  // namespace
 
-std::vector<DrawnValue> longestSceneDraws(const std::filesystem::path& path) {
-  const Value root = readYaml(path);
-  std::vector<DrawnValue> draws;
-  if (const Value* objects = root.find("objects")) addLongestDraws(*objects, "objects", draws);
-  return draws;
-}
-
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
   const Value root = readYaml(path);
   expectKind(root, FileKind::Scene);

@@ -390,7 +390,7 @@ class Gathering {
   Vec3d placeOf(std::uint32_t hit) const {
     const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
     const Vec3d along = beams_.direction[beam] * double{hits_.range[hit]};
-    return beams_.origin.empty() ? along : along + Vec3d(beams_.origin[beam]);
+    return along + beams_.originOf(beam);
   }
 
   template <class T, class Value>

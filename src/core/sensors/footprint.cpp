@@ -82,7 +82,7 @@ Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
   parallelFor(beams.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t beam = first; beam < last; ++beam) {
       const Vec3d direction = beams.direction[beam];
-      const Vec3d origin = beams.origin.empty() ? Vec3d{} : Vec3d(beams.origin[beam]);
+      const Vec3d origin = beams.originOf(beam);
       const auto [across, up] = axesOf(direction);
       const RandomBlock words = randomBlock({.beam = static_cast<std::uint32_t>(beam), .purpose = Purpose::Footprint});
       const double turn = 2 * kPi * uniform(words[0]);

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr Range kStep{1e-9, 1e9};      // s or m
+constexpr Range kInterval{1e-9, 1e9};  // s or m
 constexpr double kLastTurn = 1;        // s after the start of the last frame, in which most revolutions end
 constexpr double kWorthTelling = 0.2;  // m
 
@@ -218,7 +218,7 @@ std::vector<Trajectory::LaneChange> Trajectory::readLaneChanges(const Value& val
 void Trajectory::readPoses(Fields& fields, double fallbackPeriod, double limit) {
   refuseKeysOfDrives(fields, "the vehicle stands still in each of `poses`, which are every_s apart");
   poses_ = posesOf(fields.require("poses"));
-  interval_ = fields.number("every_s", kStep, fallbackPeriod);
+  interval_ = fields.number("every_s", kInterval, fallbackPeriod);
   frames_ = static_cast<std::uint32_t>(std::min(static_cast<double>(poses_.size()), limit));
   poses_.resize(frames_);
 }
@@ -227,7 +227,7 @@ void Trajectory::readRecorded(Fields& fields, double fallbackPeriod, double limi
   refuseKeysOfDrives(fields, "a recording says where the vehicle was at each time");
   const Value& value = fields.require("recorded");
   recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
-  interval_ = fields.number("every_s", kStep, fallbackPeriod);
+  interval_ = fields.number("every_s", kInterval, fallbackPeriod);
   const double length = recorded_->length();
   frames_ = countFrames(recorded_->duration(), interval_, length, length / recorded_->duration(), limit, value.where);
 }
@@ -267,11 +267,11 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
   if (fields.has("every_s") && fields.has("every_m")) {
     throw InputError(fields.require("every_m").where, "a frame comes either every_s or every_m, not both");
   }
-  interval_ = fields.has("every_m") ? fields.number("every_m", kStep) / speed_
-                                    : fields.number("every_s", kStep, fallbackPeriod);
+  interval_ = fields.has("every_m") ? fields.number("every_m", kInterval) / speed_
+                                    : fields.number("every_s", kInterval, fallbackPeriod);
   if (fields.has("acceleration")) {
     acceleration_ = fields.number("acceleration", {0.01, 20});
-    if (fields.has("every_m")) everyMetres_ = fields.number("every_m", kStep);
+    if (fields.has("every_m")) everyMetres_ = fields.number("every_m", kInterval);
   }
   if (const Value* sway = fields.find("sway")) sway_ = Sway(*sway, seed);
 

@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGrain = 8192;
+constexpr std::size_t kPixelGrain = 8192;
 
 // Nearest half float, ties to even; what is beyond the largest becomes the largest.
 double asHalf(double value) {
@@ -102,7 +102,7 @@ void PixelReader::fetch() {
   source_.fetch(addresses_, choice_, fetched);
   const DepthFormat format = options_.depth;
   if (format == DepthFormat::Unorm24 || format == DepthFormat::Unorm16) {
-    parallelFor(fetched.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    parallelFor(fetched.size(), kPixelGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         fetched.depth[i] = storedDepth(fetched.depth[i], format, options_.nearest, options_.farthest);
       }
@@ -116,7 +116,7 @@ void PixelReader::resolve() {
   const std::size_t s = options_.antialiasing;
   const std::size_t centre = (s / 2) * s + s / 2;
   const double share = 1.0 / static_cast<double>(s * s);
-  parallelFor(pixels_, kGrain, [&](std::size_t first, std::size_t last) {
+  parallelFor(pixels_, kPixelGrain, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       double depth = 0;
       bool seen = false;

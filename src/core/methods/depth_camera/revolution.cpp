@@ -85,7 +85,7 @@ RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, cons
         beams.beam[to] = static_cast<std::uint32_t>(beam);
         beams.direction[to] = place.same ? table.direction[beam] : place.rotation * table.direction[beam];
         if (!moved) continue;
-        const Vec3d origin = table.origin.empty() ? Vec3d{} : Vec3d(table.origin[beam]);
+        const Vec3d origin = table.originOf(beam);
         beams.origin[to] = place.same ? origin : place.rotation * origin + place.translation;
       }
     }

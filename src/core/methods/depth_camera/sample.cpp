@@ -19,7 +19,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kBatch = std::size_t{1} << 18;
-constexpr std::size_t kGrain = 16 * kBlock;
+constexpr std::size_t kSampleGrain = 16 * kBlock;
 constexpr int kRounds = 3;
 constexpr double kSamePlace = 1e-6;     // m; a beam that starts so near to the camera starts in it
 constexpr double kFirstGuess = 20;      // m: where beams that start elsewhere are looked for first
@@ -121,7 +121,7 @@ class Sampler {
 
   // The first look is along the beam or, where it starts elsewhere, at a point of it.
   void aimFirst(Batch& batch) {
-    parallelFor(batch.count, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
       std::uint64_t unseen = 0;
       for (std::size_t first = begin; first < end; first += kBlock) {
@@ -162,7 +162,7 @@ class Sampler {
     reader_.reset(batch.count);
     const bool blend = options_.sampling == Sampling::Bilinear;
     if (blend) corners_.reset(4 * batch.count);
-    parallelFor(batch.count, kGrain, [&](std::size_t first, std::size_t last) {
+    parallelFor(batch.count, kSampleGrain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         if (batch.view[i] == kNoView) {
           reader_.aimAtNothing(i);
@@ -187,7 +187,7 @@ class Sampler {
 
   void resolve(Batch& batch, int round) {
     again_.assign(batch.count, 0);
-    parallelFor(batch.count, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
       Met met;
       for (std::size_t first = begin; first < end; first += kBlock) {

@@ -17,7 +17,7 @@ namespace {
 
 using enum ComputeTable::Texel;
 
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kResolverGrain = 16384;
 
 std::uint32_t bitsOf(Channels channels) {
   std::uint32_t set = 0;
@@ -95,7 +95,7 @@ void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece
   const ColumnPlaces places(hits.channels, piece.all);
   std::mutex mutex;
   const std::size_t before = undecided.size();
-  parallelFor(piece.count, kGrain, [&](std::size_t from, std::size_t to) {
+  parallelFor(piece.count, kResolverGrain, [&](std::size_t from, std::size_t to) {
     const auto copy = [&](std::size_t word, std::size_t words, auto* values) {
       std::memcpy(values, columns.data() + 4 * (word + words * (piece.from + from)), 4 * words * (to - from));
     };

@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kTableGrain = 16384;
 
 std::uint32_t bits(float f) {
   return std::bit_cast<std::uint32_t>(f);
@@ -58,7 +58,7 @@ class MaterialTables {
     const std::size_t first = made_.texels.size();
     const std::size_t count = std::size_t{texture.width} * texture.height;
     made_.texels.resize(first + count);
-    parallelFor(count, kGrain, [&](std::size_t from, std::size_t to) {
+    parallelFor(count, kTableGrain, [&](std::size_t from, std::size_t to) {
       for (std::size_t i = from; i < to; ++i) {
         const std::uint8_t* texel = &texture.rgba[4 * i];
         made_.texels[first + i] = bits(base.texture != nullptr ? base.ofTexel(texel) : base.reflectance) |
@@ -85,7 +85,7 @@ TexturedTriangle texturedTriangle(const TriangleBlock& block, std::uint32_t tria
 
 void addTriangles(const TriangleBlock& block, LabelTables& made) {
   made.records.resize(block.triangles.size());
-  parallelFor(block.triangles.size(), kGrain, [&](std::size_t from, std::size_t to) {
+  parallelFor(block.triangles.size(), kTableGrain, [&](std::size_t from, std::size_t to) {
     for (std::size_t t = from; t < to; ++t) {
       const BlockTriangle& triangle = block.triangles[t];
       const HitSurface& surface = block.surfaces[triangle.surface];

@@ -27,17 +27,17 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   const auto higher = [](double i, double j, double k) { return std::max(std::max(i, j), k); };
   const Vec3d low{lower(a.x, b.x, c.x), lower(a.y, b.y, c.y), lower(a.z, b.z, c.z)};
   const Vec3d high{higher(a.x, b.x, c.x), higher(a.y, b.y, c.y), higher(a.z, b.z, c.z)};
-  struct Range {
+  struct Corners {
     int first, last;  // of corners along an axis
   };
   const auto range = [](double least, double most) {
     constexpr double kReach = kListedHalf + 1e-4;
-    return Range{static_cast<int>(std::ceil(std::max(least - kReach + kHalf, 0.0))),
-                 static_cast<int>(std::floor(std::min(most + kReach + kHalf, double{kBrickVoxels})))};
+    return Corners{static_cast<int>(std::ceil(std::max(least - kReach + kHalf, 0.0))),
+                   static_cast<int>(std::floor(std::min(most + kReach + kHalf, double{kBrickVoxels})))};
   };
-  const Range xs = range(low.x, high.x);
-  const Range ys = range(low.y, high.y);
-  const Range zs = range(low.z, high.z);
+  const Corners xs = range(low.x, high.x);
+  const Corners ys = range(low.y, high.y);
+  const Corners zs = range(low.z, high.z);
   std::optional<CubeTest> cube;
   const auto meets = [&](const Vec3d& p) {
     for (const Vec3d& corner : corners) {

@@ -125,6 +125,7 @@ class RayTracing : public Method {
         worlds_.moves()
             ? "motion of objects: every beam meets them where they are when it fires; shapes change from turn to turn"
             : "motion of objects: left out, none moves",
+        fmt::format("rays: traced by Embree {}", worlds_.embree()),
     };
   }
 

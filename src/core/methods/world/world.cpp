@@ -231,6 +231,12 @@ DeviceHandle makeDevice() {
   return device;
 }
 
+std::string embreeVersion(RTCDevice device) {
+  const auto part = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device, property); };
+  return fmt::format("{}.{}.{}", part(RTC_DEVICE_PROPERTY_VERSION_MAJOR), part(RTC_DEVICE_PROPERTY_VERSION_MINOR),
+                     part(RTC_DEVICE_PROPERTY_VERSION_PATCH));
+}
+
 bool worldsMove(const Scene& scene, Instancing instancing) {
   return scene.whole != nullptr && instancing != Instancing::Never ? scene.whole->moves : scene.moves();
 }

@@ -72,6 +72,8 @@ using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
 DeviceHandle makeDevice();
+// The version of the library that runs, such as "4.3.3".
+std::string embreeVersion(RTCDeviceTy* device);
 
 enum class HierarchyQuality { Low, Medium, High };
 enum class Instancing { Auto, Always, Never };

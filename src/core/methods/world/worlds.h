@@ -26,6 +26,7 @@ class Worlds {
   // Where something moves: as it is from a time on, for a duration (s).
   std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
   bool moves() const { return moves_; }
+  std::string embree() const { return embreeVersion(device_.get()); }  // its version
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
   // Of a world with all that it shares with others: each baked copy, each shared mesh once.
   std::uint64_t triangles() const;

@@ -28,13 +28,13 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMaxImages = 8;
-constexpr std::uint32_t kMinSide = 4;    // px, Blender's
-constexpr double kMaxStretch = 200;      // of its pixels, likewise
-constexpr float kBlenderSky = 1e9f;      // m; it writes 1e10 where nothing is seen
-constexpr float kExact = 16777216.0f;    // 2^24: the two parts of an object's number, see the script
-constexpr double kReach = 512;           // m from the origin: float32 steps of 6e-5 m there
-constexpr double kPlaneShare = 1e-3;     // of the depth: how far a drawn depth may be from its triangle's plane
-constexpr std::size_t kGrain = 1 << 14;  // pixels
+constexpr std::uint32_t kMinSide = 4;         // px, Blender's
+constexpr double kMaxStretch = 200;           // of its pixels, likewise
+constexpr float kBlenderSky = 1e9f;           // m; it writes 1e10 where nothing is seen
+constexpr float kExact = 16777216.0f;         // 2^24: the two parts of an object's number, see the script
+constexpr double kReach = 512;                // m from the origin: float32 steps of 6e-5 m there
+constexpr double kPlaneShare = 1e-3;          // of the depth: how far a drawn depth may be from its triangle's plane
+constexpr std::size_t kFrameGrain = 1 << 14;  // pixels
 
 // What was drawn, in memory.
 class SeenSource : public PixelSource {
@@ -52,7 +52,7 @@ class SeenSource : public PixelSource {
 
   void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
     fetched_.resize(addresses.size());
-    parallelFor(addresses.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallelFor(addresses.size(), kFrameGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         fetched_[i] = addresses[i] < seen_.size() ? seen_[addresses[i]] : SeenTriangle{};
       }
@@ -220,7 +220,7 @@ class BlenderRenderer : public PassRenderer {
     const auto nearest = static_cast<float>(limits.nearest);
     const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
     const ExactDepth exact(scene_, camera);
-    parallelFor(camera.height, 1 + kGrain / camera.width, [&](std::size_t begin, std::size_t end) {
+    parallelFor(camera.height, 1 + kFrameGrain / camera.width, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         for (std::size_t column = 0; column < camera.width; ++column) {
           const Pixel& pixel = pixels[row * reader.width() + column];

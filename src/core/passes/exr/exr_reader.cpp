@@ -38,9 +38,9 @@ constexpr std::uint64_t kMostGain = 1100;
 constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // what is worth a task of a thread
 
 // Encoded bytes as OpenEXR reads them; several may look at the same bytes.
-class MemoryStream : public Imf::IStream {
+class MemoryInput : public Imf::IStream {
  public:
-  MemoryStream(const char* name, std::string_view bytes) : Imf::IStream(name), bytes_(bytes) {}
+  MemoryInput(const char* name, std::string_view bytes) : Imf::IStream(name), bytes_(bytes) {}
   bool read(char data[], int count) override {
     const auto size = static_cast<std::size_t>(count);
     if (position_ > bytes_.size() || bytes_.size() - position_ < size) throw std::runtime_error("the file ends early");
@@ -244,7 +244,7 @@ void guarded(const std::string& name, Work&& work) {
 ExrReader::ExrReader(const std::filesystem::path& path) : name_(path.string()), bytes_(readFile(path)) {
   HeaderCheck(name_, bytes_).run();
   guarded(name_, [&] {
-    MemoryStream stream(name_.c_str(), bytes_);
+    MemoryInput stream(name_.c_str(), bytes_);
     const Imf::MultiPartInputFile file(stream, 0);
     std::optional<Imath::Box2i> window;
     std::uint64_t pixelBytes = 0;
@@ -313,7 +313,7 @@ void ExrReader::read(std::span<const ExrTarget> targets) const {
   const std::size_t bands = (height_ - 1) / bandRows_ + 1;
   parallelFor(bands, 1, [&](std::size_t firstBand, std::size_t endBand) {
     guarded(name_, [&] {
-      MemoryStream stream(name_.c_str(), bytes_);
+      MemoryInput stream(name_.c_str(), bytes_);
       Imf::MultiPartInputFile file(stream, 0);
       const std::size_t first = firstBand * bandRows_;
       const std::size_t end = std::min<std::size_t>(endBand * bandRows_, height_);

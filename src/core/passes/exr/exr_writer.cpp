@@ -20,9 +20,9 @@ namespace scanmill {
 namespace {
 
 // OpenEXR goes back to fill in where the lines are; an AtomicFile does not.
-class MemoryStream : public Imf::OStream {
+class MemoryOutput : public Imf::OStream {
  public:
-  explicit MemoryStream(const char* name) : Imf::OStream(name) {}
+  explicit MemoryOutput(const char* name) : Imf::OStream(name) {}
   void write(const char data[], int count) override {
     const auto size = static_cast<std::size_t>(count);
     if (bytes_.size() < position_ + size) bytes_.resize(position_ + size);
@@ -83,7 +83,7 @@ void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint3
   if (width == 0 || height == 0)
     throw Error(fmt::format("{}: an image without pixels cannot be written", path.string()));
   AtomicFile file(path);
-  MemoryStream stream(path.c_str());
+  MemoryOutput stream(path.c_str());
   try {
     Imf::Header header(static_cast<int>(width), static_cast<int>(height));
     header.compression() = compression == ExrCompression::Zip ? Imf::ZIP_COMPRESSION : Imf::NO_COMPRESSION;

@@ -19,10 +19,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kWrittenNoDepth = 1e10f;  // m
-constexpr float kNothing = 1e9f;          // m; from here on nothing is seen
-constexpr float kFloatIds = 16777216;     // 2^24: from here on float32 rounds integers
-constexpr std::size_t kGrain = 1 << 16;   // pixels
+constexpr float kWrittenNoDepth = 1e10f;    // m
+constexpr float kNothing = 1e9f;            // m; from here on nothing is seen
+constexpr float kFloatIds = 16777216;       // 2^24: from here on float32 rounds integers
+constexpr std::size_t kExrGrain = 1 << 16;  // pixels
 
 struct SurfaceParameter {
   const char* name;
@@ -141,7 +141,7 @@ class PassReader {
   template <class Work>
   std::size_t forPixels(const Work& work) const {
     std::atomic<std::size_t> bad = file_.pixels();
-    parallelFor(file_.pixels(), kGrain, [&](std::size_t first, std::size_t last) {
+    parallelFor(file_.pixels(), kExrGrain, [&](std::size_t first, std::size_t last) {
       std::size_t found = last;
       for (std::size_t i = first; i < last; ++i) {
         if (!work(i) && i < found) found = i;

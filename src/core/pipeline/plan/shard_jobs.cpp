@@ -18,7 +18,7 @@
 #include "dataset/recording.h"
 #include "dataset/shard.h"
 #include "dataset/shard_name.h"
-#include "pipeline/plan/dataset_size.h"
+#include "pipeline/plan/sample_size.h"
 
 namespace scanmill {
 

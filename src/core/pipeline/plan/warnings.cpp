@@ -146,7 +146,7 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene) {
   }
   const std::string more = files.size() == 1 ? "" : fmt::format(" and {} more", files.size() - 1);
   return {fmt::format(
-      "scene {}: no rule gives a class to {} triangles of {}{}: their points are unlabeled (`scanmill plan` "
+      "scene {}: no rule gives a class to {} triangles of {}{}: their points are unlabeled (`scanmill plan --check` "
       "lists them)",
       scene.name, grouped(triangles), *files.begin(), more)};
 }

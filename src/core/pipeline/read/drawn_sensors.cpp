@@ -115,12 +115,6 @@ SensorDraw DrawnSensors::draw(const Pipeline& pipeline, std::size_t sequence, st
   });
 }
 
-std::vector<DrawnValue> DrawnSensors::longestDraws() const {
-  std::vector<DrawnValue> draws;
-  forEachKey([&](const std::string& key, const Value& value) { addLongestDraws(value, key, draws); });
-  return draws;
-}
-
 std::vector<std::string> DrawnSensors::lines() const {
   std::vector<std::string> lines;
   forEachKey([&](const std::string& key, const Value& value) {

@@ -49,9 +49,6 @@ class DrawnSensors {
   // With every end of what may be drawn at least once.
   const std::vector<SensorDraw>& cases() const { return cases_; }
 
-  // The keys that are drawn, with values as long as any that may be drawn.
-  std::vector<DrawnValue> longestDraws() const;
-
   // One line for each key, such as "drawn for each sequence: effects.1.speckle.looks {uniform: [1, 8]}".
   std::vector<std::string> lines() const;
 

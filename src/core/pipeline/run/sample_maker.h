@@ -36,6 +36,8 @@ class SampleMaker {
   void expect(const SampleAddress& address) { scenes_.expect(address.sequence); }
   void leaveOut(const SampleAddress& address) { scenes_.leave(address.sequence); }
 
+  // Sets up the scene of a sequence; make() does so otherwise.
+  void prepare(std::size_t sequence) { scenes_.enter(sequence); }
   MadeSample make(const SampleAddress& address);
 
   // Once all are made: ends the recordings.

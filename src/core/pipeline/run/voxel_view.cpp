@@ -139,7 +139,7 @@ std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::
     for (std::size_t beam = first; beam < last; ++beam) {
       if (!(lengths[beam] > 0)) continue;
       const Affine& place = gridFromStep[shot.stepOf(static_cast<std::uint32_t>(beam % beams.columns))];
-      const Vec3d origin = beams.origin.empty() ? Vec3d{} : Vec3d(beams.origin[beam]);
+      const Vec3d origin = beams.originOf(beam);
       walk(grid, place * origin, place.linear * beams.direction[beam], lengths[beam], marks);
     }
   });

@@ -7,7 +7,7 @@
 namespace scanmill::parts {
 namespace {
 
-constexpr double kSunk = 0.05;  // m
+constexpr double kClutterSunk = 0.05;  // m
 
 void appendCone(Shape& s, Draw& draw) {
   const SurfaceIndex body = s.surface("object", "plastic_black");
@@ -86,7 +86,7 @@ void appendHeap(Shape& s, Draw& draw) {
     for (int k = 0; k < kAround; ++k) {
       const double angle = 2 * kPi * k / kAround;
       const double r = radius * (1 - t) * (ring == 0 ? 1 : draw.around(1, 0.1));
-      row.push_back({r * std::cos(angle), r * std::sin(angle), ring == 0 ? -kSunk : 0.55 * radius * t});
+      row.push_back({r * std::cos(angle), r * std::sin(angle), ring == 0 ? -kClutterSunk : 0.55 * radius * t});
     }
     rows.push_back(row);
   }

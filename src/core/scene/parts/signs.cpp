@@ -7,7 +7,7 @@
 namespace scanmill::parts {
 namespace {
 
-constexpr double kSunk = 0.1;  // m
+constexpr double kSignSunk = 0.1;  // m
 
 // Turns a drawing in x, y into a board that stands upright and looks to +x: x of the drawing becomes y, y becomes z.
 Affine facing(const Vec3d& center) {
@@ -64,7 +64,7 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int 
   }
   const bool plate = draw.chance(0.4);
   const double top = z + halfHeight * 2 + 0.05;
-  s.tube(post, {0, 0, -kSunk}, {0, 0, top}, 0.03, 0.03, 12);
+  s.tube(post, {0, 0, -kSignSunk}, {0, 0, top}, 0.03, 0.03, 12);
   const double middle = z + halfHeight;
   s.prism(front, back, facing({0.045, 0, middle}), board, 0.004);
   for (const double dz : {-0.12, 0.12}) s.box(back, {0.015, 0, middle + dz}, {0.06, 0.09, 0.03});
@@ -82,7 +82,7 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
   const SurfaceIndex glass = s.surface("street_lamp", "glass");
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
-  s.revolve(metal, {}, {{0.1, -kSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
+  s.revolve(metal, {}, {{0.1, -kSignSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
   s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the door of its fuse box
   if (form == 0) {                                     // an arm over the road
     const double reach = draw.in(1.2, 2.0);
@@ -113,7 +113,7 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
   const SurfaceIndex metal = s.surface("pole", "metal_weathered");
   UtilityPole pole;
   const double height = draw.in(8, 9.5);
-  s.tube(wood, {0, 0, -kSunk}, {0, 0, height}, 0.16, 0.1, 14);
+  s.tube(wood, {0, 0, -kSignSunk}, {0, 0, height}, 0.16, 0.1, 14);
   const int wires = 2 + draw.below(3);
   const double half = 0.35 + 0.22 * wires;
   const double arm = height - 0.35;
@@ -143,7 +143,7 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
   const SurfaceIndex box = s.surface("traffic_light", "plastic_black");
   const SurfaceIndex glass = s.surface("traffic_light", "glass");
   const double z = draw.in(2.3, 2.6);
-  s.tube(post, {0, 0, -kSunk}, {0, 0, z + 1.15}, 0.057, 0.057, 14);
+  s.tube(post, {0, 0, -kSignSunk}, {0, 0, z + 1.15}, 0.057, 0.057, 14);
   s.box(box, {0.19, 0, z + 0.5}, {0.2, 0.3, 0.96});
   s.box(box, {0.1, 0, z + 0.5}, {0.012, 0.46, 1.1});
   for (const double dz : {0.12, 0.88}) s.box(box, {0.06, 0, z + dz}, {0.12, 0.06, 0.04});

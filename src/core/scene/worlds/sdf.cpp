@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepest = 24;            // models in models
+constexpr int kDeepestModel = 24;       // models in models
 constexpr std::size_t kLongest = 1000;  // frames, each relative to the next
 
 // Names of a world or a model that poses may be relative to.
@@ -122,7 +122,8 @@ class SdfReader {
 
   // The models of a world, or those nested in a model; and the names that poses there may be relative to.
   std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth) {
-    if (depth > kDeepest) of.fail(fmt::format("is in more than {} models: does one include itself?", kDeepest));
+    if (depth > kDeepestModel)
+      of.fail(fmt::format("is in more than {} models: does one include itself?", kDeepestModel));
     auto scope = std::make_shared<Scope>();
     struct Found {
       PoseElement pose;

@@ -25,7 +25,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kDeepest = 64;  // tiles in tiles, of tilesets in tilesets too
+constexpr int kDeepestTile = 64;  // tiles in tiles, of tilesets in tilesets too
 
 class TilesetReader {
  public:
@@ -103,7 +103,7 @@ class TilesetReader {
 
   void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, const std::string& before,
                 int depth) {
-    if (depth > kDeepest) fail(context.file, fmt::format("is deeper than {} tiles", kDeepest));
+    if (depth > kDeepestTile) fail(context.file, fmt::format("is deeper than {} tiles", kDeepestTile));
     if (tile.contains("implicitTiling")) {
       fail(context.file, "has implicit tiling, which is not read: write its tiles out, by 3d-tiles-tools for example");
     }

@@ -14,7 +14,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepest = 64;
+constexpr int kDeepestElement = 64;
 
 std::string trimmed(std::string_view text) {
   constexpr std::string_view kSpaces = " \t\r\n";
@@ -51,7 +51,8 @@ class Reader {
   XmlNode convert(const pugi::xml_node& from, int depth) const {
     XmlNode node;
     node.where = at(from.offset_debug());
-    if (depth > kDeepest) throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepest));
+    if (depth > kDeepestElement)
+      throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepestElement));
     node.name = from.name();
     std::string text;  // comments may stand in it
     for (const pugi::xml_node& child : from.children()) {

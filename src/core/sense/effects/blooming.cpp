@@ -24,7 +24,7 @@
 namespace scanmill {
 namespace {
 
-struct Options {
+struct BloomingOptions {
   double share = 0;
   double angle = 0;  // rad
   float above = 0;
@@ -38,7 +38,7 @@ struct Stray {
 
 class Blooming : public Effect {
  public:
-  explicit Blooming(const Options& options) : o_(options) {}
+  explicit Blooming(const BloomingOptions& options) : o_(options) {}
 
   Channels reads() const override { return Channel::Range | Channel::Material | Channels(Channel::Incidence); }
   bool setsGain() const override { return true; }
@@ -130,13 +130,13 @@ class Blooming : public Effect {
     }
   }
 
-  Options o_;
+  BloomingOptions o_;
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> makeBlooming(Fields& options) {
-  Options o;
+  BloomingOptions o;
   o.share = options.number("share", {1e-9, 1}, 0.001);
   o.angle = radians(options.number("angle_deg", {0.01, 20}, 0.5));
   o.above = static_cast<float>(options.number("above", {1e-6, 1e6}, 10));

@@ -45,7 +45,7 @@ namespace {
 
 enum class Report { Strongest, First, Last, Dual };
 
-struct Options {
+struct DetectionOptions {
   Report report = Report::Strongest;
   std::uint32_t most = 1;  // of Report::Strongest
   double noise = 0;
@@ -63,7 +63,7 @@ double tailOfNormal(double x) {
 
 class Detection : public Effect {
  public:
-  Detection(const Options& options, Location where) : o_(options), where_(std::move(where)) {}
+  Detection(const DetectionOptions& options, Location where) : o_(options), where_(std::move(where)) {}
 
   Channels reads() const override {
     return o_.sun ? Channel::Range | Channel::Normal | Channels(Channel::Reflectance) : Channels(Channel::Range);
@@ -254,14 +254,14 @@ class Detection : public Effect {
     return rank < o_.most;
   }
 
-  Options o_;
+  DetectionOptions o_;
   Location where_;
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> makeDetection(Fields& options) {
-  Options o;
+  DetectionOptions o;
   const Value* returns = options.find("returns");
   const std::string word = returns == nullptr ? "strongest" : returns->text;
   if (!word.empty() && word.find_first_not_of("0123456789") == std::string::npos) {

@@ -52,7 +52,7 @@ namespace {
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // refractive index 1.5, as glTF
 
-struct Options {
+struct IntensityOptions {
   float referenceRange = 10;  // m
   float nearRange = 1;        // m
   bool inverseSquare = true;
@@ -122,7 +122,7 @@ float reflected(const Lobes& lobe, float c, float reflectance) {
 
 class Intensity : public Effect {
  public:
-  explicit Intensity(const Options& options) : o_(options) {}
+  explicit Intensity(const IntensityOptions& options) : o_(options) {}
 
   Channels reads() const override {
     return Channel::Range | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
@@ -325,13 +325,13 @@ class Intensity : public Effect {
     }
   }
 
-  Options o_;
+  IntensityOptions o_;
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> makeIntensity(Fields& options) {
-  Options o;
+  IntensityOptions o;
   o.referenceRange = static_cast<float>(options.number("reference_range_m", {0.1, 1000}, 10));
   o.nearRange = static_cast<float>(options.number("near_range_m", {0.001, 1000}, 1));
   o.inverseSquare = options.choice("falloff", {"inverse_square", "none"}, "inverse_square") == "inverse_square";

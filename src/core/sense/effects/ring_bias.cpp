@@ -17,7 +17,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearest = 0.001;  // m
+constexpr double kNearestRange = 0.001;  // m
 
 // Of one figure: either a list, or a spread from which it is drawn.
 struct PerRing {
@@ -97,7 +97,7 @@ class RingBias : public Effect {
     }
     for (std::size_t i = 0; i < count && !range_.zero(); ++i) {
       const double exact = range[i];
-      const double nearest = exact < kNearest ? exact : kNearest;
+      const double nearest = exact < kNearestRange ? exact : kNearestRange;
       const double reported = exact + errors.range;
       range[i] = range[i] < kMiss ? static_cast<float>(reported > nearest ? reported : nearest) : kMiss;
     }

@@ -52,7 +52,7 @@ constexpr std::size_t kMostStretches = 32;  // a random block has numbers for tw
 constexpr double kLeastUp = 0.5;            // cosine of the angle to the vertical, of what is wet
 constexpr double kPuddle = 1.2;             // m
 
-struct Options {
+struct WeatherOptions {
   Weather weather;
   double least = 0.001;
   double wet = 0;
@@ -62,7 +62,7 @@ struct Options {
 // The integral of the density of drops that are bright enough, as a table over the range.
 class DropTable {
  public:
-  DropTable(const Options& options, const BeamTable& beams) : o_(options), beams_(beams) {
+  DropTable(const WeatherOptions& options, const BeamTable& beams) : o_(options), beams_(beams) {
     step_ = (beams.maxRange - beams.minRange) / kSteps;
     double last = density(beams.minRange);
     for (std::size_t i = 1; i <= kSteps; ++i) {
@@ -100,7 +100,7 @@ class DropTable {
 
   double density(double range) const { return beamArea(beams_, range) * o_.weather.drops.above(leastDiameter(range)); }
 
-  const Options& o_;
+  const WeatherOptions& o_;
   const BeamTable& beams_;
   double step_ = 0;
   std::array<double, kSteps + 1> sum_{};
@@ -129,7 +129,7 @@ struct Particle {
 
 class WeatherEffect : public Effect {
  public:
-  WeatherEffect(const Options& options, Location where) : o_(options), where_(std::move(where)) {}
+  WeatherEffect(const WeatherOptions& options, Location where) : o_(options), where_(std::move(where)) {}
 
   Channels reads() const override {
     const Channels hits = Channel::Range;
@@ -278,7 +278,7 @@ class WeatherEffect : public Effect {
     }
   }
 
-  Options o_;
+  WeatherOptions o_;
   Location where_;
 };
 
@@ -327,7 +327,7 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
     }
     severity.amount = options.number(exact, {kind.byRate ? 0.01 : 1.0, kind.most});
   }
-  Options o;
+  WeatherOptions o;
   o.weather = kind.of(severity.amount);
   o.wet = options.number("wet", {0, 1}, severity.wet);
   o.least = options.number("least", {1e-6, 1}, 0.001);

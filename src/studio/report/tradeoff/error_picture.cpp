@@ -24,7 +24,7 @@ Rgb errorColor(double error) {
 }
 
 Vec3f pointOfBeam(const BeamTable& beams, std::size_t i, double range) {
-  const Vec3d origin = beams.origin.empty() ? Vec3d{} : Vec3d(beams.origin[i]);
+  const Vec3d origin = beams.originOf(i);
   return Vec3f(origin + beams.direction[i] * range);
 }
 

@@ -18,8 +18,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewest = 50;  // patches of a group in a band, in either set
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewestInGroup = 50;  // patches of a group in a band, in either set
+constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 // The group of each patch, by a number that means the same in both sets.
 using Groups = std::vector<std::uint16_t>;
@@ -28,12 +28,6 @@ Groups groupsByKind(const Patches& patches) {
   Groups groups;
   for (const PatchKind kind : patches.kind) groups.push_back(static_cast<std::uint16_t>(kind));
   return groups;
-}
-
-double meanOf(const std::vector<float>& values) {
-  double sum = 0;
-  for (const float v : values) sum += static_cast<double>(v);
-  return values.empty() ? kNaN : sum / static_cast<double>(values.size());
 }
 
 // The values of a feature by group and band.
@@ -74,8 +68,8 @@ struct Sum {
     s.strength /= weight;
     s.area = 0.5 + (separation.area - 0.5) / weight;
     const bool mean = kPatchFeatures[feature].mostlyZero;
-    s.realValue = mean ? meanOf(real) : medianOf(real, kNaN);
-    s.simulatedValue = mean ? meanOf(simulated) : medianOf(simulated, kNaN);
+    s.realValue = mean ? meanOf(real) : medianOf(real, kUnmeasured);
+    s.simulatedValue = mean ? meanOf(simulated) : medianOf(simulated, kUnmeasured);
     return s;
   }
 };
@@ -89,7 +83,7 @@ Separated separate(const Strata& a, const Strata& b) {
   Separated result;
   for (const auto& [stratum, values] : a) {
     const auto other = b.find(stratum);
-    if (other == b.end() || values.size() < kFewest || other->second.size() < kFewest) continue;
+    if (other == b.end() || values.size() < kFewestInGroup || other->second.size() < kFewestInGroup) continue;
     result.groups[stratum.first].add(values, other->second);
     result.all.add(values, other->second);
   }
@@ -131,7 +125,7 @@ std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::
     }
     std::vector<double> list;
     list.reserve(values.size());
-    for (auto& own : values) list.push_back(own.size() < kFewest ? kNaN : medianOf(std::move(own)));
+    for (auto& own : values) list.push_back(own.size() < kFewestInGroup ? kUnmeasured : medianOf(std::move(own)));
     return list;
   };
   const std::vector<double> real = medians(result.real.patches), simulated = medians(result.simulated.patches);
@@ -249,7 +243,7 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
         first.name, first.rows, second.name, second.rows));
   }
   std::vector<Separated> separated(kFeatureCount);
-  result.withinReal.fill(kNaN);
+  result.withinReal.fill(kUnmeasured);
   parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       // What has no class, or none that both sets know, may be anything.

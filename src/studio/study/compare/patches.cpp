@@ -12,11 +12,11 @@ namespace scanmill {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kFewest = 12;  // points of a patch's plane
-constexpr double kPlanar = 0.35;     // thickness over width: less is a plane
-constexpr double kLevel = 25;        // deg, of a plane that is level
-constexpr double kUpright = 65;      // deg, of one that is upright
-constexpr double kSteep = 0.5;       // cosine of 60 deg: offsets along the beam are told from what is met as steeply
+constexpr std::size_t kFewestInPatch = 12;  // points of a patch's plane
+constexpr double kPlanar = 0.35;            // thickness over width: less is a plane
+constexpr double kLevel = 25;               // deg, of a plane that is level
+constexpr double kUpright = 65;             // deg, of one that is upright
+constexpr double kSteep = 0.5;  // cosine of 60 deg: offsets along the beam are told from what is met as steeply
 constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and part of the range: points so near in range are of one thing
 
 struct Plane {
@@ -103,7 +103,7 @@ class PatchReader {
     }
     out.kind.push_back(PatchKind::Sparse);
     out.incidence.push_back(kNone);
-    if (points_.size() < kFewest) return;
+    if (points_.size() < kFewestInPatch) return;
     const Plane plane = planeOf(points_);
     if (!(plane.width > 0)) return;
     const double steepness = degrees(std::acos(std::min(1.0, std::fabs(plane.normal.z))));

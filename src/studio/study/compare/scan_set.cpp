@@ -14,6 +14,7 @@
 #include "dataset/sample_names.h"
 #include "dataset/scan_store.h"
 #include "study/compare/range_grid.h"
+#include "study/median.h"
 
 namespace scanmill {
 
@@ -219,12 +220,6 @@ double& figure(ScanSet& set, std::string_view name) {
 
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
-}
-
-double meanOf(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double v : values) sum += v;
-  return values.empty() ? kNaN : sum / static_cast<double>(values.size());
 }
 
 std::vector<float> definedOf(const std::vector<float>& values) {

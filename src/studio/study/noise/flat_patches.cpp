@@ -38,10 +38,6 @@ struct Cell {
 
 using Cells = std::array<Cell, kCells>;
 
-Vec3d originOf(const BeamTable& beams, std::size_t beam) {
-  return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
-}
-
 std::optional<Cells> cellsOf(const BeamImage& image, const RecordedScan& scan, const PatchWindow& window) {
   Cells cells;
   for (std::size_t i = 0; i < kCells; ++i) {
@@ -78,7 +74,7 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
   std::vector<double> design;
   std::vector<double> values;
   for (const Cell* cell : cells) {
-    const Vec3d p = originOf(beams, cell->beam) + beams.direction[cell->beam] * cell->range;
+    const Vec3d p = beams.originOf(cell->beam) + beams.direction[cell->beam] * cell->range;
     design.insert(design.end(), {p.x / cell->range, p.y / cell->range, p.z / cell->range});
     values.push_back(1 / cell->range);
   }
@@ -93,7 +89,7 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
       const double slope = dot(found.plane, u);
       const double range = rangeOnPlane(beams, cell->beam, found.plane);
       if (!(range > 0)) return {};
-      const Vec3d p = originOf(beams, cell->beam) + u * range;
+      const Vec3d p = beams.originOf(cell->beam) + u * range;
       design.insert(design.end(), {-p.x / slope, -p.y / slope, -p.z / slope});
       values.push_back(cell->range - range);
     }
@@ -256,7 +252,7 @@ std::optional<std::uint32_t> BeamImage::beam(std::uint32_t row, std::uint32_t co
 }
 
 double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane) {
-  return (1 - dot(plane, originOf(beams, beam))) / dot(plane, beams.direction[beam]);
+  return (1 - dot(plane, beams.originOf(beam))) / dot(plane, beams.direction[beam]);
 }
 
 std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,

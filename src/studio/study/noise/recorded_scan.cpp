@@ -16,17 +16,13 @@ namespace scanmill {
 namespace {
 
 constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kFewest = 100;  // returns, from which a frame can be told
+constexpr std::size_t kFewestReturns = 100;  // returns, from which a frame can be told
 
 struct BeamPoint {
   std::size_t beam;
   Vec3d point;        // m, the scan's frame
   std::size_t place;  // in the scan
 };
-
-Vec3d originOf(const BeamTable& beams, std::size_t beam) {
-  return beams.origin.empty() ? Vec3d{} : static_cast<Vec3d>(beams.origin[beam]);
-}
 
 // The sensor's ring for each ring of a scan, which may count them from the other end, or leave out those without a
 // point: by the order of their elevations where there are as many, else by the nearest elevation.
@@ -123,7 +119,7 @@ double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams,
   std::vector<double> angles;
   angles.reserve(points.size());
   for (const BeamPoint& p : points) {
-    const Vec3d ray = sensorFromScan * p.point - originOf(beams, p.beam);
+    const Vec3d ray = sensorFromScan * p.point - beams.originOf(p.beam);
     const Vec3d& u = beams.direction[p.beam];
     angles.push_back(std::atan2(length(cross(ray, u)), dot(ray, u)));
   }
@@ -146,7 +142,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
     for (std::size_t i = 0; i < points.size(); i += stride) {
       const Vec3d own = sensorFromScan * points[i].point;
       const Vec3d& u = beams.direction[points[i].beam];
-      const Vec3d ray = own - originOf(beams, points[i].beam);
+      const Vec3d ray = own - beams.originOf(points[i].beam);
       const double range = std::max(length(ray), 1e-3);
       const Vec3d across = normalized(cross(u, std::abs(u.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
       for (const Vec3d& axis : {across, cross(across, u)}) {
@@ -187,8 +183,9 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
   if (scan.size() == 0) throw InputError(where, "holds no point: there is no noise to measure");
   const bool rings = !knowsBeams(scan) && !scan[kRing].empty() && beams.listed == nullptr && !beams.rosette;
   const std::vector<BeamPoint> points = firstReturns(rings ? withColumns(scan, beams) : scan, beams, where);
-  if (points.size() < kFewest) {
-    throw InputError(where, fmt::format("holds {} returns: noise is measured from {} on", points.size(), kFewest));
+  if (points.size() < kFewestReturns) {
+    throw InputError(where,
+                     fmt::format("holds {} returns: noise is measured from {} on", points.size(), kFewestReturns));
   }
   RecordedScan recorded;
   recorded.name = name;
@@ -205,7 +202,7 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
   if (lit) recorded.intensity.assign(beams.size(), 0.0f);
   const Pose sensorFromScan = inverse(recorded.scanFromSensor);
   for (const BeamPoint& p : points) {
-    const double range = dot(sensorFromScan * p.point - originOf(beams, p.beam), beams.direction[p.beam]);
+    const double range = dot(sensorFromScan * p.point - beams.originOf(p.beam), beams.direction[p.beam]);
     if (!(range > 0)) continue;
     ++recorded.returns;
     recorded.range[p.beam] = range;

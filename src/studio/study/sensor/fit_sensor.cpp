@@ -12,11 +12,11 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kFewest = 20;     // points of a ring
-constexpr double kNearlyWhole = 0.015;  // of a turn, within which steps make a full one
-constexpr double kSpreadWanted = 1;     // m, of distances, to tell where beams start
-constexpr double kSurely = 3;           // standard errors
-constexpr double kLeastOffset = 2e-3;   // m
+constexpr std::size_t kFewestInRing = 20;  // points of a ring
+constexpr double kNearlyWhole = 0.015;     // of a turn, within which steps make a full one
+constexpr double kSpreadWanted = 1;        // m, of distances, to tell where beams start
+constexpr double kSurely = 3;              // standard errors
+constexpr double kLeastOffset = 2e-3;      // m
 
 struct Point {
   Vec3d place;
@@ -61,7 +61,7 @@ std::optional<Line> lineOf(const std::vector<Point>& points) {
   std::optional<Line> line;
   for (int round = 0; round < 3; ++round) {
     const auto n = static_cast<double>(kept.size());
-    if (kept.size() < kFewest) return std::nullopt;
+    if (kept.size() < kFewestInRing) return std::nullopt;
     double sumX = 0, sumY = 0, sumXX = 0, sumXY = 0;
     for (const Point* p : kept) {
       const double x = axisDistance(*p);
@@ -106,7 +106,7 @@ class Fitter {
     if (fit_.rings == 0 || fit_.columns < 2) throw InputError("the scans have no rings of two columns or more");
     rings_.resize(fit_.rings);
     for (const Scan& scan : scans) add(scan);
-    if (fit_.points < kFewest) throw InputError(fmt::format("the scans have {} points: too few", fit_.points));
+    if (fit_.points < kFewestInRing) throw InputError(fmt::format("the scans have {} points: too few", fit_.points));
   }
 
   SensorFit fit() {
@@ -153,7 +153,8 @@ class Fitter {
   void findStep() {
     std::vector<double> steps;
     forPairs(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
-    if (steps.size() < kFewest) throw InputError("the scans have hardly two points side by side: too few returns");
+    if (steps.size() < kFewestInRing)
+      throw InputError("the scans have hardly two points side by side: too few returns");
     step_ = medianOf(steps);
     // From ever farther columns ever more exactly; near ones tell how many whole turns lie between.
     for (std::uint32_t apart = 4; apart < fit_.columns; apart *= 4) {
@@ -161,7 +162,7 @@ class Fitter {
       forPairs(apart, [&](const Point& a, const Point& b) {
         steps.push_back(step_ + wrapped(azimuthOf(b) - azimuthOf(a) - step_ * apart) / apart);
       });
-      if (steps.size() >= kFewest) step_ = medianOf(steps);
+      if (steps.size() >= kFewestInRing) step_ = medianOf(steps);
     }
     fit_.clockwise = step_ < 0;
     const double turn = std::fabs(step_) * fit_.columns;
@@ -188,7 +189,7 @@ class Fitter {
     std::vector<double> known;
     fit_.azimuthOffset.assign(fit_.rings, 0);
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
-      if (rings_[ring].size() < kFewest) continue;
+      if (rings_[ring].size() < kFewestInRing) continue;
       std::vector<double> offsets;
       for (const Point& p : rings_[ring]) offsets.push_back(offsetOf(p, origin));
       fit_.azimuthOffset[ring] = circularMedian(offsets);
@@ -200,7 +201,7 @@ class Fitter {
     std::vector<double> off;
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
       fit_.azimuthOffset[ring] = wrapped(fit_.azimuthOffset[ring] - middle);
-      if (rings_[ring].size() < kFewest) continue;
+      if (rings_[ring].size() < kFewestInRing) continue;
       for (const Point& p : rings_[ring])
         off.push_back(std::fabs(wrapped(offsetOf(p, origin) - fit_.azimuthOffset[ring])));
     }
@@ -233,7 +234,7 @@ class Fitter {
     fit_.elevation.assign(fit_.rings, 0);
     std::vector<double> off;
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
-      if (rings_[ring].size() < kFewest) {
+      if (rings_[ring].size() < kFewestInRing) {
         fit_.bareRings.push_back(ring);
         continue;
       }
@@ -256,7 +257,7 @@ class Fitter {
   // On the line through the nearest rings that have points.
   void fillBare() {
     const auto known = [&](std::int64_t ring) {
-      return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewest;
+      return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewestInRing;
     };
     for (const std::uint32_t bare : fit_.bareRings) {
       std::vector<std::uint32_t> near;
@@ -278,14 +279,14 @@ class Fitter {
     forPairs(1, [&](const Point& a, const Point& b) {
       if (a.time && b.time) steps.push_back(*b.time - *a.time);
     });
-    if (steps.size() < kFewest) return;
+    if (steps.size() < kFewestInRing) return;
     double step = medianOf(steps);
     const std::uint32_t apart = fit_.columns / 2;
     steps.clear();
     forPairs(apart, [&](const Point& a, const Point& b) {
       if (a.time && b.time) steps.push_back((*b.time - *a.time) / apart);
     });
-    if (steps.size() >= kFewest) step = medianOf(steps);
+    if (steps.size() >= kFewestInRing) step = medianOf(steps);
     if (!(step > 0)) return;
     fit_.period = step * 2 * kPi / std::fabs(step_);
     std::vector<double> firing(fit_.rings, 0);
@@ -294,7 +295,7 @@ class Fitter {
       for (const Point& p : rings_[ring]) {
         if (p.time) times.push_back(*p.time - step * p.column);
       }
-      if (times.size() >= kFewest) firing[ring] = medianOf(times);
+      if (times.size() >= kFewestInRing) firing[ring] = medianOf(times);
     }
     const double first = *std::min_element(firing.begin(), firing.end());
     for (double& f : firing) f -= first;

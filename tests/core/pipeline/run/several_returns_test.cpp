@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "formats/format.h"
-#include "pipeline/plan/dataset_size.h"
+#include "pipeline/plan/sample_size.h"
 #include "tests/core/pipeline/two_returns_yard.h"
 
 namespace scanmill {
@@ -242,7 +242,8 @@ TEST_F(SeveralReturns, FitTheSizeThatThePlanSays) {
                                              "output.formats=[pcd: {encoding: ascii}, csv, draco]",
                                              fmt::format("output.layout={}", layout)};
     const GenerateSummary summary = make(overrides, layout);
-    EXPECT_GE(mostDatasetBytes(planned(overrides), scene_.ontology, 0), static_cast<double>(summary.bytes));
+    EXPECT_GE(mostSampleBytes(planned(overrides)) * static_cast<double>(summary.samples),
+              static_cast<double>(summary.bytes));
   }
   EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * Plan(readPipeline(pipeline_, {})).bytesPerFrameInMemory());
 }

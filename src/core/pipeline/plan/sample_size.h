@@ -1,16 +1,12 @@
 #pragma once
 
-// How large a dataset can become, known before the first ray.
+// How large a sample can become, known before the first ray.
 
 #include <cstdint>
 
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
-
-// Upper bound of the bytes of shards and manifest, whatever the beams meet. `ontology`: of the scenes; `things`: that
-// they have at most, where samples list them.
-double mostDatasetBytes(const Plan& plan, const Ontology& ontology, std::uint64_t things);
 
 // Upper bound of the bytes of a sample in its shard, but for classes of very many or very long names, and for more than
 // a thousand objects where samples list them.

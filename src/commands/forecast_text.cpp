@@ -1,0 +1,47 @@
+#include "commands/forecast_text.h"
+
+#include <fmt/format.h>
+
+#include "base/short_text.h"
+
+namespace scanmill {
+
+namespace {
+
+// "11 to 26 s": the unit stands once where both have the same.
+std::string rangeText(const std::string& least, const std::string& most) {
+  const std::size_t unit = least.rfind(' ');
+  const bool same = unit != std::string::npos && most.ends_with(least.substr(unit));
+  return fmt::format("{} to {}", same ? least.substr(0, unit) : least, most);
+}
+
+}  // namespace
+
+std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
+                                       std::string* why) {
+  if (plan.chosen()) overrides.push_back(plan.chosen()->assignment);
+  const Reread reread = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = overrides;
+    all.insert(all.end(), more.begin(), more.end());
+    return readPipeline(parsed.pipeline(), all);
+  };
+  try {
+    return measureSampleCosts(plan, reread);
+  } catch (const Error& failure) {
+    if (why != nullptr) *why = failure.what();
+    return std::nullopt;
+  }
+}
+
+std::string timeText(const Forecast& forecast) {
+  const Estimate& s = forecast.seconds;
+  return fmt::format("{} ({}) on {} thread{}", shortTime(s.expected), rangeText(shortTime(s.least), shortTime(s.most)),
+                     forecast.threads, forecast.threads == 1 ? "" : "s");
+}
+
+std::string sizeText(const Forecast& forecast) {
+  const Estimate& b = forecast.bytes;
+  return fmt::format("{} ({})", shortBytes(b.expected), rangeText(shortBytes(b.least), shortBytes(b.most)));
+}
+
+}  // namespace scanmill

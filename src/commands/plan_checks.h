@@ -1,0 +1,22 @@
+#pragma once
+
+// What `scanmill plan --check` finds in the scenes of a pipeline, which it loads.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+struct SceneFindings {
+  std::vector<std::string> modelled;  // lines of Plan::modelled(), and those of the method in these scenes
+  std::uint64_t bytes = 0;            // of the largest scene, in the form that the method has made of it
+};
+
+// Prints a table of the scenes and their unlabelled geometry, and warns of what is legal, but seldom meant: ways
+// through walls, things of odd sizes, rules that match nothing. Loads each scene, the first twenty of them.
+SceneFindings checkScenes(const Plan& plan);
+
+}  // namespace scanmill

@@ -1,0 +1,37 @@
+#include "pipeline/plan/sample_size.h"
+
+#include <cmath>
+
+#include "dataset/voxels.h"
+#include "formats/reasons_png.h"
+
+namespace scanmill {
+
+double mostSampleBytes(const Plan& plan) {
+  constexpr double kHeaders = 1536;       // of a tar member with a long name
+  constexpr double kDescription = 16384;  // of a scan, in the sample's .json
+  constexpr double kObjects = 1000;       // near the sensors, at most
+  constexpr double kObject = 700;         // without its views; names are seldom longer than this leaves for them
+  constexpr double kView = 450;           // of an object by a sensor
+  constexpr double kReserve = 10;         // m; with twice the range: noise, and the way of a revolution
+  const Pipeline& pipeline = plan.pipeline();
+  const auto sensors = static_cast<double>(plan.beams().size());
+  double bytes = kHeaders + kDescription * sensors;
+  if (pipeline.objects) bytes += kHeaders + kObjects * (kObject + kView * sensors);
+  ScanOutline outline;
+  outline.held = plan.columns();
+  for (const auto& beams : plan.beams()) {
+    outline.points = beams->size() * pipeline.mostReturns();
+    outline.rings = beams->rings;
+    outline.columns = beams->columns;
+    outline.reach = 2 * beams->maxRange + kReserve;
+    for (const FormatChoice& f : pipeline.formats) bytes += kHeaders + std::ceil(f.format->mostBytes(outline));
+    if (pipeline.layout.reasons) {
+      bytes += kHeaders + static_cast<double>(mostReasonsBytes(beams->rings, beams->columns));
+    }
+    if (pipeline.voxels) bytes += kHeaders + static_cast<double>(mostVoxelsBytes(*pipeline.voxels));
+  }
+  return bytes;
+}
+
+}  // namespace scanmill

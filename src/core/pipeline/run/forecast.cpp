@@ -1,0 +1,195 @@
+#include "pipeline/run/forecast.h"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "base/hash.h"
+#include "base/parallel.h"
+#include "base/wall_timer.h"
+#include "config/resources.h"
+#include "config/value.h"
+#include "dataset/sample_json.h"
+#include "dataset/shard.h"
+#include "pipeline/run/sample_maker.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kStartSeconds = 0.1;  // reading the pipeline, and ending the dataset
+constexpr double kLowMount = 0.5;      // m above the vehicle's origin, which lies on the ground
+
+// How a kind of scene compares with the small town: factors of its costs, and how far facts were from forecasts. Found
+// by tests/benchmarks/forecast.cpp on the pipelines that come with the program (2 cores of an Intel Xeon).
+struct SceneFactors {
+  double setup;
+  double frame;
+  double bytes;
+  double timeSpread;
+  double byteSpread;
+};
+
+// Simple scenes of few, large objects, and others: what files hold is not known.
+constexpr SceneFactors kOfFiles{0.5, 0.55, 0.85, 2.5, 1.65};
+constexpr SceneFactors kOfStreet{0.5, 0.92, 1, 1.5, 1.2};
+
+double numberOr(const Value& map, std::string_view key, double otherwise) {
+  const Value* const value = map.find(key);
+  if (value == nullptr || value->kind != Value::Kind::Scalar) return otherwise;
+  double number = otherwise;
+  std::from_chars(value->text.data(), value->text.data() + value->text.size(), number);
+  return number;
+}
+
+SceneFactors ofTown(const Value& town) {
+  constexpr double kUsualLength = 300;  // m
+  const double setup = 1 + 0.7 * numberOr(town, "length", kUsualLength) / 100;
+  // Towns with bounds on shares are made up to nine times.
+  if (town.find("shares") != nullptr) return {4 * setup, 1.25, 1, 2.5, 1.2};
+  return {setup, 1.25, 1, 1.5, 1.2};
+}
+
+SceneFactors factorsOf(const std::filesystem::path& file) {
+  const Value root = readYaml(file);
+  const Value* const objects = root.find("objects");
+  SceneFactors factors = kOfFiles;
+  if (objects == nullptr) return factors;
+  for (const Value& object : objects->items) {
+    if (const Value* const town = object.find("town")) return ofTown(*town);
+    if (object.find("street") != nullptr) factors = kOfStreet;
+  }
+  return factors;
+}
+
+double processorSeconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// The pipeline with a small town in place of its scenes.
+Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
+  const std::filesystem::path town = resourceFolder() / "scenes" / "hamlet.yaml";
+  const bool moving = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
+                                  [](const Sequence& sequence) { return sequence.moving; });
+  // Where the poses of a drive hold the sensors' height, the mounts do not.
+  const bool low = std::all_of(pipeline.sensors.begin(), pipeline.sensors.end(), [](const MountedSensor& sensor) {
+    return sensor.vehicleFromSensor.translation.z < kLowMount;
+  });
+  std::vector<std::string> changes{
+      fmt::format("scenes=[{{scene: '{}', seeds: [1], moving: {}}}]", town.string(), moving),
+      fmt::format("trajectories=[{{name: forecast, along: lane, speed: 8, every_m: 10, frames: {}{}}}]", threadCount(),
+                  low ? ", ground: {height: 1.8}" : ""),
+      "splits=null"};
+  if (pipeline.method.automatic) changes.emplace_back("method=ray_tracing");
+  return reread(changes);
+}
+
+std::uint64_t bytesInShard(const Sample& sample) {
+  const std::string json =
+      sampleJson({sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws});
+  std::uint64_t bytes = ShardFile::memberBytes(sample.key.size() + 5, json.size());
+  for (const Member& member : sample.members) {
+    bytes += ShardFile::memberBytes(sample.key.size() + 1 + member.suffix.size(), member.bytes.size());
+  }
+  return bytes;
+}
+
+// Makes samples of the plan's first sequence, one for each thread, and fills in what the first scene and a frame cost.
+void measure(const Plan& plan, SampleCosts& costs) {
+  const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline().sequences[0].frames);
+  SampleMaker maker(plan, {}, {}, false, [](const Sequence&) {});
+  const WallTimer whole;
+  const double before = processorSeconds();
+  maker.prepare(0);
+  costs.slowestSceneSeconds = whole.seconds();
+  costs.sceneSeconds = processorSeconds() - before;
+  std::vector<double> bytes(samples);
+  const WallTimer timer;
+  parallelFor(samples, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      const MadeSample made = maker.make({0, static_cast<std::uint32_t>(i), i});
+      Sha256 hash;  // as writing a shard does
+      for (const Member& member : made.sample.members) hash.add(member.bytes);
+      hash.hex();
+      bytes[i] = static_cast<double>(bytesInShard(made.sample));
+    }
+  });
+  costs.threads =
+      static_cast<int>(std::min<std::size_t>(plan.framesInFlight(), static_cast<std::size_t>(threadCount())));
+  const auto made = static_cast<double>(samples);
+  costs.frameSeconds = timer.seconds() * std::min<double>(costs.threads, made) / made;
+  for (const double b : bytes) costs.frameBytes += b / made;
+}
+
+// Scales what the small town costs to the pipeline's scenes.
+void scale(const Pipeline& pipeline, SampleCosts& costs) {
+  SceneFactors mean{0, 0, 0, 1, 1};
+  std::optional<std::pair<std::filesystem::path, SceneFactors>> known;
+  double scenes = 0;
+  double slowest = 0;
+  for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
+    const Sequence& sequence = pipeline.sequences[i];
+    if (!known || known->first != sequence.sceneFile) known = {sequence.sceneFile, factorsOf(sequence.sceneFile)};
+    const SceneFactors& own = known->second;
+    const double share = static_cast<double>(sequence.frames) / static_cast<double>(pipeline.frames());
+    mean.frame += share * own.frame;
+    mean.bytes += share * own.bytes;
+    mean.timeSpread = std::max(mean.timeSpread, own.timeSpread);
+    mean.byteSpread = std::max(mean.byteSpread, own.byteSpread);
+    if (i > 0 && sequence.sameScene(pipeline.sequences[i - 1])) continue;
+    scenes += 1;
+    mean.setup += own.setup;
+    slowest = std::max(slowest, own.setup);
+  }
+  costs.sceneSeconds *= mean.setup / scenes;
+  costs.slowestSceneSeconds *= slowest;
+  costs.frameSeconds *= mean.frame;
+  costs.frameBytes *= mean.bytes;
+  costs.timeSpread = mean.timeSpread;
+  costs.byteSpread = mean.byteSpread;
+}
+
+}  // namespace
+
+SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
+  SampleCosts costs;
+  if (plan.pipeline().recording != nullptr) {
+    measure(plan, costs);
+    costs.timeSpread = 1.5;
+    costs.byteSpread = 1.2;
+    return costs;
+  }
+  measure(Plan(inSmallTown(plan.pipeline(), reread)), costs);
+  scale(plan.pipeline(), costs);
+  return costs;
+}
+
+std::uint64_t scenesOf(const Pipeline& pipeline) {
+  std::uint64_t scenes = 0;
+  for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
+    scenes += i == 0 || !pipeline.sequences[i].sameScene(pipeline.sequences[i - 1]) ? 1 : 0;
+  }
+  return scenes;
+}
+
+Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes) {
+  const double threads = costs.threads;
+  // A scene's frames wait for the scene; with several scenes the threads set up one each.
+  const double setup = std::max(static_cast<double>(scenes) * costs.sceneSeconds / threads, costs.slowestSceneSeconds);
+  const double rounds = std::max(static_cast<double>(frames) / threads, 1.0);
+  const double seconds = kStartSeconds + setup + rounds * costs.frameSeconds;
+  const double bytes = static_cast<double>(frames) * costs.frameBytes;
+  return {frames,
+          costs.threads,
+          {seconds / costs.timeSpread, seconds, seconds * costs.timeSpread},
+          {bytes / costs.byteSpread, bytes, bytes * costs.byteSpread}};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,54 @@
+#pragma once
+
+// How long a dataset takes to make and how large it becomes, told without loading its scenes: a few samples of a small
+// town are made on this machine, with the pipeline's sensors, method, effects and formats, and what they cost is scaled
+// to the pipeline's scenes. tests/benchmarks/forecast.cpp compares the result with whole datasets.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.h"
+
+namespace scanmill {
+
+struct Estimate {
+  double least = 0;
+  double expected = 0;
+  double most = 0;
+};
+
+struct Forecast {
+  std::uint64_t frames = 0;
+  int threads = 0;
+  Estimate seconds;  // of wall time, from the start of the program to the manifest
+  Estimate bytes;    // of all shards
+};
+
+// What a pipeline's scenes and frames cost on this machine.
+struct SampleCosts {
+  int threads = 0;                 // that work at a time
+  double sceneSeconds = 0;         // processor seconds to set up a scene, on the mean over the pipeline's scenes
+  double slowestSceneSeconds = 0;  // s of wall time to set one up with all threads
+  double frameSeconds = 0;         // thread seconds of a frame while all threads work
+  double frameBytes = 0;           // of a sample in its shard
+  double timeSpread = 1;           // a dataset takes at most so many times longer or shorter than expected
+  double byteSpread = 1;           // and is at most so many times larger or smaller
+};
+
+// Reads the plan's pipeline again, with these arguments of --set after all others.
+using Reread = std::function<Pipeline(const std::vector<std::string>&)>;
+
+// Makes a sample for each thread. A pipeline of recorded hits or passes makes its own first samples instead. Throws
+// InputError if the small town cannot stand for the pipeline's scenes, for instance if an effect wants a class that
+// towns do not have.
+SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread);
+
+// The number of scenes that a pipeline sets up: each scene file with each of its seeds.
+std::uint64_t scenesOf(const Pipeline& pipeline);
+
+// The forecast of so many frames in so many scenes.
+Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes);
+
+}  // namespace scanmill

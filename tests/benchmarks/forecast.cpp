@@ -1,0 +1,74 @@
+// Forecasts beside facts: for each pipeline, what `scanmill plan` foretells of a whole dataset and what making it then
+// takes, in time and in bytes. All threads; datasets go to shared memory.
+//   bench_forecast [PIPELINE ...]     all that come with the program where none is named; those whose assets
+//                                     SCANMILL_ASSETS does not name are left out
+
+#include "pipeline/run/forecast.h"
+
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/wall_timer.h"
+#include "pipeline/run/generate.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+std::vector<std::filesystem::path> shippedPipelines() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(std::string(SCANMILL_SOURCE_DIR) + "/pipelines")) {
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void compare(const std::filesystem::path& file) {
+  const TemporaryFolder folder;
+  const auto reread = [&](const std::vector<std::string>& more) { return readPipeline(file, more); };
+  const WallTimer whole;
+  const Plan plan(reread({}));
+  const WallTimer timer;
+  const SampleCosts costs = measureSampleCosts(plan, reread);
+  const double took = timer.seconds();
+  const Forecast expected = forecast(costs, plan.pipeline().frames(), scenesOf(plan.pipeline()));
+  const double before = whole.seconds();
+  GenerateOptions options;
+  options.folder = folder.path() / "dataset";
+  options.quiet = true;
+  const GenerateSummary fact = generate(plan, options);
+  const double seconds = fact.seconds;
+  const auto bytes = static_cast<double>(fact.bytes);
+  fmt::print("{:<22} {:7.2f} {:7.2f} {:5.2f}   {:8.1f} {:8.1f} {:5.2f}   {:6.2f} {:6.2f}   {:.3f} {:.3f} {:.4f}\n",
+             file.stem().string(), expected.seconds.expected, seconds, expected.seconds.expected / seconds,
+             expected.bytes.expected * 1e-6, bytes * 1e-6, expected.bytes.expected / bytes, took, before,
+             costs.sceneSeconds, costs.slowestSceneSeconds, costs.frameSeconds);
+  std::fflush(stdout);
+}
+
+int run(const std::vector<std::filesystem::path>& files) {
+  fmt::print("{:<22} {:>7} {:>7} {:>5}   {:>8} {:>8} {:>5}   {:>6} {:>6}\n", "pipeline", "s told", "s", "ratio",
+             "MB told", "MB", "ratio", "took s", "all s");
+  for (const std::filesystem::path& file : files) {
+    try {
+      compare(file);
+    } catch (const Error& failure) {
+      fmt::print("{:<22} left out: {}\n", file.stem().string(), failure.what());
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace scanmill
+
+int main(int count, char** arguments) {
+  std::vector<std::filesystem::path> files(arguments + 1, arguments + count);
+  return scanmill::run(files.empty() ? scanmill::shippedPipelines() : files);
+}
