@@ -8,7 +8,6 @@
 // keeps the sensor's rings and columns.
 
 #include <fmt/format.h>
-#include <lzf.h>
 
 #include <algorithm>
 #include <cstring>
@@ -16,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+#include "formats/lzf.h"
 #include "formats/makers.h"
 #include "formats/pcd_reader.h"
 #include "formats/scratch.h"
@@ -125,7 +125,7 @@ void appendBinary(const Scan& scan, std::string& out) {
 void appendCompressed(const Scan& scan, std::string& out) {
   const std::size_t size = scan.size();
   const std::size_t raw = rowSize(scan) * size;
-  const std::size_t room = raw + raw / 16 + 64;  // LZF adds at most one byte in 32
+  const std::size_t room = mostLzfBytes(raw);
   if (room > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(fmt::format("{} points are more than a compressed PCD holds: use encoding binary", size));
   }
@@ -144,9 +144,8 @@ void appendCompressed(const Scan& scan, std::string& out) {
     to += storedSize<T>(name) * size;
   });
   char* const packed = packedScratch.get(room);
-  const unsigned packedSize = lzf_compress(planes, static_cast<unsigned>(raw), packed, static_cast<unsigned>(room));
-  if (packedSize == 0) throw Error("LZF compression failed");
-  const std::uint32_t sizes[2] = {packedSize, static_cast<std::uint32_t>(raw)};
+  const std::size_t packedSize = compressLzf(planes, raw, packed);
+  const std::uint32_t sizes[2] = {static_cast<std::uint32_t>(packedSize), static_cast<std::uint32_t>(raw)};
   out.reserve(out.size() + sizeof(sizes) + packedSize);
   out.append(reinterpret_cast<const char*>(sizes), sizeof(sizes));
   out.append(packed, packedSize);

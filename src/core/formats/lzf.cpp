@@ -1,0 +1,79 @@
+#include "formats/lzf.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+namespace scanmill {
+
+namespace {
+
+constexpr std::size_t kLeastMatch = 3;
+constexpr std::size_t kMostMatch = 264;
+constexpr std::size_t kFarthest = 8192;    // back to the earlier occurrence
+constexpr std::size_t kMostLiterals = 32;  // that one head announces
+constexpr unsigned kTableBits = 16;
+
+// The next three bytes as a place in the table.
+std::uint32_t hashAt(const unsigned char* p) {
+  const std::uint32_t bytes = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16;
+  return bytes * 2654435761u >> (32 - kTableBits);  // Knuth, The Art of Computer Programming 3, 6.4
+}
+
+char* putLiterals(const unsigned char* from, const unsigned char* end, char* out) {
+  while (from < end) {
+    const std::size_t count = std::min<std::size_t>(kMostLiterals, static_cast<std::size_t>(end - from));
+    *out++ = static_cast<char>(count - 1);
+    std::memcpy(out, from, count);
+    out += count;
+    from += count;
+  }
+  return out;
+}
+
+char* putMatch(std::size_t back, std::size_t length, char* out) {
+  const std::size_t code = length - 2;
+  *out++ = static_cast<char>((std::min<std::size_t>(code, 7) << 5) | ((back - 1) >> 8));
+  if (code >= 7) *out++ = static_cast<char>(code - 7);
+  *out++ = static_cast<char>((back - 1) & 0xff);
+  return out;
+}
+
+}  // namespace
+
+std::size_t compressLzf(const char* in, std::size_t size, char* out) {
+  const auto* const begin = reinterpret_cast<const unsigned char*>(in);
+  const unsigned char* const end = begin + size;
+  const char* const start = out;
+  thread_local std::vector<std::uint32_t> latest;  // places, counted from 1, of the hashes of three bytes
+  latest.assign(std::size_t{1} << kTableBits, 0);
+  const unsigned char* literals = begin;  // that are not written yet
+  const unsigned char* p = begin;
+  while (p + kLeastMatch <= end) {
+    std::uint32_t& slot = latest[hashAt(p)];
+    const auto here = static_cast<std::size_t>(p - begin);
+    const std::size_t earlier = slot;
+    slot = static_cast<std::uint32_t>(here + 1);
+    if (earlier == 0 || here + 1 - earlier > kFarthest || std::memcmp(begin + earlier - 1, p, kLeastMatch) != 0) {
+      ++p;
+      continue;
+    }
+    const std::size_t back = here + 1 - earlier;
+    const auto most = std::min(kMostMatch, static_cast<std::size_t>(end - p));
+    std::size_t length = kLeastMatch;
+    while (length < most && *(p + length - back) == p[length]) ++length;
+    out = putLiterals(literals, p, out);
+    out = putMatch(back, length, out);
+    p += length;
+    literals = p;
+    // The last two places of a match are found again, the others are passed over.
+    for (const unsigned char* q = p - 2; q < p && q + kLeastMatch <= end; ++q) {
+      latest[hashAt(q)] = static_cast<std::uint32_t>(q - begin + 1);
+    }
+  }
+  out = putLiterals(literals, end, out);
+  return static_cast<std::size_t>(out - start);
+}
+
+}  // namespace scanmill
