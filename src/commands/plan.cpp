@@ -119,34 +119,53 @@ std::string shardsText(const Plan& plan) {
   return text;
 }
 
+// How many seeds a dataset of so many frames wants, and what it then takes.
+void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<SampleCosts>& costs) {
+  const Pipeline& pipeline = plan.pipeline();
+  const std::uint64_t scenes = scenesOf(pipeline);
+  const std::uint64_t wanted =
+      std::max<std::uint64_t>(1, (frames * scenes + pipeline.frames() - 1) / pipeline.frames());
+  const std::uint64_t made = (wanted * pipeline.frames() + scenes - 1) / scenes;
+  if (!followsFromSeeds(pipeline)) {
+    printText("\nfor {} frames take longer or more trajectories: seeds change nothing in these scenes\n",
+              grouped(frames));
+  } else {
+    printText(
+        "\nfor {} frames: {} seed{} of {} frames in place of {}, `seeds: {}`{}\n", grouped(frames), grouped(wanted),
+        wanted == 1 ? "" : "s", shortNumber(static_cast<double>(pipeline.frames()) / static_cast<double>(scenes)),
+        grouped(scenes), wanted < 3 ? (wanted == 1 ? "[1]" : "[1, 2]") : fmt::format("[1, ..., {}]", wanted),
+        pipeline.splitsBySeed ? "; `splits` lists seeds, so give each of them a split, or --set splits=null" : "");
+  }
+  if (costs) {
+    const Forecast f = forecast(*costs, made, wanted);
+    printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
+  }
+  const double rays = static_cast<double>(made) * static_cast<double>(pipeline.raysPerFrame());
+  if (rays > pipeline.maxRays) {
+    printText("these are {} rays, and `limits.max_rays` allows {}: --set limits.max_rays={:.0e}\n", shortNumber(rays),
+              shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
+  }
+}
+
 // The first lines: frames, shards, time and size.
 void printForecast(const Arguments& parsed, const Plan& plan) {
-  const bool asked = parsed.options.count("frames") > 0;
-  const std::uint64_t frames = asked ? countOption(parsed, "frames") : 0;
-  if (asked && plan.pipeline().recording != nullptr)
-    throw InputError("--frames: a recording has the frames that it has");
   const Pipeline& pipeline = plan.pipeline();
+  const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;
+  if (frames == 0 && parsed.options.count("frames") > 0) throw InputError("--frames 0: is no whole number from 1");
+  if (frames > 0 && pipeline.recording != nullptr) {
+    throw InputError("--frames: a recording has the frames that it has");
+  }
   std::string why;
   const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed), &why);
-  const std::uint64_t scenes = scenesOf(pipeline);
-  printText("{} frames in {}\n", grouped(pipeline.frames()), shardsText(plan));
-  const auto print = [](const Forecast& f) { printText("time: {}\nsize: {}\n", timeText(f), sizeText(f)); };
+  printText("{} frame{} in {}\n", grouped(pipeline.frames()), pipeline.frames() == 1 ? "" : "s", shardsText(plan));
   if (costs) {
-    print(forecast(*costs, pipeline.frames(), scenes));
+    const Forecast f = forecast(*costs, pipeline.frames(), scenesOf(pipeline));
+    printText("time: {}{}\nsize: {}\n", timeText(f),
+              pipeline.method.automatic ? " by ray_tracing; choosing the method takes longer" : "", sizeText(f));
   } else {
-    printText("time and size: unknown, no sample could be made of a small town: {}\n", why);
+    printText("time and size: unknown, since no scan of a small town could be made as this pipeline says: {}\n", why);
   }
-  if (!asked) {
-    printText("\n");
-    return;
-  }
-  const std::uint64_t wanted = (frames * scenes + pipeline.frames() - 1) / pipeline.frames();
-  printText(
-      "\nfor {} frames: {} scenes (each scene file with each of its seeds) of {} frames in place of {}: `seeds: "
-      "[1, ..., {}]` for one scene file\n",
-      grouped(frames), grouped(wanted),
-      shortNumber(static_cast<double>(pipeline.frames()) / static_cast<double>(scenes)), grouped(scenes), wanted);
-  if (costs) print(forecast(*costs, frames, wanted));
+  if (frames > 0) printSeeds(plan, frames, costs);
   printText("\n");
 }
 
@@ -179,7 +198,11 @@ int runPlan(const std::vector<std::string>& arguments) {
   printSensors(plan);
   printSequences(pipeline);
 
-  const bool loads = parsed.options.count("check") > 0 || pipeline.recording != nullptr;
+  const bool recorded = pipeline.recording != nullptr;
+  const bool checks = parsed.options.count("check") > 0;
+  const bool costs = parsed.options.count("costs") > 0;
+  if (recorded && (checks || costs)) warn("--check and --costs look at scenes, and a recording has none");
+  const bool loads = checks || recorded;
   SceneFindings found = loads ? checkScenes(plan) : SceneFindings{plan.modelled(), 0};
   if (pipeline.method.automatic) {
     found.modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
@@ -187,7 +210,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   }
   printText("{}modelled and left out:\n", loads ? "\n" : "");
   for (const std::string& line : found.modelled) printText("  {}\n", line);
-  if (parsed.options.count("costs") > 0 && pipeline.recording == nullptr && !pipeline.method.automatic) {
+  if (costs && !recorded && !pipeline.method.automatic) {
     printFeatures(measured([&] { return readPipeline(parsed.pipeline(), pipelineOverrides(parsed)); }));
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
@@ -198,7 +221,12 @@ int runPlan(const std::vector<std::string>& arguments) {
   printText("memory: {} for frames in flight", shortBytes(inFlight));
   if (found.bytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(found.bytes)));
   printText("\n");
-  if (!loads) printText("scenes were not loaded: --check does, and looks at ways, labels and sizes\n");
+  if (checks && !recorded) {
+    printText("checked: ways, labels and sizes; {}\n",
+              warningCount() == 0 ? "nothing to warn of" : fmt::format("{} warnings", warningCount()));
+  } else if (!loads && !costs) {
+    printText("scenes were not loaded: --check does, and looks at ways, labels and sizes\n");
+  }
   return 0;
 }
 

@@ -54,7 +54,7 @@ TEST_F(Tell, PlanPrintsRaysMemoryAndWhatIsLeftOut) {
   EXPECT_THAT(told({"plan", pipeline_, "--check"}),
               AllOf(ContainsRegex("frames in flight and about [0-9.]+ [KMG]?i?B for the scene"),
                     HasSubstr("unlabelled geometry: none"), HasSubstr("rays: traced by Embree"),
-                    Not(HasSubstr("were not loaded"))));
+                    HasSubstr("nothing to warn of"), Not(HasSubstr("were not loaded"))));
 }
 
 // A scene that cannot be loaded costs a plan nothing, and a check says what is wrong with it.
@@ -70,8 +70,12 @@ TEST_F(Tell, PlanLoadsNoSceneUnlessItIsAskedTo) {
 
 TEST_F(Tell, PlanSaysHowManySeedsSoManyFramesWant) {
   const std::string out = told({"plan", pipeline_, "--frames", "1001"});
-  EXPECT_THAT(out, AllOf(HasSubstr("for 1,001 frames: 251 scenes"), HasSubstr("of 4 frames in place of 1"),
-                         HasSubstr("`seeds: [1, ..., 251]`")));
+  EXPECT_THAT(out, AllOf(HasSubstr("for 1,001 frames take longer or more trajectories"), HasSubstr("\ntime: ")));
+  EXPECT_THAT(told({"plan", pipeline_, "--frames", "1001", "--set", "scenes.0.scene=street"}),
+              HasSubstr("for 1,001 frames: 251 seeds of 4 frames in place of 1, `seeds: [1, ..., 251]`"));
+  EXPECT_THAT(told({"plan", pipeline_, "--frames", "30000000000", "--set", "scenes.0.scene=street"}),
+              HasSubstr("--set limits.max_rays=1e+14"));
+  expectRefused(scanmill({"plan", pipeline_, "--frames", "0"}), "no whole number from 1");
   expectRefused(scanmill({"plan", pipeline_, "--frames", "many"}), "is no whole number");
 }
 

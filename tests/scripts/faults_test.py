@@ -806,8 +806,8 @@ class Resources(Faults):
 
     def memory_planned(self, pipeline):
         """Bytes of the scene and of frames, as `plan` says."""
-        said = scanmill("plan", pipeline).said
-        words = re.search(r"memory: about ([\d.]+) (\w+) for the scene and ([\d.]+) (\w+) for frames in flight", said)
+        said = scanmill("plan", pipeline, "--check").said
+        words = re.search(r"memory: ([\d.]+) (\w+) for frames in flight and about ([\d.]+) (\w+) for the scene", said)
         self.assertTrue(words, said)
         units = {"B": 0, "bytes": 0, "KiB": 10, "MiB": 20, "GiB": 30}
         return sum(float(words[i]) * (1 << units[words[i + 1]]) for i in (1, 3))

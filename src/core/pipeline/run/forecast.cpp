@@ -8,10 +8,13 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <set>
+#include <thread>
 
 #include "base/hash.h"
 #include "base/parallel.h"
 #include "base/wall_timer.h"
+#include "config/distribution.h"
 #include "config/resources.h"
 #include "config/value.h"
 #include "dataset/sample_json.h"
@@ -36,8 +39,8 @@ struct SceneFactors {
 };
 
 // Simple scenes of few, large objects, and others: what files hold is not known.
-constexpr SceneFactors kOfFiles{0.5, 0.55, 0.85, 2.5, 1.65};
-constexpr SceneFactors kOfStreet{0.5, 0.92, 1, 1.5, 1.2};
+constexpr SceneFactors kOfFiles{0.5, 0.48, 0.8, 2.5, 2};
+constexpr SceneFactors kOfStreet{0.5, 0.8, 0.97, 1.5, 1.2};
 
 double numberOr(const Value& map, std::string_view key, double otherwise) {
   const Value* const value = map.find(key);
@@ -51,8 +54,8 @@ SceneFactors ofTown(const Value& town) {
   constexpr double kUsualLength = 300;  // m
   const double setup = 1 + 0.7 * numberOr(town, "length", kUsualLength) / 100;
   // Towns with bounds on shares are made up to nine times.
-  if (town.find("shares") != nullptr) return {4 * setup, 1.25, 1, 2.5, 1.2};
-  return {setup, 1.25, 1, 1.5, 1.2};
+  if (town.find("shares") != nullptr) return {4 * setup, 1, 0.97, 2.5, 1.2};
+  return {setup, 1, 0.97, 1.5, 1.2};
 }
 
 SceneFactors factorsOf(const std::filesystem::path& file) {
@@ -76,7 +79,10 @@ double processorSeconds() {
 // The pipeline with a small town in place of its scenes.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   const std::filesystem::path town = resourceFolder() / "scenes" / "hamlet.yaml";
-  const bool moving = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
+  // A method that refuses moving objects has scenes in which none moves.
+  const MethodEntry* const method = pipeline.method.entry;
+  const bool moving = (method == nullptr || method->can.moving) &&
+                      std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
                                   [](const Sequence& sequence) { return sequence.moving; });
   // Where the poses of a drive hold the sensors' height, the mounts do not.
   const bool low = std::all_of(pipeline.sensors.begin(), pipeline.sensors.end(), [](const MountedSensor& sensor) {
@@ -123,6 +129,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   });
   costs.threads =
       static_cast<int>(std::min<std::size_t>(plan.framesInFlight(), static_cast<std::size_t>(threadCount())));
+  costs.cores = std::min(costs.threads, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
   const auto made = static_cast<double>(samples);
   costs.frameSeconds = timer.seconds() * std::min<double>(costs.threads, made) / made;
   for (const double b : bytes) costs.frameBytes += b / made;
@@ -154,6 +161,9 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
   costs.frameBytes *= mean.bytes;
   costs.timeSpread = mean.timeSpread;
   costs.byteSpread = mean.byteSpread;
+  // How long other methods take in a scene depends on its size, and on where the small town's triangles are.
+  constexpr double kOtherMethods = 2.5;
+  if (pipeline.methodName() != "ray_tracing") costs.timeSpread = std::max(costs.timeSpread, kOtherMethods);
 }
 
 }  // namespace
@@ -171,6 +181,21 @@ SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
   return costs;
 }
 
+bool followsFromSeeds(const Pipeline& pipeline) {
+  std::set<std::filesystem::path> files;
+  for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
+  return std::any_of(files.begin(), files.end(), [](const std::filesystem::path& file) {
+    const Value root = readYaml(file);
+    std::vector<DrawnValue> draws;
+    const Value* const objects = root.find("objects");
+    if (objects == nullptr) return false;
+    withDraws(*objects, "objects", {}, draws);
+    return !draws.empty() || std::any_of(objects->items.begin(), objects->items.end(), [](const Value& object) {
+      return object.find("town") != nullptr || object.find("street") != nullptr;
+    });
+  });
+}
+
 std::uint64_t scenesOf(const Pipeline& pipeline) {
   std::uint64_t scenes = 0;
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
@@ -182,7 +207,8 @@ std::uint64_t scenesOf(const Pipeline& pipeline) {
 Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes) {
   const double threads = costs.threads;
   // A scene's frames wait for the scene; with several scenes the threads set up one each.
-  const double setup = std::max(static_cast<double>(scenes) * costs.sceneSeconds / threads, costs.slowestSceneSeconds);
+  const double setup =
+      std::max(static_cast<double>(scenes) * costs.sceneSeconds / costs.cores, costs.slowestSceneSeconds);
   const double rounds = std::max(static_cast<double>(frames) / threads, 1.0);
   const double seconds = kStartSeconds + setup + rounds * costs.frameSeconds;
   const double bytes = static_cast<double>(frames) * costs.frameBytes;

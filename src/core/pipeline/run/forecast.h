@@ -29,6 +29,7 @@ struct Forecast {
 // What a pipeline's scenes and frames cost on this machine.
 struct SampleCosts {
   int threads = 0;                 // that work at a time
+  int cores = 0;                   // that these threads have
   double sceneSeconds = 0;         // processor seconds to set up a scene, on the mean over the pipeline's scenes
   double slowestSceneSeconds = 0;  // s of wall time to set one up with all threads
   double frameSeconds = 0;         // thread seconds of a frame while all threads work
@@ -44,6 +45,10 @@ using Reread = std::function<Pipeline(const std::vector<std::string>&)>;
 // InputError if the small town cannot stand for the pipeline's scenes, for instance if an effect wants a class that
 // towns do not have.
 SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread);
+
+// True if a scene file of the pipeline holds a town, a street or values that each seed draws. In others, more seeds
+// mostly give the same place again.
+bool followsFromSeeds(const Pipeline& pipeline);
 
 // The number of scenes that a pipeline sets up: each scene file with each of its seeds.
 std::uint64_t scenesOf(const Pipeline& pipeline);

@@ -29,6 +29,7 @@ class ForecastTest : public Yard {
 TEST_F(ForecastTest, GrowsWithFramesAndScenes) {
   SampleCosts costs;
   costs.threads = 4;
+  costs.cores = 4;
   costs.sceneSeconds = 2;
   costs.slowestSceneSeconds = 1;
   costs.frameSeconds = 0.5;
@@ -44,6 +45,8 @@ TEST_F(ForecastTest, GrowsWithFramesAndScenes) {
   EXPECT_DOUBLE_EQ(one.seconds.expected * 1.5, one.seconds.most);
   // Ten scenes of two processor seconds on four threads; one scene is not faster than all threads set it up.
   EXPECT_NEAR(forecast(costs, 100, 10).seconds.expected - one.seconds.expected, 10 * 2.0 / 4 - 1, 1e-9);
+  costs.cores = 2;  // of which each runs two threads
+  EXPECT_NEAR(forecast(costs, 100, 10).seconds.expected - one.seconds.expected, 10 * 2.0 / 2 - 1, 1e-9);
 }
 
 TEST_F(ForecastTest, CountsEachSeedOfEachSceneOnce) {
