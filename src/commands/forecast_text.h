@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// What the frames of the command's pipeline cost on this machine; `overrides`: all arguments of --set. Null where the
-// small town cannot stand for the pipeline's scenes; `why` then says why not.
+// Measures what the scenes and frames of the command's pipeline cost on this machine; `overrides`: all arguments of
+// --set. Null if the small town cannot stand for the pipeline's scenes; `why` then says why not.
 std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
                                        std::string* why = nullptr);
 

@@ -129,6 +129,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   }
   const std::uint64_t own = countOption(parsed, "worker");
   const std::uint64_t all = countOption(parsed, "workers");
+  if (all == 0) throw InputError("--workers 0: there is at least one");
   if (own >= all) throw InputError(fmt::format("--worker {} of {}: workers are numbered from 0", own, all));
   ShardChoice choice{ShardChoice::Kind::Listed, {}};
   for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/grouped.h"
@@ -119,28 +121,35 @@ std::string shardsText(const Plan& plan) {
   return text;
 }
 
-// How many seeds a dataset of so many frames wants, and what it then takes.
+// Prints how many seeds a dataset of so many frames wants, and what it then takes.
 void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<SampleCosts>& costs) {
   const Pipeline& pipeline = plan.pipeline();
-  const std::uint64_t scenes = scenesOf(pipeline);
-  const std::uint64_t wanted =
-      std::max<std::uint64_t>(1, (frames * scenes + pipeline.frames() - 1) / pipeline.frames());
-  const std::uint64_t made = (wanted * pipeline.frames() + scenes - 1) / scenes;
-  if (!followsFromSeeds(pipeline)) {
+  std::set<std::filesystem::path> files;
+  for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
+  const auto scenes = static_cast<double>(scenesOf(pipeline));
+  const double framesOfScene = static_cast<double>(pipeline.frames()) / scenes;
+  double wanted = scenes;
+  double made = static_cast<double>(frames);
+  if (followsFromSeeds(pipeline)) {
+    const auto each = std::max(1.0, std::ceil(made / framesOfScene / static_cast<double>(files.size())));
+    wanted = each * static_cast<double>(files.size());
+    made = wanted * framesOfScene;
+    printText("\nfor {} frames: {:.0f} seed{}{} of {} frames, `seeds: {}`{}\n", grouped(frames), each,
+              each > 1 ? "s" : "", files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",
+              shortNumber(framesOfScene),
+              each > 2   ? fmt::format("[1, ..., {:.0f}]", each)
+              : each > 1 ? "[1, 2]"
+                         : "[1]",
+              pipeline.splitsBySeed ? "; `splits` lists seeds: give each a split, or --set splits=null" : "");
+  } else {
     printText("\nfor {} frames take longer or more trajectories: seeds change nothing in these scenes\n",
               grouped(frames));
-  } else {
-    printText(
-        "\nfor {} frames: {} seed{} of {} frames in place of {}, `seeds: {}`{}\n", grouped(frames), grouped(wanted),
-        wanted == 1 ? "" : "s", shortNumber(static_cast<double>(pipeline.frames()) / static_cast<double>(scenes)),
-        grouped(scenes), wanted < 3 ? (wanted == 1 ? "[1]" : "[1, 2]") : fmt::format("[1, ..., {}]", wanted),
-        pipeline.splitsBySeed ? "; `splits` lists seeds, so give each of them a split, or --set splits=null" : "");
   }
   if (costs) {
-    const Forecast f = forecast(*costs, made, wanted);
+    const Forecast f = forecast(*costs, static_cast<std::uint64_t>(made), static_cast<std::uint64_t>(wanted));
     printText("time: {}\nsize: {}\n", timeText(f), sizeText(f));
   }
-  const double rays = static_cast<double>(made) * static_cast<double>(pipeline.raysPerFrame());
+  const double rays = made * static_cast<double>(pipeline.raysPerFrame());
   if (rays > pipeline.maxRays) {
     printText("these are {} rays, and `limits.max_rays` allows {}: --set limits.max_rays={:.0e}\n", shortNumber(rays),
               shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
@@ -151,7 +160,10 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
 void printForecast(const Arguments& parsed, const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline();
   const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;
-  if (frames == 0 && parsed.options.count("frames") > 0) throw InputError("--frames 0: is no whole number from 1");
+  constexpr std::uint64_t kMostFrames = 1'000'000'000'000;
+  if (parsed.options.count("frames") > 0 && (frames == 0 || frames > kMostFrames)) {
+    throw InputError(fmt::format("--frames {}: is no whole number from 1 to {}", frames, kMostFrames));
+  }
   if (frames > 0 && pipeline.recording != nullptr) {
     throw InputError("--frames: a recording has the frames that it has");
   }

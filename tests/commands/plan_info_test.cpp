@@ -72,7 +72,7 @@ TEST_F(Tell, PlanSaysHowManySeedsSoManyFramesWant) {
   const std::string out = told({"plan", pipeline_, "--frames", "1001"});
   EXPECT_THAT(out, AllOf(HasSubstr("for 1,001 frames take longer or more trajectories"), HasSubstr("\ntime: ")));
   EXPECT_THAT(told({"plan", pipeline_, "--frames", "1001", "--set", "scenes.0.scene=street"}),
-              HasSubstr("for 1,001 frames: 251 seeds of 4 frames in place of 1, `seeds: [1, ..., 251]`"));
+              HasSubstr("for 1,001 frames: 251 seeds of 4 frames, `seeds: [1, ..., 251]`"));
   EXPECT_THAT(told({"plan", pipeline_, "--frames", "30000000000", "--set", "scenes.0.scene=street"}),
               HasSubstr("--set limits.max_rays=1e+14"));
   expectRefused(scanmill({"plan", pipeline_, "--frames", "0"}), "no whole number from 1");

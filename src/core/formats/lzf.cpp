@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kLeastMatch = 3;
+constexpr std::ptrdiff_t kLeastMatch = 3;
 constexpr std::size_t kMostMatch = 264;
 constexpr std::size_t kFarthest = 8192;    // back to the earlier occurrence
 constexpr std::size_t kMostLiterals = 32;  // that one head announces
@@ -50,7 +50,7 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
   latest.assign(std::size_t{1} << kTableBits, 0);
   const unsigned char* literals = begin;  // that are not written yet
   const unsigned char* p = begin;
-  while (p + kLeastMatch <= end) {
+  while (end - p >= kLeastMatch) {
     std::uint32_t& slot = latest[hashAt(p)];
     const auto here = static_cast<std::size_t>(p - begin);
     const std::size_t earlier = slot;
@@ -61,14 +61,14 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
     }
     const std::size_t back = here + 1 - earlier;
     const auto most = std::min(kMostMatch, static_cast<std::size_t>(end - p));
-    std::size_t length = kLeastMatch;
+    std::size_t length{kLeastMatch};
     while (length < most && *(p + length - back) == p[length]) ++length;
     out = putLiterals(literals, p, out);
     out = putMatch(back, length, out);
     p += length;
     literals = p;
     // The last two places of a match are found again, the others are passed over.
-    for (const unsigned char* q = p - 2; q < p && q + kLeastMatch <= end; ++q) {
+    for (const unsigned char* q = p - 2; q < p && end - q >= kLeastMatch; ++q) {
       latest[hashAt(q)] = static_cast<std::uint32_t>(q - begin + 1);
     }
   }

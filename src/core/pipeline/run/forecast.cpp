@@ -84,7 +84,7 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   const bool moving = (method == nullptr || method->can.moving) &&
                       std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
                                   [](const Sequence& sequence) { return sequence.moving; });
-  // Where the poses of a drive hold the sensors' height, the mounts do not.
+  // A pipeline whose mounts lie on the ground states the sensors' height in the poses of its drives.
   const bool low = std::all_of(pipeline.sensors.begin(), pipeline.sensors.end(), [](const MountedSensor& sensor) {
     return sensor.vehicleFromSensor.translation.z < kLowMount;
   });
