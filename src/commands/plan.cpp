@@ -134,15 +134,16 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
     const auto each = std::max(1.0, std::ceil(made / framesOfScene / static_cast<double>(files.size())));
     wanted = each * static_cast<double>(files.size());
     made = wanted * framesOfScene;
-    printText("\nfor {} frames: {:.0f} seed{}{} of {} frames, `seeds: {}`{}\n", grouped(frames), each,
-              each > 1 ? "s" : "", files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",
+    printText("\nfor {} frames: {} seed{}{} of {} frames, `seeds: {}`{}\n", grouped(frames),
+              grouped(static_cast<std::uint64_t>(each)), each > 1 ? "s" : "",
+              files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",
               shortNumber(framesOfScene),
               each > 2   ? fmt::format("[1, ..., {:.0f}]", each)
               : each > 1 ? "[1, 2]"
                          : "[1]",
               pipeline.splitsBySeed ? "; `splits` lists seeds: give each a split, or --set splits=null" : "");
   } else {
-    printText("\nfor {} frames take longer or more trajectories: seeds change nothing in these scenes\n",
+    printText("\nfor {} frames: seeds change nothing in these scenes, so lengthen their trajectories or add some\n",
               grouped(frames));
   }
   if (costs) {
@@ -151,8 +152,8 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
   }
   const double rays = made * static_cast<double>(pipeline.raysPerFrame());
   if (rays > pipeline.maxRays) {
-    printText("these are {} rays, and `limits.max_rays` allows {}: --set limits.max_rays={:.0e}\n", shortNumber(rays),
-              shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
+    printText("these are {} rays, more than the {} of `limits.max_rays`: generate wants --set limits.max_rays={:.0e}\n",
+              shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
   }
 }
 
@@ -220,6 +221,10 @@ int runPlan(const std::vector<std::string>& arguments) {
     found.modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
                                          readAutoChoice(pipeline).settings.size()));
   }
+  if (!loads && !pipeline.method.automatic) {
+    found.modelled.push_back(
+        fmt::format("method: {}; --check says what it leaves out in these scenes", pipeline.methodName()));
+  }
   printText("{}modelled and left out:\n", loads ? "\n" : "");
   for (const std::string& line : found.modelled) printText("  {}\n", line);
   if (costs && !recorded && !pipeline.method.automatic) {
@@ -235,7 +240,8 @@ int runPlan(const std::vector<std::string>& arguments) {
   printText("\n");
   if (checks && !recorded) {
     printText("checked: ways, labels and sizes; {}\n",
-              warningCount() == 0 ? "nothing to warn of" : fmt::format("{} warnings", warningCount()));
+              warningCount() == 0 ? "nothing to warn of"
+                                  : fmt::format("{} warning{}", warningCount(), warningCount() == 1 ? "" : "s"));
   } else if (!loads && !costs) {
     printText("scenes were not loaded: --check does, and looks at ways, labels and sizes\n");
   }

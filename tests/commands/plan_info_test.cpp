@@ -50,7 +50,7 @@ TEST_F(Tell, PlanPrintsRaysMemoryAndWhatIsLeftOut) {
   EXPECT_THAT(out, AllOf(HasSubstr("4 frames x 512 beams = 2.05 k rays (100 G allowed)"),
                          ContainsRegex("memory: [0-9.]+ [KMG]?i?B for frames in flight\n"),
                          HasSubstr("channels left out, nothing reads them:"), HasSubstr("scene-s1-drive"),
-                         HasSubstr("scenes were not loaded: --check does")));
+                         HasSubstr("scenes were not loaded: --check does"), HasSubstr("method: ray_tracing; --check")));
   EXPECT_THAT(told({"plan", pipeline_, "--check"}),
               AllOf(ContainsRegex("frames in flight and about [0-9.]+ [KMG]?i?B for the scene"),
                     HasSubstr("unlabelled geometry: none"), HasSubstr("rays: traced by Embree"),
@@ -70,7 +70,7 @@ TEST_F(Tell, PlanLoadsNoSceneUnlessItIsAskedTo) {
 
 TEST_F(Tell, PlanSaysHowManySeedsSoManyFramesWant) {
   const std::string out = told({"plan", pipeline_, "--frames", "1001"});
-  EXPECT_THAT(out, AllOf(HasSubstr("for 1,001 frames take longer or more trajectories"), HasSubstr("\ntime: ")));
+  EXPECT_THAT(out, AllOf(HasSubstr("for 1,001 frames: seeds change nothing in these scenes"), HasSubstr("\ntime: ")));
   EXPECT_THAT(told({"plan", pipeline_, "--frames", "1001", "--set", "scenes.0.scene=street"}),
               HasSubstr("for 1,001 frames: 251 seeds of 4 frames, `seeds: [1, ..., 251]`"));
   EXPECT_THAT(told({"plan", pipeline_, "--frames", "30000000000", "--set", "scenes.0.scene=street"}),
