@@ -135,7 +135,10 @@ def make_material(index, mask, read):
         tree.links.new(opaque.outputs["Value"], masked.inputs["Scale"])
         ids = masked.outputs["Vector"]
     tree.links.new(surface, node("ShaderNodeOutputMaterial").inputs["Surface"])
-    tree.links.new(ids, node("ShaderNodeOutputAOV", name="ids").inputs["Color"])
+    passed = node("ShaderNodeOutputAOV", name="ids")
+    if hasattr(passed, "aov_name"):  # Blender 4.1 and later: the node's name no longer names the pass
+        passed.aov_name = "ids"
+    tree.links.new(ids, passed.inputs["Color"])
     return material
 
 

@@ -82,8 +82,12 @@ text = bpy.data.curves.new("sign", "FONT")
 text.body = "Hi"
 put("Sign", text, location=(0, -9, 0))
 group = bpy.data.node_groups.new("scatter", "GeometryNodeTree")
-group.inputs.new("NodeSocketGeometry", "in")
-group.outputs.new("NodeSocketGeometry", "out")
+if bpy.app.version >= (4, 0):
+    group.interface.new_socket("in", in_out="INPUT", socket_type="NodeSocketGeometry")
+    group.interface.new_socket("out", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+else:
+    group.inputs.new("NodeSocketGeometry", "in")
+    group.outputs.new("NodeSocketGeometry", "out")
 nodes = [group.nodes.new(kind) for kind in
          ("NodeGroupInput", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCube", "NodeGroupOutput")]
 group.links.new(nodes[0].outputs[0], nodes[1].inputs["Points"])
