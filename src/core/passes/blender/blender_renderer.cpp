@@ -35,6 +35,7 @@ constexpr float kExact = 16777216.0f;         // 2^24: the two parts of an objec
 constexpr double kReach = 512;                // m from the origin: float32 steps of 6e-5 m there
 constexpr double kPlaneShare = 1e-3;          // of the depth: how far a drawn depth may be from its triangle's plane
 constexpr std::size_t kFrameGrain = 1 << 14;  // pixels
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels: cut-outs alone have depths, and no ids
 
 // What was drawn, in memory.
 class SeenSource : public PixelSource {
@@ -219,13 +220,22 @@ class BlenderRenderer : public PassRenderer {
     // A surface that lies on a limit may be drawn on either side of it.
     const auto nearest = static_cast<float>(limits.nearest);
     const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
+    const auto isDrawn = [&](const Pixel& pixel) { return pixel.depth >= nearest && pixel.depth <= farthest; };
+    const auto drawnPixels = std::count_if(pixels.begin(), pixels.end(), isDrawn);
+    if (drawnPixels > kFewestWithoutIds &&
+        std::none_of(pixels.begin(), pixels.end(), [](const Pixel& p) { return p.object > 0 || p.beyond > 0; })) {
+      throw Error(
+          fmt::format("Blender drew {} pixels and wrote no object's number for any: this version of Blender does "
+                      "not fill the pass 'ids' as 3.4 to 4.3 do; SCANMILL_BLENDER names another one",
+                      drawnPixels));
+    }
     const ExactDepth exact(scene_, camera);
     parallelFor(camera.height, 1 + kFrameGrain / camera.width, [&](std::size_t begin, std::size_t end) {
       for (std::size_t row = begin; row < end; ++row) {
         for (std::size_t column = 0; column < camera.width; ++column) {
           const Pixel& pixel = pixels[row * reader.width() + column];
           const auto object = static_cast<std::size_t>(pixel.object + kExact * pixel.beyond);
-          if (!(pixel.depth >= nearest && pixel.depth <= farthest) || object == 0) continue;
+          if (!isDrawn(pixel) || object == 0) continue;
           const BlenderObject& drawn = objects_.at(object - 1);
           SeenTriangle& found = seen[row * camera.width + column];
           found = {pixel.depth, drawn.instance, drawn.firstTriangle + static_cast<std::uint32_t>(pixel.triangle)};
