@@ -366,17 +366,19 @@ def export(owner, blend):
     nodes = flatten()
     if not nodes:
         raise BadInput("shows no surface: nothing with faces is visible in its active scene, in viewport and renders")
+    # Blender 4.2 and later has one choice of colours for what 3.4 has a switch.
+    colors = {"export_vertex_color": "NONE"} if bpy.app.version >= (4, 2) else {"export_colors": False}
     bpy.ops.export_scene.gltf(
         filepath=glb,
         export_format="GLB",
         export_yup=False,
         export_normals=False,
-        export_colors=False,
         export_animations=False,
         export_skins=False,
         export_morph=False,
         export_cameras=False,
         export_lights=False,
+        **colors,
     )
     change_nodes(glb, nodes)
     owner.answer("exported", glb)

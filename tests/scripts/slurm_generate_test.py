@@ -135,7 +135,8 @@ class Cluster:
     def start(self):
         folder = self.folder
         folder.chmod(0o755)  # munged wants its socket to be within everybody's reach
-        (folder / "state").mkdir()
+        for name in ("state", *NODES):
+            (folder / name).mkdir()
         host = socket.gethostname().split(".")[0]
         (folder / "slurm.conf").write_text(
             CONFIGURATION.format(host=host, folder=folder, user=getpass.getuser(), ports=free_ports(3), nodes=NODES))

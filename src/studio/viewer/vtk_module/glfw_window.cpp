@@ -50,6 +50,9 @@ void connect() {
   // Mesa tells by a warning that the server has no graphics card, and goes on without one.
   ::setenv("EGL_LOG_LEVEL", "fatal", 0);
   XSetIOErrorHandler(endProgram);
+#ifdef GLFW_PLATFORM
+  glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, and VTK draws by X11 alone
+#endif
   if (glfwInit() == GLFW_TRUE) return;
   const char* const name = std::getenv("DISPLAY");
   constexpr std::string_view kInstead = "or take a picture without one: --screenshot FILE.png";

@@ -218,7 +218,8 @@ TEST_F(Blend, ShowsWhatBlenderShowsAndRunsNothing) {
   EXPECT_THAT(materialOf("Wall.a").source, HasSubstr(kFile));
   const Material card = materialOf("Card");
   EXPECT_TRUE(card.alphaTested);
-  EXPECT_NEAR(card.alphaCutoff, 0.4, 1e-6);
+  // Blender 4.2 and later has no threshold of a material: its exporter of glTF says a half.
+  EXPECT_THAT(card.alphaCutoff, testing::AnyOf(testing::FloatNear(0.4F, 1e-6F), testing::FloatEq(0.5F)));
   ASSERT_TRUE(card.texture);
   EXPECT_EQ(card.texture->width, 8u);
   EXPECT_EQ(card.texture->texel(0.5f, 0.25f)[3], 0) << "the lower half is transparent";
