@@ -29,6 +29,9 @@ namespace scanmill {
 
 namespace {
 
+// A forecast takes most of a second, which is longer than making fewer rays.
+constexpr double kRaysWorthAForecast = 1e7;
+
 std::string warningsText() {
   const std::size_t warned = warningCount();
   return warned == 0 ? std::string() : fmt::format("; {} warning{}", warned, warned == 1 ? "" : "s");
@@ -134,8 +137,9 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   ShardChoice choice{ShardChoice::Kind::Listed, {}};
   for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);
   if (choice.listed.empty()) {
-    warn(fmt::format("worker {} of {} makes nothing: there are {} shards; with `output.shard_samples` there are more",
-                     own, all, shards));
+    warn(fmt::format(
+        "worker {} of {} makes nothing: the dataset has {} shard{}, and a smaller `output.shard_samples` makes more",
+        own, all, shards, shards == 1 ? "" : "s"));
   }
   return choice;
 }
@@ -175,11 +179,12 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return;
   }
+  const double rays =
+      static_cast<double>(plan.pipeline().frames()) * static_cast<double>(plan.pipeline().raysPerFrame());
   std::optional<Forecast> told;
-  if (!generateOptions.quiet && !generateOptions.resume && generateOptions.shards.kind == ShardChoice::Kind::All) {
-    std::vector<std::string> all = pipelineOverrides(parsed);
-    all.insert(all.end(), overrides.begin(), overrides.end());
-    if (const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, std::move(all))) {
+  if (overrides.empty() && rays >= kRaysWorthAForecast && !generateOptions.quiet && !generateOptions.resume &&
+      generateOptions.shards.kind == ShardChoice::Kind::All) {
+    if (const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed))) {
       told = forecast(*costs, plan.pipeline().frames(), scenesOf(plan.pipeline()));
     }
   }

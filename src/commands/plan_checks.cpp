@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostScenes = 20;  // that are loaded: others of the same pipeline differ by their seeds
 
-// By file, material and texture, the largest first.
+// Prints the triangles without a class by file, material and texture, the largest group first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   constexpr std::size_t kMostRows = 20;
   if (unlabeled.empty()) {
@@ -55,7 +55,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
-// What kind of place the seed has drawn.
+// Returns the kind of place that the seed has drawn, in words.
 std::string placeOf(const Scene& scene) {
   std::string words = scene.about;
   for (const DrawnValue& draw : scene.draws) {

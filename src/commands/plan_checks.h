@@ -1,6 +1,6 @@
 #pragma once
 
-// What `scanmill plan --check` finds in the scenes of a pipeline, which it loads.
+// Loads the scenes of a pipeline for `scanmill plan --check` and reports what is amiss in them.
 
 #include <cstdint>
 #include <string>

@@ -22,6 +22,7 @@ namespace scanmill {
 namespace {
 
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -488,6 +489,22 @@ TEST_F(Generate, ResumingAndOverwritingContradictEachOther) {
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--overwrite"}), "one of them");
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--keep-hits", at("hits")}),
                 "recordings");
+}
+
+TEST_F(Generate, EndsWithForecastBesideFact) {
+  const Outcome large =
+      scanmill({"generate", pipeline_, "-o", at("large"), "--set", "sensors.0.columns=20000", "--set",
+                "sensors.0.elevation_deg.rings=128", "--set", "output.formats=[pcd: {encoding: binary}]"});
+  EXPECT_EQ(large.code, 0) << large.error;
+  EXPECT_THAT(large.out, ContainsRegex("\nforecast: [0-9.]+ s .*MiB.*; in fact [0-9.]+ s and [0-9.]+ MiB\n"));
+  const Outcome small = scanmill({"generate", pipeline_, "-o", at("small")});
+  EXPECT_THAT(small.out, Not(HasSubstr("forecast"))) << "which would take longer than the dataset";
+}
+
+TEST_F(Generate, AWorkerWithoutAShardIsTold) {
+  const Outcome idle = scanmill({"generate", pipeline_, "-o", at("idle"), "-q", "--worker", "7", "--workers", "8"});
+  EXPECT_EQ(idle.code, 0) << idle.error;
+  EXPECT_THAT(idle.error, HasSubstr("worker 7 of 8 makes nothing: the dataset has 1 shard,"));
 }
 
 }  // namespace

@@ -42,6 +42,10 @@ void checkNames(const Sample& sample) {
   }
 }
 
+SampleRecord recordOf(const Sample& sample) {
+  return {sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws};
+}
+
 std::filesystem::path madeFolderOf(const std::filesystem::path& file) {
   std::error_code failure;
   std::filesystem::create_directories(file.parent_path(), failure);
@@ -50,6 +54,15 @@ std::filesystem::path madeFolderOf(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+std::uint64_t bytesInShard(const Sample& sample) {
+  const auto bytesOf = [&](std::string_view suffix, std::size_t size) {
+    return ShardFile::memberBytes(sample.key.size() + 1 + suffix.size(), size);
+  };
+  std::uint64_t bytes = bytesOf(kJsonSuffix, sampleJson(recordOf(sample)).size());
+  for (const Member& member : sample.members) bytes += bytesOf(member.suffix, member.bytes.size());
+  return bytes;
+}
 
 ShardWriter::ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split)
     : part_{{name, split, {}, 0, 0}, {}}, file_(madeFolderOf(folder / name)) {}
@@ -60,7 +73,7 @@ void ShardWriter::add(const Sample& sample) {
   if (sample.split != part_.shard.split) {
     refuse(sample, fmt::format("it is of the split {}, the shard of {}", sample.split, part_.shard.split));
   }
-  SampleRecord record{sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws};
+  SampleRecord record = recordOf(sample);
   const std::string json = sampleJson(record);
   std::vector<std::string_view> contents{json};
   record.members.push_back(fmt::format("{}.{}", sample.key, kJsonSuffix));

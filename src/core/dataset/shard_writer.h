@@ -31,6 +31,9 @@ struct Sample {
   std::vector<DrawnValue> draws = {};
 };
 
+// The bytes that the sample takes in its shard, descriptions and headers included.
+std::uint64_t bytesInShard(const Sample& sample);
+
 // What a manifest says of one shard and its samples (SampleRecord::shard is 0).
 struct ShardPart {
   ShardRecord shard;

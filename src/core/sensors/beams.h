@@ -80,7 +80,7 @@ struct BeamTable {
 
   std::size_t size() const { return std::size_t{rings} * columns; }
 
-  // Where a beam starts (m, the sensor's frame).
+  // Returns the point where a beam starts (m, the sensor's frame).
   Vec3d originOf(std::size_t beam) const { return origin.empty() ? Vec3d{} : Vec3d(origin[beam]); }
 
   bool fullTurn() const { return field > 2 * kPi - 1e-9; }

@@ -1,11 +1,11 @@
 #include "pipeline/run/forecast.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -15,10 +15,10 @@
 #include "base/parallel.h"
 #include "base/wall_timer.h"
 #include "config/distribution.h"
+#include "config/flow_text.h"
 #include "config/resources.h"
 #include "config/value.h"
-#include "dataset/sample_json.h"
-#include "dataset/shard.h"
+#include "dataset/shard_writer.h"
 #include "pipeline/run/sample_maker.h"
 
 namespace scanmill {
@@ -28,8 +28,9 @@ namespace {
 constexpr double kStartSeconds = 0.1;  // reading the pipeline, and ending the dataset
 constexpr double kLowMount = 0.5;      // m above the vehicle's origin, which lies on the ground
 
-// How a kind of scene compares with the small town: factors of its costs, and how far facts were from forecasts. Found
-// by tests/benchmarks/forecast.cpp on the pipelines that come with the program (2 cores of an Intel Xeon).
+// These factors scale what the small town costs to a kind of scene, and the spreads bound how far facts were from
+// forecasts. They were fitted to the pipelines that come with the program (2 cores of an Intel Xeon;
+// tests/benchmarks/forecast.cpp).
 struct SceneFactors {
   double setup;
   double frame;
@@ -38,7 +39,7 @@ struct SceneFactors {
   double byteSpread;
 };
 
-// Simple scenes of few, large objects, and others: what files hold is not known.
+// What files hold is not known before they are loaded, so that the spreads are wide.
 constexpr SceneFactors kOfFiles{0.5, 0.48, 0.8, 2.5, 2};
 constexpr SceneFactors kOfStreet{0.5, 0.8, 0.97, 1.5, 1.2};
 
@@ -70,15 +71,10 @@ SceneFactors factorsOf(const std::filesystem::path& file) {
   return factors;
 }
 
-double processorSeconds() {
-  timespec now{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 // The pipeline with a small town in place of its scenes.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
-  const std::filesystem::path town = resourceFolder() / "scenes" / "hamlet.yaml";
+  Value town{.kind = Value::Kind::Scalar};
+  town.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
   // A method that refuses moving objects has scenes in which none moves.
   const MethodEntry* const method = pipeline.method.entry;
   const bool moving = (method == nullptr || method->can.moving) &&
@@ -89,7 +85,7 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
     return sensor.vehicleFromSensor.translation.z < kLowMount;
   });
   std::vector<std::string> changes{
-      fmt::format("scenes=[{{scene: '{}', seeds: [1], moving: {}}}]", town.string(), moving),
+      fmt::format("scenes=[{{scene: {}, seeds: [1], moving: {}}}]", flowText(town), moving),
       fmt::format("trajectories=[{{name: forecast, along: lane, speed: 8, every_m: 10, frames: {}{}}}]", threadCount(),
                   low ? ", ground: {height: 1.8}" : ""),
       "splits=null"};
@@ -97,25 +93,15 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   return reread(changes);
 }
 
-std::uint64_t bytesInShard(const Sample& sample) {
-  const std::string json =
-      sampleJson({sample.key, sample.split, 0, sample.scans, {}, {}, sample.objects, sample.draws});
-  std::uint64_t bytes = ShardFile::memberBytes(sample.key.size() + 5, json.size());
-  for (const Member& member : sample.members) {
-    bytes += ShardFile::memberBytes(sample.key.size() + 1 + member.suffix.size(), member.bytes.size());
-  }
-  return bytes;
-}
-
 // Makes samples of the plan's first sequence, one for each thread, and fills in what the first scene and a frame cost.
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline().sequences[0].frames);
   SampleMaker maker(plan, {}, {}, false, [](const Sequence&) {});
   const WallTimer whole;
-  const double before = processorSeconds();
+  const std::clock_t before = std::clock();  // of all threads
   maker.prepare(0);
   costs.slowestSceneSeconds = whole.seconds();
-  costs.sceneSeconds = processorSeconds() - before;
+  costs.sceneSeconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   std::vector<double> bytes(samples);
   const WallTimer timer;
   parallelFor(samples, 1, [&](std::size_t first, std::size_t last) {

@@ -26,7 +26,7 @@ struct Forecast {
   Estimate bytes;    // of all shards
 };
 
-// What a pipeline's scenes and frames cost on this machine.
+// The costs of a pipeline's scenes and frames on this machine.
 struct SampleCosts {
   int threads = 0;                 // that work at a time
   int cores = 0;                   // that these threads have
