@@ -140,6 +140,10 @@ class Cluster:
         host = socket.gethostname().split(".")[0]
         (folder / "slurm.conf").write_text(
             CONFIGURATION.format(host=host, folder=folder, user=getpass.getuser(), ports=free_ports(3), nodes=NODES))
+        # A container may have no control groups, which newer releases look for; older ones do not know this key's value.
+        version = subprocess.run(["slurmd", "-V"], check=True, capture_output=True, text=True).stdout
+        if tuple(map(int, re.findall(r"\d+", version)[:2])) >= (23, 11):
+            (folder / "cgroup.conf").write_text("CgroupPlugin=disabled\n")
         subprocess.run(["mungekey", "--create", f"--keyfile={folder}/munge.key"], check=True)
         self.run_daemon("munged", "--foreground", f"--key-file={folder}/munge.key", f"--socket={folder}/munge.socket",
                         f"--pid-file={folder}/munged.pid", f"--seed-file={folder}/munged.seed",

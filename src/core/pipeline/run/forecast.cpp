@@ -73,7 +73,8 @@ SceneFactors factorsOf(const std::filesystem::path& file) {
 
 // The pipeline with a small town in place of its scenes.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
-  Value town{.kind = Value::Kind::Scalar};
+  Value town;
+  town.kind = Value::Kind::Scalar;
   town.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
   // A method that refuses moving objects has scenes in which none moves.
   const MethodEntry* const method = pipeline.method.entry;

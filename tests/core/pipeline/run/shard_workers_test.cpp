@@ -68,7 +68,10 @@ class Notebook {
     }
   }
 
-  std::size_t mostAtOnce() const { return mostAtOnce_; }
+  std::size_t mostAtOnce() const {
+    const std::scoped_lock lock(mutex_);
+    return mostAtOnce_;
+  }
   std::size_t mostInFlight() const { return mostInFlight_; }
   std::size_t closed() const {
     return static_cast<std::size_t>(
@@ -83,7 +86,7 @@ class Notebook {
   };
   std::vector<std::size_t> samples_;
   std::vector<Shard> shards_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::size_t atOnce_ = 0, mostAtOnce_ = 0, inFlight_ = 0, mostInFlight_ = 0;
 };
 
@@ -107,11 +110,13 @@ TEST(ShardWorkers, MakesEverySampleOnceAndTakesThemInOrder) {
   }
 }
 
-// With fewer shards than threads the threads share a shard.
+// With fewer shards than threads the threads share a shard: the first sample is not made before another one is begun.
 TEST(ShardWorkers, ThreadsWithoutAShardHelpTheOthers) {
   const ThreadLimit limit(4);
   Notebook notes({200});
-  workOnShards(1, 4, nullptr, notes.work([](std::size_t, std::size_t) { wait(500); }));
+  workOnShards(1, 4, nullptr, notes.work([&](std::size_t, std::size_t sample) {
+    for (int i = 0; sample == 0 && i < 30000 && notes.mostAtOnce() < 2; ++i) wait(1000);
+  }));
   notes.expectAllDone();
   EXPECT_GT(notes.mostAtOnce(), 1u);
 }
@@ -167,6 +172,7 @@ TEST(ShardWorkers, EndsEarlyWhenItIsStopped) {
   Notebook notes(std::vector<std::size_t>(1000, 10));
   workOnShards(1000, 4, &stop, notes.work([&](std::size_t shard, std::size_t) {
     if (shard == 7) stop = true;
+    while (shard >= 50 && !stop) wait(50);
   }));
   EXPECT_LT(notes.closed(), 100u);
 }
