@@ -39,9 +39,9 @@ bool isKnown(std::string_view extension) {
          extension.starts_with("EXT_lights_");
 }
 
-class Reader : JsonReader {
+class ModelReader : JsonReader {
  public:
-  Reader(Model& model, const Json& json, bool allowOutside) : JsonReader(model, json), allowOutside_(allowOutside) {}
+  ModelReader(Model& model, const Json& json, bool allowOutside) : JsonReader(model, json), allowOutside_(allowOutside) {}
 
   void read() {
     if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");
@@ -344,7 +344,7 @@ Model readModel(const std::filesystem::path& file, const std::filesystem::path& 
   model.center = container.center;
   try {
     const Json json = Json::parse(container.json);
-    Reader(model, json, allowOutside).read();
+    ModelReader(model, json, allowOutside).read();
   } catch (const Json::exception& e) {
     model.fail(fmt::format("is not valid glTF: {}", e.what()));
   }

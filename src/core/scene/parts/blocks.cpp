@@ -11,7 +11,7 @@ namespace {
 
 namespace gtl = boost::polygon;
 
-constexpr double kFoundation = -3;  // m, for slopes
+constexpr double kBelowSlopes = -3;  // m, for slopes
 constexpr double kRooms = 3.6;      // m deep
 constexpr double kUnit = 1e-3;      // m, of Boost's whole numbers
 
@@ -55,7 +55,7 @@ class BlockMaker {
     look_.tile = s_.surface("building", "roof_tile");
     look_.glass = s_.surface("window", "glass");
     look_.casing = s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal");
-    look_.foundation = kFoundation;
+    look_.foundation = kBelowSlopes;
     base_ = block.floors > 0 ? draw_.in(0.1, 0.4) : 0;
     storey_ = draw_.in(2.8, 3.3);
     if (block.height > 0 && block.floors > 0) storey_ = std::max(2.3, (block.height - base_ - 0.4) / block.floors);

@@ -254,7 +254,7 @@ class Details {
 
   // At the end of the driveway, to the right of the house: its gate 6.2 m behind the front.
   void garage() {
-    constexpr double kFoundation = -1.5;
+    constexpr double kWallFoot = -1.5;
     const double x0 = h_.width + kGarageBeside;
     const double x1 = x0 + kGarageWidth;
     const double y0 = kGarageFrom;
@@ -263,11 +263,11 @@ class Details {
     const auto wall = [&](const Point2& a, const Point2& b, double low, double high) {
       s_.quad(m_.wall, {a.x, a.y, low}, {b.x, b.y, low}, {b.x, b.y, high}, {a.x, a.y, high});
     };
-    wall({x1, y0}, {x1, y1}, kFoundation, top);
-    wall({x1, y1}, {x0, y1}, kFoundation, top);
-    wall({x0, y1}, {x0, y0}, kFoundation, top);
+    wall({x1, y0}, {x1, y1}, kWallFoot, top);
+    wall({x1, y1}, {x0, y1}, kWallFoot, top);
+    wall({x0, y1}, {x0, y0}, kWallFoot, top);
     for (const double x : {x0 + 0.175, x1 - 0.175}) {
-      s_.box(m_.wall, {x, y0 + 0.1, (2.1 + kFoundation) / 2}, {0.35, 0.2, 2.1 - kFoundation});
+      s_.box(m_.wall, {x, y0 + 0.1, (2.1 + kWallFoot) / 2}, {0.35, 0.2, 2.1 - kWallFoot});
     }
     s_.box(m_.wall, {(x0 + x1) / 2, y0 + 0.1, (2.1 + top) / 2}, {x1 - x0, 0.2, top - 2.1});
     const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // open ones leave a strip under the lintel

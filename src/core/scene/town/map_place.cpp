@@ -15,7 +15,7 @@ namespace {
 
 using parts::Kind;
 
-constexpr double kLeast = 100;      // m, of a main road
+constexpr double kLeastLength = 100;      // m, of a main road
 constexpr double kAroundLand = 30;  // m, that land goes on beyond the roads
 
 std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
@@ -29,7 +29,7 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
     const bool wanted = parameters.road.empty() ? road.kind <= RoadClass::Residential : road.name == parameters.road;
     if (!wanted || road.ring) continue;
     longest = std::max(longest, road.length());
-    if (road.length() < kLeast) continue;
+    if (road.length() < kLeastLength) continue;
     fit.push_back(i);
     sum += road.length();
   }
@@ -44,7 +44,7 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
     }
     const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
     throw InputError(where,
-                     fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeast));
+                     fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeastLength));
   }
   // The longer the more likely.
   double pick = draw.next() * sum;
@@ -127,7 +127,7 @@ class Cutter {
       place_.roads.push_back(std::move(placed));
     }
     const double length = runs.empty() ? 0 : place_.roads.front().road.length();
-    if (length < 0.8 * kLeast) {
+    if (length < 0.8 * kLeastLength) {
       throw InputError(
           where_, fmt::format("{} in {} is too winding for a main road: rounded it is {:.0f} m long",
                               main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
