@@ -10,8 +10,9 @@ namespace {
 
 // "11 to 26 s": the unit stands once where both have the same.
 std::string rangeText(const std::string& least, const std::string& most) {
-  const std::size_t unit = least.rfind(' ');
-  const bool same = unit != std::string::npos && most.ends_with(least.substr(unit));
+  const std::size_t unit = least.find(' ');
+  const bool same =
+      unit != std::string::npos && most.find(' ') == most.rfind(' ') && most.ends_with(least.substr(unit));
   return fmt::format("{} to {}", same ? least.substr(0, unit) : least, most);
 }
 

@@ -14,7 +14,7 @@ std::string shortNumber(double value);
 // A size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
 std::string shortBytes(double bytes);
 
-// A duration as hours, minutes and seconds: "1:02:03", "4:05", "6.0 s".
+// A duration: "1 h 2 min", "4 min 5 s", "6.0 s".
 std::string shortTime(double seconds);
 
 // A place to the centimetre: "[1.00, -2.50, 0.12]".

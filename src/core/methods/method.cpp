@@ -73,11 +73,12 @@ const MethodEntry* findMethod(std::string_view name) {
   return found == kMethods.end() ? nullptr : &*found;
 }
 
-const MethodEntry& requireMethod(std::string_view name, const Location& where) {
+const MethodEntry& requireMethod(std::string_view name, const Location& where, std::string_view other) {
   if (const MethodEntry* entry = findMethod(name)) return *entry;
   std::vector<std::string> names;
   names.reserve(kMethods.size());
   for (const MethodEntry& entry : kMethods) names.emplace_back(entry.name);
+  if (!other.empty()) names.emplace_back(other);
   throw InputError(where, "unknown method '" + std::string(name) + "'" + suggestion(name, names));
 }
 

@@ -75,7 +75,9 @@ struct MethodEntry {
 };
 
 std::span<const MethodEntry> methods();
-const MethodEntry& requireMethod(std::string_view name, const Location& where);
+// Returns the method of this name. Throws InputError with the names that there are, `other` among them, if there is
+// none.
+const MethodEntry& requireMethod(std::string_view name, const Location& where, std::string_view other = {});
 // Null where no row has this name.
 const MethodEntry* findMethod(std::string_view name);
 // The first row that can do such a thing. Only for what some row can do.

@@ -20,8 +20,8 @@ TEST(ShortText, SizesHaveBinaryPrefixes) {
 
 TEST(ShortText, TimesAreSecondsMinutesAndHours) {
   EXPECT_EQ(shortTime(6), "6.0 s");
-  EXPECT_EQ(shortTime(245), "4:05");
-  EXPECT_EQ(shortTime(3723), "1:02:03");
+  EXPECT_EQ(shortTime(245), "4 min 5 s");
+  EXPECT_EQ(shortTime(3723), "1 h 2 min");
 }
 
 }  // namespace

@@ -267,11 +267,8 @@ Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
     const NamedOptions method = readNamed(fields.require("method"), "method");
     const bool automatic = method.name == "auto";
-    if (!automatic && keyPart(method.name) == "auto") {
-      throw InputError(method.where, fmt::format("unknown method '{}' (did you mean 'auto'?)", method.name));
-    }
     // A recording leaves nothing to choose.
-    pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where), method.options,
+    pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where, "auto"), method.options,
                        automatic && pipeline.recording == nullptr};
   }
   const Value* effects = fields.find("effects");

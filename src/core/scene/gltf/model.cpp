@@ -41,7 +41,8 @@ bool isKnown(std::string_view extension) {
 
 class ModelReader : JsonReader {
  public:
-  ModelReader(Model& model, const Json& json, bool allowOutside) : JsonReader(model, json), allowOutside_(allowOutside) {}
+  ModelReader(Model& model, const Json& json, bool allowOutside)
+      : JsonReader(model, json), allowOutside_(allowOutside) {}
 
   void read() {
     if (!json_.is_object()) fail("is not valid glTF: the file is not a JSON object");

@@ -12,8 +12,8 @@ namespace {
 namespace gtl = boost::polygon;
 
 constexpr double kBelowSlopes = -3;  // m, for slopes
-constexpr double kRooms = 3.6;      // m deep
-constexpr double kUnit = 1e-3;      // m, of Boost's whole numbers
+constexpr double kRooms = 3.6;       // m deep
+constexpr double kUnit = 1e-3;       // m, of Boost's whole numbers
 
 using Ring = gtl::polygon_data<int>;
 using Shape2 = gtl::polygon_set_data<int>;

@@ -15,8 +15,8 @@ namespace {
 
 using parts::Kind;
 
-constexpr double kLeastLength = 100;      // m, of a main road
-constexpr double kAroundLand = 30;  // m, that land goes on beyond the roads
+constexpr double kLeastLength = 100;  // m, of a main road
+constexpr double kAroundLand = 30;    // m, that land goes on beyond the roads
 
 std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> fit;
@@ -43,8 +43,8 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
                                           suggestion(parameters.road, names)));
     }
     const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
-    throw InputError(where,
-                     fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeastLength));
+    throw InputError(
+        where, fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeastLength));
   }
   // The longer the more likely.
   double pick = draw.next() * sum;

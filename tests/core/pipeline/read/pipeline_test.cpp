@@ -271,6 +271,8 @@ const Refusal kRefusals[] = {
     {"EffectScalar", "method:", "effects: [quantize: 3]\nmethod:", "3]", {"quantize"}},
     {"EffectRange", "method:", "effects: [quantize: {step_m: -1}]\nmethod:", "-1}", {"step_m"}},
     {"MethodList", "method: ray_tracing", "method: [ray_tracing]", "[ray", {"method"}},
+    {"MethodUnknown", "method: ray_tracing", "method: teleport", "teleport", {"known: ray_tracing", "auto"}},
+    {"MethodNearAuto", "method: ray_tracing", "method: Auto", "Auto", {"did you mean 'auto'"}},
     {"ColumnsText",
      "columns: [intensity, label, instance, ring, column, time, range_true]",
      "columns: label",
