@@ -103,7 +103,8 @@ TEST_F(Overrides, ExamplesOfGenerateWork) {
     }
     const std::string command = "cd '" SCANMILL_SOURCE_DIR "' && " SCANMILL_PROGRAM " generate " + line +
                                 " -q --set trajectories.0.frames=1 --set sensors.0.columns=32";
-    const Outcome o = RunningProgram({"sh", "-c", command}, {"OUT=" + this->at("examples")}).wait();
+    constexpr double kPatience = 300;  // s, for a sweep over datasets of six towns beside other tests
+    const Outcome o = RunningProgram({"sh", "-c", command}, {"OUT=" + this->at("examples")}).wait(kPatience);
     EXPECT_EQ(o.code, 0) << line << "\n" << o.error;
     EXPECT_THAT(o.out, HasSubstr("samples in")) << line;
     for (std::size_t end = o.out.find("samples in"); end != std::string::npos;
