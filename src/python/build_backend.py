@@ -45,7 +45,7 @@ def tag():
     return f"{interpreter}-{interpreter}-{platform}"
 
 
-# Modules that a bundled wheel lacks: of images (OpenImageIO brings 200 MB of codecs) and of heights (GDAL).
+# Modules that a bundled wheel lacks: images other than PNG and JPEG (OpenImageIO brings 200 MB of codecs), heights (GDAL).
 LEFT_OUT = ("libscanmill_images.so", "libscanmill_rasters.so")
 
 

@@ -16,9 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr const char* kInstallAgain =
-    "build or install Scanmill again (cmake --install); a wheel has neither images nor GDAL: the archive and the "
-    "Debian packages do";
+constexpr const char* kInstallAgain = "build or install Scanmill again (cmake --install)";
 
 std::string lastError() {
   const char* text = ::dlerror();
@@ -55,7 +53,7 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
     const std::string file = fmt::format("{}/{}", folder, module.name);
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
-      sought.push_back(file);
+      sought.push_back(folder);
       continue;
     }
     // It is loaded locally, so that nothing of its libraries stands in for a symbol of the program. It is never closed,
@@ -73,12 +71,14 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
     }
     return entry->object;
   }
-  constexpr std::size_t kTold = 4;
+  constexpr std::size_t kTold = 2;
   const std::size_t more = sought.size() - std::min(sought.size(), kTold);
   sought.resize(sought.size() - more);
-  throw Error(fmt::format("{}, {} is missing: looked for {}{}; {}", module.without, module.name,
-                          fmt::join(sought, ", "), more > 0 ? fmt::format(" and in {} more folders", more) : "",
-                          kInstallAgain));
+  throw Error(
+      fmt::format("{}, since {} is missing. It is not in every wheel; the archive and the Debian packages have it. "
+                  "Elsewhere, {}. It was looked for in {}{}",
+                  module.without, module.name, kInstallAgain, fmt::join(sought, ", "),
+                  more > 0 ? fmt::format(" and {} more folders", more) : ""));
 }
 
 }  // namespace scanmill

@@ -17,6 +17,7 @@
 #include "base/memory.h"
 #include "config/text.h"
 #include "images/images_interface.h"
+#include "images/jpeg_reader.h"
 #include "images/png_reader.h"
 #include "images/reduction.h"
 
@@ -45,6 +46,11 @@ std::string kindOf(std::string_view bytes) {
   return {};
 }
 
+// True for the kinds that are read by libpng and libjpeg; all else is OpenImageIO's.
+bool isReadHere(std::string_view kind) {
+  return kind == "png" || kind == "jpg";
+}
+
 // By which most kinds are known.
 std::string firstBytes(const std::filesystem::path& path) {
   std::string bytes(16, '\0');
@@ -59,19 +65,24 @@ std::string endingOf(const std::string& name) {
   return ending.empty() ? ending : ending.substr(1);
 }
 
-// What the module says went wrong, on one line, or `otherwise` where it says nothing.
-std::string reason(const std::exception& error, const char* otherwise = "not an image that can be decoded") {
+// Returns what a reader says went wrong, on one line.
+std::string reason(const std::exception& error) {
   std::string text = error.what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
-  return text.empty() ? otherwise : text;
+  return text.empty() ? "not an image that can be decoded" : text;
 }
 
 // Opens the bytes, of the kind that `kind` ends with, or without bytes the file of that name. `name` stands for the
 // image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   try {
-    return kindOf(bytes) == "png" ? openPng(bytes) : moduleOf<ImagesModule>().open(kind, bytes);
+    const std::string known = kindOf(bytes);
+    if (known == "png") return openPng(bytes);
+    if (known == "jpg") {
+      if (auto reader = openJpeg(bytes)) return reader;
+    }
+    return moduleOf<ImagesModule>().open(kind, bytes);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const Error&) {
@@ -200,7 +211,7 @@ DecodedImage readImage(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw InputError({name}, "there is no such image");
   const std::string kind = kindOf(firstBytes(path));
-  if (kind == "png") return decodeImage(readFile(path), name);
+  if (isReadHere(kind)) return decodeImage(readFile(path), name);
   const auto image = openImage(name, {}, name);
   checkSize(image->header(), kind.empty() ? endingOf(name) : kind, std::filesystem::file_size(path), name);
   return decode(*image, name);
@@ -208,21 +219,10 @@ DecodedImage readImage(const std::filesystem::path& path) {
 
 bool mayHaveAlpha(const std::filesystem::path& path) {
   try {
-    const std::string bytes = kindOf(firstBytes(path)) == "png" ? readFile(path) : std::string();
+    const std::string bytes = isReadHere(kindOf(firstBytes(path))) ? readFile(path) : std::string();
     return openImage(path.string(), bytes, path.string())->header().alphaChannel >= 0;
   } catch (const InputError&) {
     return true;
-  }
-}
-
-std::string encodePng(const std::uint8_t* rgb, int width, int height) {
-  const auto& module = moduleOf<ImagesModule>();
-  try {
-    return module.encodePng(rgb, width, height);
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    throw Error("the PNG could not be encoded: " + reason(e, "OpenImageIO says no more"));
   }
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
-// Reads and writes images: PNG by libpng, all else by OpenImageIO. Its module (images/images_interface.h) is loaded
-// when it is needed first, from any thread: it brings hundreds of shared libraries, and most scenes have no other
-// image. Where it cannot be loaded, these functions throw an Error that names the file that was looked for and what to
-// install.
+// Reads and writes images: PNG by libpng, JPEG by libjpeg, all else by OpenImageIO. Its module
+// (images/images_interface.h) is loaded when it is needed first, from any thread: it brings hundreds of shared
+// libraries, and most scenes have no other image. Where it cannot be loaded, these functions throw an Error that says
+// where images of other kinds can be read.
 
 #include <cstdint>
 #include <filesystem>

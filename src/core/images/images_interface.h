@@ -31,14 +31,12 @@ class ImageReader {
 
 class ImagesModule {
  public:
-  static constexpr ModuleFile kFile{"libscanmill_images.so", "images cannot be read or written",
+  static constexpr ModuleFile kFile{"libscanmill_images.so", "images other than PNG and JPEG cannot be read",
                                     "install OpenImageIO (on Debian the package libopenimageio-dev)"};
   virtual ~ImagesModule() = default;
   // Opens an image and reads its header: `bytes`, which the caller keeps as long as the reader, of the kind that the
   // name ends with, or where there are none the file of that name. Throws std::runtime_error in OpenImageIO's words.
   virtual std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const = 0;
-  // See images/images.h. Throws std::runtime_error in OpenImageIO's words.
-  virtual std::string encodePng(const std::uint8_t* rgb, int width, int height) const = 0;
 };
 
 }  // namespace scanmill

@@ -20,9 +20,8 @@ namespace scanmill {
 namespace {
 
 // OpenImageIO prints a message that nobody fetched when its thread or object ends, so both are fetched.
-template <class ReaderOrWriter>
-[[noreturn]] void fail(const ReaderOrWriter* object) {
-  const std::string text = object != nullptr ? object->geterror() : std::string();
+[[noreturn]] void fail(const OIIO::ImageInput* reader) {
+  const std::string text = reader != nullptr ? reader->geterror() : std::string();
   const std::string global = OIIO::geterror();
   throw std::runtime_error(text.empty() ? global : text);
 }
@@ -35,7 +34,7 @@ class OpenImageIoReader final : public ImageReader {
     config.attribute("oiio:UnassociatedAlpha", 1);  // colours are wanted as painted, not multiplied by alpha
     if (memory != nullptr) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &memory);
     input_ = OIIO::ImageInput::open(name, &config, memory);
-    if (!input_) fail<OIIO::ImageInput>(nullptr);
+    if (!input_) fail(nullptr);
   }
 
   ImageHeader header() const override {
@@ -91,22 +90,6 @@ class OpenImageIo final : public ImagesModule {
 
   std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const override {
     return std::make_unique<OpenImageIoReader>(name, bytes);
-  }
-
-  std::string encodePng(const std::uint8_t* rgb, int width, int height) const override {
-    std::vector<unsigned char> bytes;
-    OIIO::Filesystem::IOVecOutput memory(bytes);  // outlives the writer
-    const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("png");
-    if (!out) fail<OIIO::ImageOutput>(nullptr);
-    OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("png:compressionLevel", 9);
-    spec.attribute("png:filter", 8);  // none: splats have no gradients, and become a quarter smaller without
-    spec.attribute("DateTime", "1970:01:01 00:00:00");  // the writer would take the clock
-    if (!out->set_ioproxy(&memory) || !out->open("picture.png", spec) ||
-        !out->write_image(OIIO::TypeDesc::UINT8, rgb) || !out->close()) {
-      fail(out.get());
-    }
-    return {bytes.begin(), bytes.end()};
   }
 };
 

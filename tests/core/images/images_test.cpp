@@ -7,7 +7,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+// jpeglib.h includes nothing that it needs.
+#include <jpeglib.h>
+
 #include <string>
 #include <thread>
 #include <utility>
@@ -49,6 +53,40 @@ std::string tga(int width, int height, const std::string& pixels, int bits, int 
   header[16] = static_cast<char>(bits);
   header[17] = static_cast<char>(0x20 | alphaBits);
   return header + pixels;
+}
+
+struct JpegKind {
+  J_COLOR_SPACE colors = JCS_RGB;
+  int channels = 3;
+  int quality = 90;
+  bool progressive = false;
+};
+
+std::string jpeg(const std::vector<std::uint8_t>& pixels, int width, int height, const JpegKind& kind) {
+  jpeg_compress_struct out{};
+  jpeg_error_mgr errors{};
+  out.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&out);
+  unsigned char* data = nullptr;
+  unsigned long size = 0;  // NOLINT(google-runtime-int): libjpeg's
+  jpeg_mem_dest(&out, &data, &size);
+  out.image_width = static_cast<JDIMENSION>(width);
+  out.image_height = static_cast<JDIMENSION>(height);
+  out.input_components = kind.channels;
+  out.in_color_space = kind.colors;
+  jpeg_set_defaults(&out);
+  jpeg_set_quality(&out, kind.quality, TRUE);
+  if (kind.progressive) jpeg_simple_progression(&out);
+  jpeg_start_compress(&out, TRUE);
+  for (int i = 0; i < height; ++i) {
+    JSAMPROW row = const_cast<JSAMPROW>(pixels.data()) + std::ptrdiff_t{i} * width * kind.channels;
+    jpeg_write_scanlines(&out, &row, 1);
+  }
+  jpeg_finish_compress(&out);
+  std::string bytes(reinterpret_cast<const char*>(data), size);
+  jpeg_destroy_compress(&out);
+  std::free(data);
+  return bytes;
 }
 
 bool isOpenImageIoLoaded() {
@@ -218,6 +256,85 @@ TEST(Images, PngOfEveryKindIsRead) {
   EXPECT_TRUE(clear.hasAlpha);
 }
 
+// Where all pixels are alike, a JPEG loses nothing but rounding.
+TEST(Images, JpegOfOneColourHasThatColour) {
+  for (const bool progressive : {false, true}) {
+    std::vector<std::uint8_t> rgb;
+    for (int i = 0; i < 33 * 17; ++i) rgb.insert(rgb.end(), {200, 90, 30});
+    const DecodedImage image = decodeImage(jpeg(rgb, 33, 17, {.quality = 100, .progressive = progressive}), "a.jpg");
+    ASSERT_EQ(image.width, 33u);
+    ASSERT_EQ(image.height, 17u);
+    EXPECT_FALSE(image.hasAlpha);
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+      ASSERT_NEAR(image.rgba[i], 200, 1) << i;
+      ASSERT_NEAR(image.rgba[i + 1], 90, 1) << i;
+      ASSERT_NEAR(image.rgba[i + 2], 30, 1) << i;
+    }
+  }
+  const std::vector<std::uint8_t> gray(64, 77);
+  EXPECT_EQ(decodeImage(jpeg(gray, 8, 8, {.colors = JCS_GRAYSCALE, .channels = 1}), "a").rgba[0], 77);
+}
+
+// OpenImageIO reads the same files by the same libjpeg.
+TEST(Images, JpegHasThePixelsThatOpenImageIoReads) {
+  const std::vector<std::uint8_t> rgb = noise(61, 43);
+  for (const JpegKind& kind : {JpegKind{}, JpegKind{.quality = 30}, JpegKind{.progressive = true},
+                               JpegKind{.colors = JCS_GRAYSCALE, .channels = 1}}) {
+    const std::string bytes = jpeg(rgb, 61, 43, kind);
+    const auto reader = moduleOf<ImagesModule>().open("a.jpg", bytes);
+    std::vector<std::uint8_t> theirs(std::size_t{61} * 43 * static_cast<std::size_t>(reader->header().channels));
+    reader->rows(43, theirs.data());
+    std::vector<std::uint8_t> ours = withoutAlpha(decodeImage(bytes, "a.jpg"));
+    if (reader->header().channels == 1) {
+      for (std::size_t i = 0; i < theirs.size(); ++i) ours[i] = ours[3 * i];
+      ours.resize(theirs.size());
+    }
+    EXPECT_EQ(ours, theirs) << kind.quality << kind.progressive;
+  }
+}
+
+TEST(Images, JpegOfFourInksIsRead) {
+  const std::vector<std::uint8_t> inks(std::size_t{8} * 8 * 4, 255);  // Adobe's: 255 is none of the ink
+  const DecodedImage image = decodeImage(jpeg(inks, 8, 8, {.colors = JCS_CMYK, .channels = 4}), "a.jpg");
+  EXPECT_FALSE(image.hasAlpha);
+  EXPECT_EQ(withoutAlpha(image), std::vector<std::uint8_t>(std::size_t{8} * 8 * 3, image.rgba[0]));
+}
+
+TEST(Images, DamagedJpegIsRefusedAndNamedAndNothingIsPrinted) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  const TemporaryFolder folder;
+  for (const bool progressive : {false, true}) {
+    const std::string bytes = jpeg(noise(16, 16), 16, 16, {.progressive = progressive});
+    for (std::size_t i = 1; i + 2 < bytes.size(); ++i) {  // the last two bytes say that it ends
+      EXPECT_THAT(messageOf([&] { decodeImage(std::string_view(bytes).substr(0, i), "a.jpg"); }), HasSubstr("a.jpg: "))
+          << i;
+      std::string text = bytes;
+      text[i] = static_cast<char>(~text[i]);
+      try {
+        decodeImage(text, "a.jpg");
+      } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr("a.jpg: "));
+      }
+    }
+    EXPECT_THROW(readImage(folder.write("a.jpg", bytes.substr(0, 300))), InputError);
+    // What stands between two segments changes no pixel.
+    const std::string more = bytes.substr(0, 2) + "\1\2\3" + bytes.substr(2);
+    EXPECT_EQ(decodeImage(more, "a.jpg").rgba, decodeImage(bytes, "a.jpg").rgba);
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+// A progressive JPEG of 16 x 16 whose last scan stands there again and again.
+TEST(Images, JpegOfEndlessScansIsRefused) {
+  const std::string bytes = jpeg(noise(16, 16), 16, 16, {.progressive = true});
+  const std::size_t last = bytes.rfind("\xff\xda");
+  std::string text = bytes.substr(0, last);
+  for (int i = 0; i < 600; ++i) text.append(bytes, last, bytes.size() - 2 - last);
+  EXPECT_THAT(messageOf([&] { decodeImage(text + "\xff\xd9", "a.jpg"); }), HasSubstr("a.jpg: the image cannot be"));
+}
+
 TEST(Images, TheTownsTexturesAreDecoded) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
   int count = 0;
@@ -230,10 +347,11 @@ TEST(Images, TheTownsTexturesAreDecoded) {
   EXPECT_GT(count, 0);
 }
 
-// In a process of its own, in which nothing was loaded yet: `threads` meet their first image at the same moment.
+// In a process of its own, in which nothing was loaded yet: `threads` read their first images at the same moment. PNG
+// and JPEG do not need OpenImageIO.
 [[noreturn]] void firstUse(int threads) {
-  const bool before = isOpenImageIoLoaded();
   std::atomic<int> waiting{threads};
+  std::atomic<int> readWithout{0};
   std::atomic<int> right{0};
   {
     std::vector<std::jthread> pool;
@@ -242,11 +360,15 @@ TEST(Images, TheTownsTexturesAreDecoded) {
         const std::vector<std::uint8_t> rgb = noise(20 + i, 30);
         --waiting;
         while (waiting > 0) std::this_thread::yield();
-        if (withoutAlpha(decodeImage(encodePng(rgb.data(), 20 + i, 30), "a.png")) == rgb) ++right;
+        const bool same = withoutAlpha(decodeImage(encodePng(rgb.data(), 20 + i, 30), "a.png")) == rgb &&
+                          decodeImage(jpeg(rgb, 20 + i, 30, {}), "a.jpg").width == 20u + static_cast<unsigned>(i);
+        if (same && !isOpenImageIoLoaded()) ++readWithout;
+        while (readWithout < threads) std::this_thread::yield();
+        if (decodeImage(tga(1, 1, "\1\2\3", 24, 0), "a.tga").rgba[0] == 3) ++right;
       });
     }
   }
-  std::exit(!before && isOpenImageIoLoaded() && right == threads ? 0 : 1);
+  std::exit(isOpenImageIoLoaded() && right == threads ? 0 : 1);
 }
 
 TEST(ImagesModule, IsLoadedAtTheFirstUseByAnyNumberOfThreads) {
@@ -269,7 +391,9 @@ std::string loadFailure(const std::vector<std::string>& folders) {
 TEST(ImagesModule, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   const std::string missing = loadFailure({folder.path(), "/absent"});
-  EXPECT_THAT(missing, HasSubstr("looked for " + folder.path().string() + "/libscanmill_images.so, /absent/lib"));
+  EXPECT_THAT(missing, HasSubstr("libscanmill_images.so is missing"));
+  EXPECT_THAT(missing, HasSubstr("looked for in " + folder.path().string() + ", /absent"));
+  EXPECT_THAT(missing, HasSubstr("the archive and the Debian packages have it"));
   EXPECT_THAT(missing, HasSubstr("cmake --install"));
   const std::string garbage = loadFailure({"/absent", folder.write("libscanmill_images.so", "text").parent_path()});
   EXPECT_THAT(garbage, HasSubstr(folder.path().string() + "/libscanmill_images.so cannot be loaded: "));

@@ -1,0 +1,112 @@
+#include "images/jpeg_reader.h"
+
+#include <cstdio>
+// jpeglib.h includes nothing that it needs.
+#include <jerror.h>
+#include <jpeglib.h>
+
+#include <array>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+
+namespace scanmill {
+
+namespace {
+
+// Each scan of a progressive JPEG refines all of it, and a file of few bytes may claim any number. Encoders make ten.
+constexpr int kMostScans = 500;
+
+class JpegReader final : public ImageReader {
+ public:
+  explicit JpegReader(std::string_view bytes) {
+    jpeg_.err = jpeg_std_error(&errors_);
+    jpeg_.client_data = this;
+    errors_.error_exit = fail;
+    errors_.emit_message = failWhereDamaged;
+    errors_.output_message = [](j_common_ptr) {};  // it would print
+    progress_.progress_monitor = limitScans;
+    try {
+      guarded([&] { readHeader(bytes); });
+    } catch (...) {
+      jpeg_destroy_decompress(&jpeg_);
+      throw;
+    }
+  }
+  ~JpegReader() override { jpeg_destroy_decompress(&jpeg_); }
+  JpegReader(const JpegReader&) = delete;
+  JpegReader& operator=(const JpegReader&) = delete;
+
+  bool isOfInks() const { return jpeg_.num_components == 4; }
+
+  ImageHeader header() const override {
+    return {static_cast<int>(jpeg_.image_width), static_cast<int>(jpeg_.image_height), jpeg_.out_color_components, -1,
+            0};
+  }
+
+  void rows(int count, std::uint8_t* pixels) override {
+    const std::size_t rowBytes = std::size_t{jpeg_.image_width} * static_cast<std::size_t>(jpeg_.out_color_components);
+    guarded([&] {
+      if (!started_) jpeg_start_decompress(&jpeg_);
+      started_ = true;
+      for (int i = 0; i < count; ++i) {
+        JSAMPROW row = pixels + static_cast<std::size_t>(i) * rowBytes;
+        jpeg_read_scanlines(&jpeg_, &row, 1);
+      }
+      if (jpeg_.output_scanline == jpeg_.output_height) jpeg_finish_decompress(&jpeg_);
+    });
+  }
+
+ private:
+  // libjpeg jumps back to here where it fails: `work` holds nothing that would have to be destroyed.
+  template <class Work>
+  void guarded(const Work& work) {
+    if (setjmp(jump_) != 0) throw std::runtime_error(message_.data());
+    work();
+  }
+
+  [[noreturn]] static void fail(j_common_ptr common) {
+    JpegReader& self = *static_cast<JpegReader*>(common->client_data);
+    common->err->format_message(common, self.message_.data());
+    std::longjmp(self.jump_, 1);
+  }
+
+  // A negative level is a warning; the others trace what libjpeg does.
+  static void failWhereDamaged(j_common_ptr common, int level) {
+    const int code = common->err->msg_code;
+    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR) fail(common);
+  }
+
+  static void limitScans(j_common_ptr common) {
+    if (reinterpret_cast<j_decompress_ptr>(common)->input_scan_number <= kMostScans) return;
+    JpegReader& self = *static_cast<JpegReader*>(common->client_data);
+    std::snprintf(self.message_.data(), self.message_.size(), "it has more than %d scans", kMostScans);
+    std::longjmp(self.jump_, 1);
+  }
+
+  void readHeader(std::string_view bytes) {
+    jpeg_create_decompress(&jpeg_);
+    jpeg_.progress = &progress_;
+    jpeg_mem_src(&jpeg_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    jpeg_read_header(&jpeg_, TRUE);
+    jpeg_calc_output_dimensions(&jpeg_);
+  }
+
+  jpeg_decompress_struct jpeg_{};
+  jpeg_error_mgr errors_{};
+  jpeg_progress_mgr progress_{};
+  std::jmp_buf jump_{};
+  std::array<char, JMSG_LENGTH_MAX> message_{};
+  bool started_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageReader> openJpeg(std::string_view bytes) {
+  auto reader = std::make_unique<JpegReader>(bytes);
+  if (reader->isOfInks()) return nullptr;
+  return reader;
+}
+
+}  // namespace scanmill
