@@ -84,6 +84,12 @@ constexpr double determinant(const Mat3& m) {
   return dot(m.x, cross(m.y, m.z));
 }
 
+// Returns true if the matrix flattens space, exactly or nearly: it has no usable inverse.
+inline bool isSingular(const Mat3& m) {
+  const double volume = std::abs(determinant(m));
+  return !(volume > 1e-12 * length(m.x) * length(m.y) * length(m.z)) || !std::isfinite(1.0 / volume);
+}
+
 constexpr Mat3 transposed(const Mat3& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }

@@ -16,12 +16,6 @@ auto fieldsOf(const Material& m) {
 
 }  // namespace
 
-// An exactly or nearly flat image of space: such a transform has no usable inverse.
-bool isSingular(const Mat3& m) {
-  const double volume = std::abs(determinant(m));
-  return !(volume > 1e-12 * length(m.x) * length(m.y) * length(m.z)) || !std::isfinite(1.0 / volume);
-}
-
 SceneBuilder::SceneBuilder(std::string name, std::uint64_t seed, Ontology ontology, MaterialLibrary library)
     : library_(std::move(library)) {
   scene_.name = std::move(name);
@@ -105,18 +99,17 @@ Instance& SceneBuilder::place(std::uint32_t mesh, const Affine& worldFromMesh, s
   return scene_.instances.back();
 }
 
-void SceneBuilder::countRule(const Rule& rule, std::uint64_t matched, std::uint64_t decided) {
-  const auto place = [](const Location& l) { return std::tie(l.file, l.line, l.column); };
+void SceneBuilder::countRule(const RuleUse& more) {
+  const auto place = [](const RuleUse& use) { return std::tie(use.where.file, use.where.line, use.where.column); };
   std::vector<RuleUse>& all = scene_.rules;
-  auto use = std::lower_bound(all.begin(), all.end(), rule.where,
-                              [&](const RuleUse& u, const Location& where) { return place(u.where) < place(where); });
-  if (use == all.end() || place(use->where) != place(rule.where)) {
-    std::string gives = rule.drop ? "nothing: it drops them" : rule.className;
-    if (!rule.materialName.empty()) gives += (gives.empty() ? "material " : ", material ") + rule.materialName;
-    use = all.insert(use, {rule.where, scanmill::describe(rule), std::move(gives), 0, 0});
+  const auto use = std::lower_bound(all.begin(), all.end(), more,
+                                    [&](const RuleUse& a, const RuleUse& b) { return place(a) < place(b); });
+  if (use == all.end() || place(*use) != place(more)) {
+    all.insert(use, more);
+    return;
   }
-  use->matched += matched;
-  use->decided += decided;
+  use->matched += more.matched;
+  use->decided += more.decided;
 }
 
 Scene SceneBuilder::finish() {

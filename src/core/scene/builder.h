@@ -7,13 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "scene/rules.h"
 #include "scene/scene.h"
 
 namespace scanmill {
-
-// Whether it flattens what it is applied to, so that nothing with it can be placed.
-bool isSingular(const Mat3& m);
 
 class SceneBuilder {
  public:
@@ -55,8 +51,8 @@ class SceneBuilder {
   // Counts triangles to which no rule gives a class.
   void addUnlabeled(const UnlabeledPart& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
 
-  // Counts the triangles that a rule matches, and of which it decides, in Scene::rules.
-  void countRule(const Rule& rule, std::uint64_t matched, std::uint64_t decided);
+  // Adds to the counts of the rule at this place in Scene::rules.
+  void countRule(const RuleUse& more);
 
   // What kind of place it is: Scene::about.
   void describe(const std::string& about) { scene_.about = about; }

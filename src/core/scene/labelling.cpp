@@ -55,6 +55,13 @@ bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule)
   return decides || covers;
 }
 
+// What a rule gives to what it matches, in words.
+std::string gives(const Rule& rule) {
+  std::string text = rule.drop ? "nothing: it drops them" : rule.className;
+  if (!rule.materialName.empty()) text += (text.empty() ? "material " : ", material ") + rule.materialName;
+  return text;
+}
+
 // How many triangles each rule matches, and of how many it decides.
 struct RuleCounts {
   std::vector<std::uint64_t> matched, decided;
@@ -328,7 +335,8 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
   if (!labelling.counted) {
     builder.addDropped(dropped);
     for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
-      builder.countRule(labelling.rules[r], counts.matched[r], counts.decided[r]);
+      const Rule& rule = labelling.rules[r];
+      builder.countRule({rule.where, describe(rule), gives(rule), counts.matched[r], counts.decided[r]});
     }
   }
   if (meshes.empty()) {
