@@ -17,6 +17,7 @@
 #include "commands/table.h"
 #include "config/resources.h"
 #include "scene/assets/asset_files.h"
+#include "scene/scene_file.h"
 #include "viewer/contact_sheet.h"
 
 namespace scanmill {

@@ -28,6 +28,7 @@
 #include "scene/gltf/reader.h"
 #include "scene/part_traits.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "sensors/sensor.h"
 
 namespace scanmill {

@@ -8,6 +8,7 @@
 #include "config/resources.h"
 #include "config/value.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
 

@@ -66,6 +66,7 @@
 #include "scene/placement.h"
 #include "scene/primitives.h"
 #include "scene/rules.h"
+#include "scene/scene_file.h"
 #include "scene/street.h"
 #include "scene/surveys/height_asset.h"
 #include "scene/surveys/survey_options.h"

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

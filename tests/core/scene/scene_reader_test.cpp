@@ -9,6 +9,7 @@
 
 #include "scene/placement.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/core/scene/assets/triangle_files.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"

@@ -14,6 +14,7 @@
 #include "base/hash.h"
 #include "config/fields.h"
 #include "config/value.h"
+#include "scene/scene_file.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

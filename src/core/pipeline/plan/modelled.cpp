@@ -12,6 +12,7 @@
 #include "methods/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/plan.h"
+#include "scene/scene_file.h"
 
 namespace scanmill {
 

@@ -13,6 +13,7 @@
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
 #include "pipeline/plan/scene_shares.h"
+#include "scene/scene_file.h"
 #include "scene/without.h"
 
 namespace scanmill {

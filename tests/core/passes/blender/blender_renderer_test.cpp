@@ -13,6 +13,7 @@
 #include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
 #include "scene/assets/blender.h"
+#include "scene/scene_file.h"
 #include "tests/core/passes/ray_reference.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"

@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "scene/assets/asset_alpha.h"
 #include "scene/assets/texture_search.h"
+#include "scene/scene_file.h"
 #include "tests/core/scene/assets/triangle_files.h"
 #include "tests/support/message_of.h"
 

@@ -14,6 +14,7 @@
 #include "base/process.h"
 #include "scene/assets/asset.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"

@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "scene/assets/asset.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/core/scene/gltf/gltf_builder.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"

@@ -10,6 +10,7 @@
 #include "scene/assets/asset_parts.h"
 #include "scene/assets/texture.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"

@@ -7,6 +7,7 @@
 
 #include "scene/assets/asset_parts.h"
 #include "scene/scene.h"
+#include "scene/scene_file.h"
 #include "tests/support/geo_tiff.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
