@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "scene/scene.h"
-#include "scene/surveys/surfels.h"
 
 namespace scanmill {
 
@@ -50,7 +49,14 @@ struct ClipTime {
   double time = 0;   // s, of its key frames; before the first and after the last as at those
 };
 
-// How a cloud of points becomes surfaces: see scene/surveys/surfels.h.
+// How the points of a cloud become discs: see scene/surveys/surfels.h.
+struct SurfelOptions {
+  int neighbors = 12;                        // points from which normal and radius are estimated, 3 to 100
+  double cover = 1.5;                        // times the radius of a disc whose area is a point's share of the surface
+  std::array<double, 2> radius{0.005, 0.2};  // m, least and most
+};
+
+// How a cloud of points becomes surfaces.
 struct PointOptions {
   enum class Reflectance { Auto, Intensity, Color, None };
   double spacing = 0;  // m, of a grid of cubes, one point in each; 0: all points

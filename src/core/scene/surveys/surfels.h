@@ -3,19 +3,13 @@
 // Surface elements (surfels; Pfister, Zwicker, van Baar, Gross, "Surfels: surface elements as rendering primitives",
 // SIGGRAPH 2000): what a surface is near each of the points that were measured on it.
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "base/vec.h"
+#include "scene/assets/asset.h"
 
 namespace scanmill {
-
-struct SurfelOptions {
-  int neighbors = 12;                        // points from which normal and radius are estimated, 3 to 100
-  double cover = 1.5;                        // times the radius of a disc whose area is a point's share of the surface
-  std::array<double, 2> radius{0.005, 0.2};  // m, least and most
-};
 
 struct Surfel {
   Vec3f normal;      // unit; which of the two sides it is on is not known
