@@ -13,7 +13,6 @@
 #include "methods/field/brick.h"
 #include "methods/field/brick_pool.h"
 #include "methods/field/nearby.h"
-#include "methods/particle/shape.h"
 
 namespace scanmill {
 
@@ -315,6 +314,28 @@ std::shared_ptr<const DistanceField> Builder::build() {
 }
 
 }  // namespace
+
+std::vector<FieldLevel> fieldLevels(const FieldShape& shape) {
+  std::vector<FieldLevel> levels;
+  std::uint32_t entries = 0;
+  const std::array<double, 3> centre{shape.centre.x, shape.centre.y, shape.centre.z};
+  for (std::size_t l = 0; l < shape.levels.size(); ++l) {
+    const LevelBox& box = shape.levels[l];
+    FieldLevel level;
+    level.scale = std::ldexp(1.0f, -int(l));
+    level.bricks = box.bricks;
+    level.firstEntry = entries;
+    for (std::size_t k = 0; k < 3; ++k) {
+      // In whole bricks of level 0, so that the offset is exact.
+      const auto brick = std::llround(centre[k] / (kBrickVoxels * shape.voxel));
+      const std::int64_t bricks = brick - box.firstBrick[k] * (std::int64_t{1} << l);
+      level.offset[k] = static_cast<float>(std::ldexp(static_cast<double>(bricks * kBrickVoxels), -int(l)));
+    }
+    entries += static_cast<std::uint32_t>(box.size());
+    levels.push_back(level);
+  }
+  return levels;
+}
 
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before) {

@@ -10,6 +10,9 @@
 
 namespace scanmill {
 
+// Returns what particles read of the levels of a field with this shape.
+std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
+
 // Builds the field of a world. Where `before` are fields of the same world with the same voxel size and lists, the
 // bricks that one of them has are taken over from it, or shared with it (brick_pool.h): all from those of the first
 // one's pool. What particles read is the same as without them, byte by byte. The world must be flat: nothing in it is

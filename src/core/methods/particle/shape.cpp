@@ -206,26 +206,4 @@ Box marchBox(const FieldShape& shape) {
   return {corner(1, false), corner(-1, true)};
 }
 
-std::vector<FieldLevel> fieldLevels(const FieldShape& shape) {
-  std::vector<FieldLevel> levels;
-  std::uint32_t entries = 0;
-  const std::array<double, 3> centre = axes(shape.centre);
-  for (std::size_t l = 0; l < shape.levels.size(); ++l) {
-    const LevelBox& box = shape.levels[l];
-    FieldLevel level;
-    level.scale = std::ldexp(1.0f, -int(l));
-    level.bricks = box.bricks;
-    level.firstEntry = entries;
-    for (std::size_t k = 0; k < 3; ++k) {
-      // In whole bricks of level 0, so that the offset is exact.
-      const auto brick = std::llround(centre[k] / (kBrickVoxels * shape.voxel));
-      const std::int64_t bricks = brick - box.firstBrick[k] * (std::int64_t{1} << l);
-      level.offset[k] = static_cast<float>(std::ldexp(static_cast<double>(bricks * kBrickVoxels), -int(l)));
-    }
-    entries += static_cast<std::uint32_t>(box.size());
-    levels.push_back(level);
-  }
-  return levels;
-}
-
 }  // namespace scanmill

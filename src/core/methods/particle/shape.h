@@ -27,7 +27,4 @@ void checkField(const ParticleOptions& options, const Box& scene, double memory)
 // The outermost level's box, shrunk by a voxel (m, relative to the world's origin). Particles march inside of it.
 Box marchBox(const FieldShape& shape);
 
-// What particles read of the levels.
-std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
-
 }  // namespace scanmill

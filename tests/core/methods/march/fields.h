@@ -14,6 +14,7 @@
 #include "base/parallel.h"
 #include "base/random.h"
 #include "methods/field/brick_pool.h"
+#include "methods/field/build.h"
 #include "methods/field/distance_field.h"
 #include "methods/field/facet.h"
 #include "methods/march/march.h"

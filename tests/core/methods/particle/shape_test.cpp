@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/random.h"
+#include "methods/field/build.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
