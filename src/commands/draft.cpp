@@ -1,4 +1,4 @@
-#include "scene/draft/draft.h"
+#include "draft/draft.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 
+#include "assets/asset_files.h"
 #include "base/extent_text.h"
 #include "base/file.h"
 #include "base/grouped.h"
@@ -16,8 +17,7 @@
 #include "commands/arguments.h"
 #include "commands/table.h"
 #include "config/resources.h"
-#include "scene/assets/asset_files.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "viewer/contact_sheet.h"
 
 namespace scanmill {
@@ -141,9 +141,9 @@ int runDraft(const std::vector<std::string>& arguments) {
   }
   const std::string ontologyName = parsed.options["ontology"].as<std::string>();
   const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
-  const std::vector<draft::Concept> concepts = draft::readConcepts(
-      parsed.options.count("words") > 0 ? std::filesystem::path(parsed.options["words"].as<std::string>())
-                                        : resourceFolder() / "labels/words.yaml");
+  const std::vector<Concept> concepts =
+      readConcepts(parsed.options.count("words") > 0 ? std::filesystem::path(parsed.options["words"].as<std::string>())
+                                                     : resourceFolder() / "labels/words.yaml");
   const draft::Draft made = draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(),
                                               out.parent_path(), parsed.options.count("allow-outside") > 0);
   writeFile(out, made.yaml);

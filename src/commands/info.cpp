@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "assets/asset.h"
+#include "assets/gltf/reader.h"
 #include "base/file.h"
 #include "base/grouped.h"
 #include "base/short_text.h"
@@ -24,11 +26,9 @@
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/read/pipeline.h"
-#include "scene/assets/asset.h"
-#include "scene/gltf/reader.h"
-#include "scene/part_traits.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/part_traits.h"
+#include "scenefile/scene_file.h"
 #include "sensors/sensor.h"
 
 namespace scanmill {

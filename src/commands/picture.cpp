@@ -16,7 +16,7 @@
 #include "dataset/recording.h"
 #include "dataset/scan_source.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "viewer/contact_sheet.h"
 #include "viewer/frames/scene_lookup.h"
 #include "viewer/pass_picture.h"

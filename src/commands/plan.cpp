@@ -19,7 +19,7 @@
 #include "commands/plan_checks.h"
 #include "commands/table.h"
 #include "evaluate/auto/calibrate.h"
-#include "pipeline/plan/feature_costs.h"
+#include "evaluate/feature_costs.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/plan/warnings.h"
 #include "pipeline/run/progress.h"

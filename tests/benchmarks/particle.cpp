@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "methods/field/build.h"
-#include "methods/march/march.h"
+#include "methods/particle/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
 #include "tests/benchmarks/street_beams.h"

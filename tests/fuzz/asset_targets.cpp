@@ -2,11 +2,11 @@
 
 #include <array>
 
+#include "assets/asset.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
 #include "formats/las_reader.h"
 #include "images/images.h"
-#include "scene/assets/asset.h"
 #include "tests/fuzz/target.h"
 
 namespace scanmill {

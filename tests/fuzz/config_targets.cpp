@@ -7,7 +7,7 @@
 #include "scene/material.h"
 #include "scene/ontology.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/fuzz/target.h"
 
 namespace scanmill {

@@ -8,12 +8,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 CMAKE = """
-scanmill_room(core base PRIVATE TBB::tbb)
-scanmill_room(core scan)
+scanmill_library(core base "errors and files" PRIVATE TBB::tbb)
+scanmill_library(core scan "points")
 if(SCANMILL_STUDIO)
-  scanmill_room(studio charts)
-  scanmill_room(studio viewer)
-  scanmill_room(. commands)
+  scanmill_library(studio charts "charts")
+  scanmill_library(studio viewer "a window" OPTIMIZE 1)
+  scanmill_library(. commands "subcommands")
 endif()
 """
 SOUND = {
@@ -55,23 +55,55 @@ class CheckLayers(unittest.TestCase):
         done = subprocess.run([sys.executable, ROOT / "scripts/check_layers"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
 
-    def test_a_room_after(self):
+    def test_a_library_after(self):
         self.expect_fault("src/core/base/error.cpp", '\n#include "scan/scan.h"\n', 2, "scan comes after base")
 
-    def test_a_room_after_in_the_studio(self):
+    def test_a_library_after_in_the_studio(self):
         self.expect_fault("src/studio/charts/chart.cpp", '#include "viewer/view.h"', 1, "viewer comes after charts")
 
     def test_the_studio_in_the_core(self):
         self.expect_fault("src/core/scan/draw.cpp", '#include "charts/chart.h"', 1, "the core never includes the studio")
 
     def test_the_commands_in_the_core(self):
-        self.expect_fault("src/core/scan/draw.cpp", '#include "commands/view.h"', 1, "'commands' is no room")
+        self.expect_fault("src/core/scan/draw.cpp", '#include "commands/view.h"', 1, "'commands' is no library")
 
-    def test_a_path_that_starts_at_no_room(self):
-        self.expect_fault("src/core/scan/draw.cpp", '#include "scan.h"', 1, "'scan.h' is no room")
+    def test_a_path_that_starts_at_no_library(self):
+        self.expect_fault("src/core/scan/draw.cpp", '#include "scan.h"', 1, "'scan.h' is no library")
 
-    def test_a_folder_that_is_no_room(self):
-        self.expect_fault("src/core/extra/extra.cpp", '#include "base/error.h"', 1, "scanmill_room(core extra)")
+    def test_a_folder_that_is_no_library(self):
+        self.expect_fault("src/core/extra/extra.cpp", '#include "base/error.h"', 1, 'scanmill_library(core extra "its subject")')
+
+    def test_folders_in_a_circle(self):
+        code, said = check({"src/core/scan/read/read.h": '#include "scan/write/write.h"\n',
+                            "src/core/scan/write/write.h": "\n",
+                            "src/core/scan/write/write.cpp": '#include "scan/read/read.h"\n'})
+        self.assertEqual(code, 1, said)
+        self.assertIn("2 includes against the layers", said)
+        self.assertIn("src/core/scan/write/write.cpp:1: #include", said)
+        self.assertIn("read and write of scan include one another", said)
+
+    def test_headers_beside_folders_stand_below_and_sources_above(self):
+        sound = {"src/core/scan/read/read.h": '#include "scan/scan.h"\n', "src/core/scan/all.cpp": '#include "scan/read/read.h"\n'}
+        self.assertEqual(check(sound), (0, ""))
+        code, said = check({**sound, "src/core/scan/scan.h": '#include "scan/read/read.h"\n'})
+        self.assertEqual(code, 1, said)
+        self.assertIn("its headers and read of scan include one another", said)
+
+    def test_the_page_shows_the_libraries_that_there_are(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = Path(folder) / "docs/architecture.md"
+            files = {"CMakeLists.txt": CMAKE, **SOUND, "docs/architecture.md": "a\n<!-- libraries -->\nold\n<!-- /libraries -->\nb\n"}
+            for name, text in files.items():
+                (Path(folder) / name).parent.mkdir(parents=True, exist_ok=True)
+                (Path(folder) / name).write_text(text)
+            run = lambda *options: subprocess.run([sys.executable, ROOT / "scripts/check_layers", folder, *options],
+                                                  capture_output=True, text=True)
+            self.assertIn("docs/architecture.md shows other libraries", run().stderr)
+            self.assertEqual(run("--write").returncode, 0)
+            self.assertEqual(run().returncode, 0)
+            self.assertIn("| `core/scan` | points | base |", page.read_text())
+            self.assertIn("| `studio/charts` | charts | scan |", page.read_text())
+            self.assertIn(">a window</text>", (page.parent / "architecture.svg").read_text())
 
     def test_a_library_in_a_header(self):
         for header in ("vtkNew.h", "pcl/point_types.h", "embree3/rtcore.h", "X11/Xlib.h", "nlohmann/json.hpp"):

@@ -8,7 +8,7 @@
 #include "config/resources.h"
 #include "config/value.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
 

@@ -11,7 +11,7 @@
 
 #include "config/fields.h"
 #include "config/value.h"
-#include "scene/town.h"
+#include "town/town.h"
 
 namespace scanmill {
 

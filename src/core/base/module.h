@@ -4,13 +4,14 @@
 // The program loads a module at its first use and keeps it until its own end, so that it starts quickly, and works
 // without these libraries wherever they are not needed.
 //
-// A module is reached by its interface: an abstract class in a header of its room, which includes nothing of the heavy
-// library. The interface has a constant `kFile` that says which file holds the module. The module derives a class from
-// it and exports one object of that class by SCANMILL_MODULE. The program gets the object from moduleOf<Interface>().
+// A module is reached by its interface: an abstract class in a header of its library, which includes nothing of the
+// heavy library. The interface has a constant `kFile` that says which file holds the module. The module derives a class
+// from it and exports one object of that class by SCANMILL_MODULE. The program gets the object from
+// moduleOf<Interface>().
 //
-// Both sides are made from the same headers by the same compiler, so objects, containers and exceptions cross between
-// them as they do within the program. A module that was made otherwise is refused before anything of it is called. A
-// module contains no compiled code of the rooms, and uses only what their headers define.
+// The headers of the interface and the compiler are the same on both sides, so objects, containers and exceptions cross
+// between them as they do within the program. A module that was made otherwise is refused before anything of it is
+// called. A module contains no compiled code of our libraries, and uses only what their headers define.
 
 #include <string>
 #include <string_view>

@@ -1,6 +1,6 @@
 #include "scene/reflectance.h"
 
-#include "scene/assets/texture.h"
+#include "scene/texture.h"
 
 namespace scanmill {
 

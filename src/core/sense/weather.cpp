@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/vec.h"
-#include "methods/light_paths.h"
+#include "methods/interface/light_paths.h"
 #include "sense/effects/elementary.h"
 
 namespace scanmill {

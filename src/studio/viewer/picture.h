@@ -10,8 +10,8 @@
 #include "scene/ontology.h"
 #include "viewer/coloring.h"
 #include "viewer/image.h"
+#include "viewer/range_strip.h"
 #include "viewer/view_camera.h"
-#include "viewer/window/range_strip.h"
 
 namespace scanmill {
 

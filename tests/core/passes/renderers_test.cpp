@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "passes/renderer.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/support/blender.h"
 
 namespace scanmill {

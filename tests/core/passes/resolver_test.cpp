@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
-#include "scene/assets/texture.h"
+#include "scene/texture.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 

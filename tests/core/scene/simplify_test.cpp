@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "scene/labelling.h"
+#include "scenefile/labelling.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"

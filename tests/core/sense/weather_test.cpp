@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/vec.h"
-#include "methods/light_paths.h"
+#include "methods/interface/light_paths.h"
 
 namespace scanmill {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "methods/method.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "sense/sense.h"
 #include "sensors/sensor.h"
 #include "sensors/shot.h"

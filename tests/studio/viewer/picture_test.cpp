@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "dataset/scan_source.h"
 #include "methods/method.h"
-#include "scene/assets/texture.h"
+#include "scene/texture.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_scene.h"

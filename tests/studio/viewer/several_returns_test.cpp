@@ -8,7 +8,7 @@
 #include "viewer/color_map.h"
 #include "viewer/coloring.h"
 #include "viewer/picture.h"
-#include "viewer/window/range_strip.h"
+#include "viewer/range_strip.h"
 
 namespace scanmill {
 namespace {

@@ -15,11 +15,11 @@
 #include <string>
 #include <utility>
 
+#include "assets/blender.h"
 #include "base/error.h"
 #include "base/stage_clock.h"
 #include "methods/depth_camera/options.h"
 #include "methods/depth_camera/revolution.h"
-#include "scene/assets/blender.h"
 
 namespace scanmill {
 

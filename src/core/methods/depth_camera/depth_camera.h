@@ -9,7 +9,7 @@
 
 #include "methods/depth_camera/layout.h"
 #include "methods/depth_camera/sample.h"
-#include "methods/method.h"
+#include "methods/interface/method.h"
 #include "passes/pass_image.h"
 #include "passes/renderer.h"
 

@@ -5,7 +5,7 @@
 #include <iterator>
 
 #include "methods/field/lookup.h"
-#include "methods/march/march_rule.h"
+#include "methods/field/march_rule.h"
 
 namespace scanmill {
 

@@ -8,7 +8,8 @@
 
 #include "base/vec.h"
 #include "methods/field/distance_field.h"
-#include "methods/march/march.h"
+#include "methods/field/particle_launch.h"
+#include "methods/particle/march.h"
 #include "methods/particle/options.h"
 #include "methods/world/resolve.h"
 #include "methods/world/world.h"

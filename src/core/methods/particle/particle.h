@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "methods/method.h"
+#include "methods/interface/method.h"
 
 namespace scanmill {
 

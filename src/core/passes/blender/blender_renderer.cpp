@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "assets/blender.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/scratch_folder.h"
@@ -21,7 +22,6 @@
 #include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
 #include "passes/resolver.h"
-#include "scene/assets/blender.h"
 
 namespace scanmill {
 

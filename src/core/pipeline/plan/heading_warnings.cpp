@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <set>
 
-#include "scene/draft/usual_sizes.h"
+#include "scenefile/concepts.h"
 
 namespace scanmill {
 
@@ -31,8 +31,8 @@ bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
 }  // namespace
 
 std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes) {
-  static const std::vector<draft::Concept> concepts = draft::knownConcepts();
-  const std::set<std::uint16_t> wheels = draft::classesWithWheels(concepts, scene.ontology);
+  static const std::vector<Concept> concepts = knownConcepts();
+  const std::set<std::uint16_t> wheels = classesWithWheels(concepts, scene.ontology);
   std::set<std::string> told;
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < boxes.things().size(); ++i) {

@@ -9,10 +9,10 @@
 
 #include "config/flow_text.h"
 #include "config/named_options.h"
-#include "methods/light_paths.h"
+#include "methods/interface/light_paths.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/plan.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 

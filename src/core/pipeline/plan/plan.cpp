@@ -8,13 +8,13 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/short_text.h"
-#include "methods/light_paths.h"
+#include "methods/interface/light_paths.h"
 #include "pipeline/drive/drive.h"
 #include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/recorded_method.h"
 #include "pipeline/plan/scene_shares.h"
-#include "scene/scene_file.h"
 #include "scene/without.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 

@@ -12,7 +12,7 @@
 
 #include "base/path.h"
 #include "pipeline/plan/plan.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 namespace {

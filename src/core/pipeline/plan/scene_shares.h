@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 

@@ -11,7 +11,7 @@
 
 #include "base/grouped.h"
 #include "pipeline/plan/own_vehicle.h"
-#include "scene/draft/usual_sizes.h"
+#include "scenefile/concepts.h"
 
 namespace scanmill {
 
@@ -101,9 +101,9 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
 }
 
 std::vector<std::string> thingSizeWarnings(const Scene& scene) {
-  static const std::vector<draft::Concept> concepts = draft::knownConcepts();
+  static const std::vector<Concept> concepts = knownConcepts();
   if (concepts.empty()) return {};
-  const std::map<std::uint16_t, Between> usual = draft::usualSizes(concepts, scene.ontology);
+  const std::map<std::uint16_t, Between> usual = usualSizes(concepts, scene.ontology);
   std::vector<std::vector<Thing>> things;
   things.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) things.push_back(thingsIn(mesh));

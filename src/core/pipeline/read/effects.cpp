@@ -11,7 +11,7 @@
 #include "config/fields.h"
 #include "config/flow_text.h"
 #include "config/named_options.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 

@@ -11,7 +11,7 @@
 #include "config/flow_text.h"
 #include "config/waypoints.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "base/stage_clock.h"
-#include "methods/light_paths.h"
+#include "methods/interface/light_paths.h"
 #include "methods/method.h"
 #include "pipeline/plan/plan.h"
 #include "scan/hits.h"

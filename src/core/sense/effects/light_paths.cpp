@@ -6,9 +6,9 @@
 // Materials with a `transmission` let light through (two-way, by Fresnel's equations and what the glass absorbs), those
 // of a roughness of at most 0.1 mirror. What a ray meets there is an echo of its own: returns behind glass have the
 // cause 3 and the class of what they hit, mirror images the cause 4 and lie where the sensor believes them, as far
-// along the beam as the light has gone. methods/light_paths.h says how; nothing is left to do here.
+// along the beam as the light has gone. methods/interface/light_paths.h says how; nothing is left to do here.
 
-#include "methods/light_paths.h"
+#include "methods/interface/light_paths.h"
 
 #include <algorithm>
 

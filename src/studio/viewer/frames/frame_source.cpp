@@ -6,7 +6,7 @@
 #include "dataset/sample_names.h"
 #include "formats/cloud_file.h"
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "viewer/frames/scene_lookup.h"
 #include "viewer/frames/stored_frames.h"
 

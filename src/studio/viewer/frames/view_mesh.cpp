@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "pipeline/plan/scene_shares.h"
 #include "pipeline/plan/warnings.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 
 namespace scanmill {
 

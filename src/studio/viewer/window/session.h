@@ -15,8 +15,8 @@
 #include "viewer/coloring.h"
 #include "viewer/frames/frame_loader.h"
 #include "viewer/frames/frame_source.h"
+#include "viewer/range_strip.h"
 #include "viewer/window/orbit_camera.h"
-#include "viewer/window/range_strip.h"
 
 namespace scanmill {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "sensors/sensor.h"
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/blender.h"

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "base/random.h"
-#include "methods/march/march.h"
-#include "methods/march/march_gl.h"
+#include "methods/gpu/gl_marcher.h"
+#include "methods/gpu/march_gl.h"
 #include "methods/particle/field_store.h"
+#include "methods/particle/march.h"
 #include "methods/particle/march_job.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/gl.h"

@@ -11,9 +11,9 @@
 
 #include "base/random.h"
 #include "config/value.h"
-#include "methods/march/march.h"
+#include "methods/particle/march.h"
 #include "methods/particle/shape.h"
-#include "tests/core/methods/march/fields.h"
+#include "tests/core/methods/particle/fields.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "assets/blender.h"
 #include "base/parallel.h"
 #include "passes/blender/blender_scene.h"
 #include "passes/exr/exr_file.h"
 #include "passes/renderer.h"
-#include "scene/assets/blender.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/core/passes/ray_reference.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"

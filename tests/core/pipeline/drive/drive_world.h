@@ -7,7 +7,7 @@
 #include <string>
 
 #include "scene/scene.h"
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

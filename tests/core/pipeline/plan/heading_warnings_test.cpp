@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {

@@ -1,6 +1,6 @@
 #include "pipeline/read/pipeline.h"
 
-#include "scene/scene_file.h"
+#include "scenefile/scene_file.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {

@@ -1,0 +1,110 @@
+#include "assets/asset.h"
+
+#include <fmt/core.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+
+#include "assets/asset_parts.h"
+#include "assets/blend.h"
+#include "assets/gltf/reader.h"
+#include "assets/imported_asset.h"
+#include "assets/surveys/cloud_asset.h"
+#include "assets/surveys/height_asset.h"
+#include "assets/worlds/world_asset.h"
+#include "base/error.h"
+#include "config/text.h"
+#include "formats/cloud_file.h"
+
+namespace scanmill {
+
+namespace {
+
+void checkRequest(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  const auto fail = [&](const std::string& what) { throw InputError({file.string()}, what); };
+  if (!(options.metresPerUnit > 0) || !std::isfinite(options.metresPerUnit)) {
+    fail(fmt::format("metresPerUnit is {}, but must be above 0", options.metresPerUnit));
+  }
+  if (options.up && *options.up != 'x' && *options.up != 'y' && *options.up != 'z') {
+    fail(fmt::format("the up axis is '{}', but must be x, y or z", *options.up));
+  }
+  if (options.clip && kind != ".gltf" && kind != ".glb") {
+    fail("is no glTF: animations are read from .gltf and .glb alone, so convert it");
+  }
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) fail("there is no such file");
+  if (!std::filesystem::is_regular_file(file, error)) fail("is not a file");
+  if (std::filesystem::file_size(file, error) == 0) fail("is empty");
+}
+
+// Blender's own is z-up.
+Asset readGltf(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
+  const bool blend = kind == ".blend";
+  const char up = options.up.value_or(blend ? 'z' : 'y');
+  const double scale = options.metresPerUnit;
+  const Affine assetFromFile{zUpFrom(up) * Mat3::scale({scale, scale, scale}), {}};
+  Asset asset = blend ? gltf::readAsset(BlendExport(file).glb(), file, assetFromFile, options)
+                      : gltf::readAsset(file, file, assetFromFile, options);
+  asset.up = up;
+  asset.upDeclared = true;
+  return asset;
+}
+
+// Far from their origin coordinates in single precision are coarse.
+void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
+  constexpr double kFar = 16384;  // m, where steps are 2 mm
+  Box box;
+  for (const AssetPart& part : asset.parts) {
+    for (const Vec3f& p : part.positions) {
+      if (isFinite(p)) box.add(Vec3d(p));
+    }
+  }
+  if (box.empty()) return;
+  double farthest = 0;
+  double extent = 0;
+  for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
+    farthest = std::max({farthest, std::abs(box.low.*axis), std::abs(box.high.*axis)});
+    extent = std::max(extent, box.high.*axis - box.low.*axis);
+  }
+  if (farthest < kFar || extent > farthest) return;
+  const auto reached = static_cast<float>(farthest);
+  warn(fmt::format(
+      "{}: its coordinates reach {:.0f} m, where single precision, in which it is read, has steps of {:.2g} "
+      "m: subtract an offset from them and give it as the object's `position`, or convert it to a binary "
+      "PLY of triangles with coordinates in double",
+      file.string(), farthest,
+      static_cast<double>(std::nextafter(reached, std::numeric_limits<float>::infinity()) - reached)));
+}
+
+Asset withFile(Asset asset, const std::filesystem::path& file) {
+  asset.file = file;
+  return asset;
+}
+
+}  // namespace
+
+Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) {
+  const std::string kind = lowerExtension(file);
+  checkRequest(file, kind, options);
+  if (isHeights(kind)) return withFile(readHeightAsset(file, options), file);
+  if (isCloud(file)) return withFile(readCloudAsset(file, options), file);
+  const bool gltf = kind == ".gltf" || kind == ".glb" || kind == ".b3dm" || kind == ".blend";
+  Asset asset = gltf            ? readGltf(file, kind, options)
+                : isWorld(kind) ? readWorld(file, kind, options)
+                                : readImported(file, kind, options);
+  if (asset.parts.empty() && asset.instanced.empty()) {
+    throw InputError(
+        {file.string()},
+        fmt::format("has no triangle{}",
+                    asset.dropped.outOfRange > 0 ? " whose indices are in range: the file is damaged" : ""));
+  }
+  warnOfSteps(asset, file);
+  // The importer's one allocation for each face would stay with the process: 60 MiB for a million triangles.
+  ::malloc_trim(0);
+  return withFile(std::move(asset), file);
+}
+
+}  // namespace scanmill

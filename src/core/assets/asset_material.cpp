@@ -1,0 +1,91 @@
+#include "assets/asset_material.h"
+
+#include <memory>
+#include <utility>
+
+#include "assets/asset_alpha.h"
+#include "assets/base_color.h"
+#include "scene/texture.h"
+
+namespace scanmill {
+
+namespace {
+
+// Reads the materials of one file.
+class MaterialReader {
+ public:
+  MaterialReader(const ImportedFile& imported, const std::filesystem::path& file, const AssetOptions& options)
+      : imported_(imported), file_(file), options_(options), images_(file, options.allowOutside) {}
+
+  AssetMaterial read(std::uint32_t index) {
+    const ImportedMaterial& from = imported_.materials[index];
+    AssetMaterial read;
+    read.material.name = from.name;
+    read.material.source = "base colour of " + file_.filename().string();
+    read.material.roughness = from.roughness;
+    read.material.metallic = from.metallic;
+    read.texture = from.base.label;
+
+    BaseColor color;
+    color.factor = from.color;
+    color.stated = from.stated;
+    color.textured = !from.base.name.empty();
+    bool declared = false;
+    color.alpha = alphaTest(from, declared);
+    if (color.textured && (options_.textures || color.alpha.wanted)) {
+      color.image = load(from.base, !options_.textures, color.alpha.wanted);
+    }
+    if (color.image && color.alpha.wanted && !declared && !isCutOut(measureAlpha(imported_, index, *color.image))) {
+      color.alpha.wanted = false;
+      if (!options_.textures) color.image.reset();
+    }
+    color.colored = color.image != nullptr;
+    // What stands beside a texture is what the exporter happened to leave there, often black.
+    if (!color.colored) read.color = color.factor;
+    // A map that names the colour's own file means that file's alpha, which the image has already.
+    const ImportedMap& opacity = from.opacityMap;
+    if (color.alpha.wanted && !opacity.name.empty() && opacity.name != from.base.name) {
+      if (const auto mask = load(opacity, false, true))
+        color.image = withOpacity(color.image.get(), *mask, opacity.inverted);
+    }
+    setColor(read.material, std::move(color), file_, options_, images_);
+    return read;
+  }
+
+ private:
+  // It is declared where beams pass whatever the alpha looks like.
+  AlphaTest alphaTest(const ImportedMaterial& from, bool& declared) const {
+    if (options_.alpha == AlphaUse::Ignore) return {};
+    // 0 would hide the material: it comes from exporters that take the number for the opposite.
+    declared =
+        options_.alpha == AlphaUse::Test || !from.opacityMap.name.empty() || (from.opacity > 0 && from.opacity < 1);
+    return {true, 0.5f};
+  }
+
+  std::shared_ptr<const Texture> load(const ImportedMap& map, bool onlyAlpha, bool cutsOut) {
+    return images_.load(map.name, map.label, onlyAlpha, cutsOut, [&]() -> std::shared_ptr<const Texture> {
+      if (map.embedded < 0) return nullptr;
+      const ImportedImage& image = imported_.images.at(static_cast<std::size_t>(map.embedded));
+      const std::string name = file_.string() + ": " + map.label;
+      return image.height == 0 ? decodeTexture(image.bytes, name)
+                               : plainTexture(image.bytes, image.width, image.height, name);
+    });
+  }
+
+  const ImportedFile& imported_;
+  const std::filesystem::path& file_;
+  const AssetOptions& options_;
+  ColorImages images_;
+};
+
+}  // namespace
+
+std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
+                                         const AssetOptions& options) {
+  MaterialReader reader(imported, file, options);
+  std::vector<AssetMaterial> materials;
+  for (std::uint32_t i = 0; i < imported.materials.size(); ++i) materials.push_back(reader.read(i));
+  return materials;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,26 @@
+#pragma once
+
+// The materials of an imported file, with the images that they name.
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assets/asset.h"
+#include "assets/imported_file.h"
+
+namespace scanmill {
+
+struct AssetMaterial {
+  Material material;
+  std::array<float, 3> color{1, 1, 1};  // AssetPart::color
+  std::string texture;                  // base colour file as the asset names it, or empty
+};
+
+// Returns the materials of the imported file. A missing or broken texture is a warning; one that lies outside of the
+// file's folder is an InputError where that is not allowed.
+std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
+                                         const AssetOptions& options);
+
+}  // namespace scanmill

@@ -1,0 +1,91 @@
+#include "assets/assimp_materials.h"
+
+#include <assimp/material.h>
+#include <assimp/scene.h>
+
+#include <cstring>
+#include <initializer_list>
+
+#include "assets/base_color.h"
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+std::string text(const aiMaterial& material, const char* key, unsigned type, unsigned i) {
+  aiString value;
+  return material.Get(key, type, i, value) == aiReturn_SUCCESS ? std::string(value.C_Str()) : std::string();
+}
+
+float number(const aiMaterial& material, const char* key, unsigned type, unsigned i, float fallback) {
+  float value = 0;
+  return material.Get(key, type, i, value) == aiReturn_SUCCESS ? value : fallback;
+}
+
+ImportedMap firstMap(const aiScene& scene, const aiMaterial& material, std::initializer_list<aiTextureType> types) {
+  for (const aiTextureType type : types) {
+    ImportedMap map;
+    map.name = text(material, AI_MATKEY_TEXTURE(type, 0));
+    if (map.name.empty()) continue;
+    int channel = 0;
+    if (material.Get(AI_MATKEY_UVWSRC(type, 0), channel) == aiReturn_SUCCESS && channel >= 0) {
+      map.uvChannel = static_cast<std::uint32_t>(channel);
+    }
+    int flags = 0;
+    if (material.Get(AI_MATKEY_TEXFLAGS(type, 0), flags) == aiReturn_SUCCESS) {
+      map.inverted = (flags & aiTextureFlags_Invert) != 0;
+    }
+    const auto [embedded, index] = scene.GetEmbeddedTextureAndIndex(map.name.c_str());
+    if (embedded != nullptr) map.embedded = index;
+    map.label = embedded != nullptr && embedded->mFilename.length > 0 ? embedded->mFilename.C_Str() : map.name;
+    return map;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene) {
+  std::vector<ImportedMaterial> materials;
+  for (unsigned i = 0; i < scene.mNumMaterials; ++i) {
+    const aiMaterial& from = *scene.mMaterials[i];
+    ImportedMaterial& to = materials.emplace_back();
+    to.name = text(from, AI_MATKEY_NAME);
+    to.stated = to.name != AI_DEFAULT_MATERIAL_NAME;
+    if (!to.stated) to.name.clear();
+    to.roughness = fraction(number(from, AI_MATKEY_ROUGHNESS_FACTOR, 1.0f), 1.0f);
+    to.metallic = fraction(number(from, AI_MATKEY_METALLIC_FACTOR, 0.0f), 0.0f);
+    to.opacity = number(from, AI_MATKEY_OPACITY, 1.0f);
+    aiColor4D color(1, 1, 1, 1);
+    if (from.Get(AI_MATKEY_COLOR_DIFFUSE, color) != aiReturn_SUCCESS) from.Get(AI_MATKEY_BASE_COLOR, color);
+    to.color = {fraction(color.r, 1.0f), fraction(color.g, 1.0f), fraction(color.b, 1.0f)};
+    to.base = firstMap(scene, from, {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE});
+    to.opacityMap = firstMap(scene, from, {aiTextureType_OPACITY});
+  }
+  return materials;
+}
+
+std::vector<ImportedImage> imagesOf(const aiScene& scene) {
+  std::vector<ImportedImage> images;
+  for (unsigned i = 0; i < scene.mNumTextures; ++i) {
+    const aiTexture& from = *scene.mTextures[i];
+    ImportedImage& to = images.emplace_back();
+    if (from.mHeight == 0) {  // then the width is the number of bytes
+      to.bytes.assign(reinterpret_cast<const char*>(from.pcData), from.mWidth);
+      continue;
+    }
+    to.width = from.mWidth;
+    to.height = from.mHeight;
+    if (to.width == 0 || to.width > 16384 || to.height > 16384) throw Error("embeds an image that has no usable size");
+    const std::size_t pixels = std::size_t{to.width} * to.height;
+    to.bytes.reserve(pixels * 4);
+    for (std::size_t p = 0; p < pixels; ++p) {
+      const aiTexel& texel = from.pcData[p];
+      for (const unsigned char c : {texel.r, texel.g, texel.b, texel.a}) to.bytes += static_cast<char>(c);
+    }
+  }
+  return images;
+}
+
+}  // namespace scanmill

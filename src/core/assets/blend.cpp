@@ -1,0 +1,51 @@
+#include "assets/blend.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cstddef>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "assets/blender.h"
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+// Before Blender is started: it also reads other kinds under this name.
+void checkKind(const std::filesystem::path& file) {
+  std::array<char, 7> head{};
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError({file.string()}, "cannot be read");
+  in.read(head.data(), head.size());
+  const std::string_view begin(head.data(), static_cast<std::size_t>(in.gcount()));
+  // Plain, gzip (until Blender 2.93) and Zstandard (since 3.0).
+  const bool known = begin == "BLENDER" || begin.starts_with("\x1F\x8B") || begin.starts_with("\x28\xB5\x2F\xFD");
+  if (!known) throw InputError({file.string()}, "is not a Blender file: it does not begin as one");
+}
+
+}  // namespace
+
+BlendExport::BlendExport(const std::filesystem::path& file) {
+  checkKind(file);
+  std::optional<BlenderJob> job;
+  try {
+    job.emplace("export", folder_.path(), std::vector<std::string>{std::filesystem::absolute(file).string()});
+  } catch (const Error& e) {  // there is no Blender: not the file's fault
+    throw Error(fmt::format("{}: {}", file.string(), e.what()));
+  }
+  try {
+    job->answer();
+  } catch (const InputError& e) {
+    throw InputError({file.string()}, e.what());
+  } catch (const Error& e) {
+    throw InputError({file.string()}, fmt::format("cannot be read: {}", e.what()));
+  }
+}
+
+}  // namespace scanmill

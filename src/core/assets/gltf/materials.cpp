@@ -1,0 +1,82 @@
+#include "assets/gltf/materials.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "assets/base_color.h"
+#include "assets/texture_search.h"
+#include "base/error.h"
+#include "scene/texture.h"
+
+namespace scanmill::gltf {
+namespace {
+
+// What rules call an image: its file, or its name where it is in the file.
+std::string labelOf(const Model& model, Index image) {
+  const Image& i = model.images[image];
+  if (!i.uri.empty() && !i.uri.starts_with("data:")) return i.uri;
+  return i.name.empty() ? fmt::format("*{}", image) : i.name;
+}
+
+std::shared_ptr<const Texture> load(const Model& model, const Data& data, Index image, bool onlyAlpha, bool cutsOut,
+                                    ColorImages& images) {
+  const Image& i = model.images[image];
+  const std::string label = labelOf(model, image);
+  return images.load(std::to_string(image), label, onlyAlpha, cutsOut, [&]() -> std::shared_ptr<const Texture> {
+    const std::string place = model.file.string() + ": " + label;
+    if (i.view) return decodeTexture(data.view(*i.view), place);
+    if (i.uri.starts_with("data:")) return decodeTexture(data.embedded(i.uri, label), place);
+    return nullptr;
+  });
+}
+
+AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
+  if (options.alpha == AlphaUse::Ignore) return {};
+  const bool asked = options.alpha == AlphaUse::Test;
+  if (m.alpha != Material::Alpha::Mask) return {asked || m.alpha == Material::Alpha::Blend, 0.5f};
+  // The factor's alpha multiplies the texture's before the comparison.
+  const double factor = fraction(m.color[3], 1.0);
+  return {true, factor > 0 && std::isfinite(m.cutoff) ? static_cast<float>(m.cutoff / factor) : 1.0f};
+}
+
+ReadMaterial read(const Model& model, const Data& data, const Material* m, const AssetOptions& options,
+                  ColorImages& images) {
+  static const Material kDefault;
+  const Material& from = m == nullptr ? kDefault : *m;
+  ReadMaterial to;
+  to.material.name = from.name;
+  to.material.source = "base colour of " + model.file.filename().string();
+  to.material.roughness = static_cast<float>(fraction(from.roughness, 1.0));
+  to.material.metallic = static_cast<float>(fraction(from.metallic, 0.0));
+  BaseColor color;
+  for (std::size_t c = 0; c < 3; ++c) color.factor[c] = static_cast<float>(fraction(from.color[c], 1.0));
+  to.color = color.factor;
+  color.alpha = alphaOf(from, options);
+  color.tints = true;
+  color.stated = m != nullptr;
+  if (from.texture) {
+    to.placed = from.texture;
+    to.texture = labelOf(model, from.texture->image);
+    color.textured = true;
+    if (options.textures || color.alpha.wanted) {
+      color.image = load(model, data, from.texture->image, !options.textures, color.alpha.wanted, images);
+      color.colored = color.image != nullptr;
+    }
+  }
+  setColor(to.material, std::move(color), model.file, options, images);
+  return to;
+}
+
+}  // namespace
+
+std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options) {
+  ColorImages images(model.file, options.allowOutside);
+  std::vector<ReadMaterial> materials;
+  materials.reserve(model.materials.size() + 1);
+  for (const Material& m : model.materials) materials.push_back(read(model, data, &m, options, images));
+  materials.push_back(read(model, data, nullptr, options, images));
+  return materials;
+}
+
+}  // namespace scanmill::gltf

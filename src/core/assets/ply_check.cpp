@@ -1,0 +1,200 @@
+#include "assets/ply_check.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/error.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kMaxList = 4294967296.0;  // entries; what a count of any whole type stays below
+
+[[noreturn]] void failTruncated(const Location& where, const PlyElement& element, std::uint64_t row) {
+  throw InputError(where, fmt::format("is truncated or damaged: it ends within '{}' {} of {}", element.name, row + 1,
+                                      element.count));
+}
+
+[[noreturn]] void failCount(const Location& where, const PlyElement& element, std::uint64_t row) {
+  throw InputError(where, fmt::format("is damaged: '{}' {} of {} has a list whose length is no count", element.name,
+                                      row + 1, element.count));
+}
+
+// A number as a count; nothing where it is negative, broken or beyond all reason.
+std::optional<std::uint64_t> countOf(double value) {
+  return value >= 0 && value < kMaxList ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
+}
+
+// Jumps over what it need not read.
+class BinaryWalk {
+ public:
+  BinaryWalk(const std::filesystem::path& file, std::uint64_t at, bool bigEndian)
+      : stream_(file, std::ios::binary), at_(at), size_(std::filesystem::file_size(file)), bigEndian_(bigEndian) {}
+
+  std::uint64_t left() const { return size_ - at_; }
+
+  bool skip(std::uint64_t bytes) {
+    if (bytes > left()) return false;
+    at_ += bytes;
+    return true;
+  }
+
+  // The number of `type` that comes next, of which there are enough bytes.
+  double number(const PlyType& type) {
+    if (at_ < first_ || at_ + type.size > last_) fill();
+    std::uint64_t bits = 0;
+    for (std::uint64_t i = 0; i < type.size && at_ + i < last_; ++i) {
+      const std::uint64_t byte = static_cast<unsigned char>(buffer_[at_ - first_ + i]);
+      bits |= byte << 8 * (bigEndian_ ? type.size - 1 - i : i);
+    }
+    at_ += type.size;
+    if (type.kind == PlyType::Kind::Float) {
+      return type.size == 8 ? std::bit_cast<double>(bits)
+                            : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+    }
+    const double range = static_cast<double>(std::uint64_t{1} << 8 * type.size);
+    const bool negative = type.kind == PlyType::Kind::Signed && bits >> (8 * type.size - 1) != 0;
+    return static_cast<double>(bits) - (negative ? range : 0.0);
+  }
+
+ private:
+  void fill() {
+    stream_.seekg(static_cast<std::streamoff>(at_));
+    stream_.read(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    first_ = at_;
+    last_ = at_ + static_cast<std::uint64_t>(stream_.gcount());
+    stream_.clear();
+  }
+
+  std::ifstream stream_;
+  std::uint64_t at_;
+  std::uint64_t size_;
+  bool bigEndian_;
+  std::array<char, 1 << 16> buffer_{};
+  std::uint64_t first_ = 0;  // what the buffer holds of the file
+  std::uint64_t last_ = 0;
+};
+
+void checkBinary(const std::filesystem::path& file, const PlyHeader& header) {
+  BinaryWalk walk(file, header.size, header.format == PlyHeader::Format::BigEndian);
+  for (const PlyElement& element : header.elements) {
+    const auto& properties = element.properties;
+    if (std::none_of(properties.begin(), properties.end(), [](const PlyProperty& p) { return p.isList(); })) {
+      std::uint64_t row = 0;
+      for (const PlyProperty& property : properties) row += property.value.size;
+      if (!walk.skip(row * element.count)) failTruncated({file.string()}, element, walk.left() / row);
+      continue;
+    }
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      for (const PlyProperty& property : properties) {
+        std::uint64_t values = 1;
+        if (property.isList()) {
+          if (walk.left() < property.count.size) failTruncated({file.string()}, element, row);
+          const auto count = countOf(walk.number(property.count));
+          if (!count) failCount({file.string()}, element, row);
+          values = *count;
+        }
+        if (!walk.skip(values * property.value.size)) failTruncated({file.string()}, element, row);
+      }
+    }
+  }
+}
+
+// The words of a line, one after the other; empty at its end.
+std::string_view nextWord(std::string_view& line) {
+  constexpr std::string_view kBlank = " \t\r";
+  line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kBlank));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+// A row is a line, even an empty one; more words than it needs are nobody's.
+void checkRow(const PlyElement& element, std::uint64_t row, std::string_view line, const Location& where) {
+  const auto word = [&] {
+    const std::string_view found = nextWord(line);
+    if (found.empty()) {
+      throw InputError(where, fmt::format("'{}' {} of {} lacks values: the file is truncated or damaged", element.name,
+                                          row + 1, element.count));
+    }
+    if (found.find(',') != std::string_view::npos) {
+      throw InputError(where, fmt::format("'{}' is not a number: write a decimal point", found));
+    }
+    return found;
+  };
+  for (const PlyProperty& property : element.properties) {
+    std::uint64_t values = 1;
+    if (property.isList()) {
+      const std::string_view text = word();
+      double number = -1;
+      std::from_chars(text.data(), text.data() + text.size(), number);
+      const auto count = countOf(number);
+      if (!count) failCount(where, element, row);
+      values = *count;
+    }
+    for (std::uint64_t i = 0; i < values; ++i) word();
+  }
+}
+
+void checkAscii(const std::filesystem::path& file, const PlyHeader& header) {
+  std::ifstream stream(file, std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(header.size));
+  const char newline = header.isMac ? '\r' : '\n';
+  Location where{file.string(), header.lines};
+  std::string line;
+  for (const PlyElement& element : header.elements) {
+    if (element.properties.empty()) continue;
+    for (std::uint64_t row = 0; row < element.count; ++row) {
+      ++where.line;
+      if (!std::getline(stream, line, newline)) failTruncated({file.string()}, element, row);
+      checkRow(element, row, line, where);
+    }
+  }
+}
+
+// What the importer would make up, or read wrongly, without a word.
+void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
+  for (const PlyElement& element : header.elements) {
+    if (element.name == "tristrips" && element.count > 0) {
+      throw InputError({file.string()}, "has triangle strips, which are not read: export it with faces");
+    }
+    if (element.name != "vertex") continue;
+    for (const char* axis : {"x", "y", "z"}) {
+      const auto is = [&](const PlyProperty& p) { return p.name == axis && !p.isList(); };
+      if (std::none_of(element.properties.begin(), element.properties.end(), is)) {
+        throw InputError({file.string()},
+                         fmt::format("its vertices have no property {}: export it with x, y and z", axis));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+PlyHeader checkPly(const std::filesystem::path& file) {
+  PlyHeader header = readPlyHeader(file);
+  if (std::all_of(header.elements.begin(), header.elements.end(),
+                  [](const PlyElement& element) { return element.properties.empty(); })) {
+    throw InputError({file.string()}, "the PLY header names no element");
+  }
+  requireMesh(file, header);
+  if (header.format == PlyHeader::Format::Ascii) {
+    checkAscii(file, header);
+  } else {
+    checkBinary(file, header);
+  }
+  return header;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,256 @@
+#include "assets/surveys/height_asset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "assets/base_color.h"
+#include "base/earth.h"
+#include "base/error.h"
+#include "rasters/raster.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::size_t kMostSamples = 64'000'000;
+constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+
+class HeightAsset {
+ public:
+  HeightAsset(const std::filesystem::path& file, const AssetOptions& options)
+      : file_(file),
+        options_(options),
+        wanted_(options.heights),
+        heights_(readRaster(file, {1, wanted_.every, true, wanted_.within, kMostSamples})) {}
+
+  Asset build() {
+    if (options_.up && *options_.up != 'z') throw InputError({file_.string()}, "heights are up: leave out `up`");
+    if (heights_.width < 2 || heights_.height < 2) {
+      throw InputError({file_.string()}, "has less than two samples along an axis: two at least make a surface");
+    }
+    asset_.up = 'z';
+    asset_.upDeclared = true;
+    place();
+    if (!wanted_.classes.empty()) readClasses();
+    if (!wanted_.image.empty()) readImage();
+    findPlaces(0);
+    for (int row = 0; row + 1 < heights_.height; ++row) {
+      findPlaces(row + 1);
+      for (int column = 0; column + 1 < heights_.width; ++column) addCell(column, row);
+    }
+    if (asset_.parts.empty()) throw InputError({file_.string()}, "has no four samples side by side that have heights");
+    return std::move(asset_);
+  }
+
+ private:
+  std::size_t indexOf(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(heights_.width) + static_cast<std::size_t>(column);
+  }
+
+  void place() {
+    const auto [x, y] = heights_.place(heights_.width / 2, heights_.height / 2);
+    const double unit = options_.metresPerUnit;
+    if (heights_.geographic) {
+      localFromEarth_ = eastNorthUp(earthCentred(radians(x), radians(y), 0));
+      return;
+    }
+    refuseDegrees();
+    asset_.origin = {std::floor(x * heights_.metresPerUnit) * unit, std::floor(y * heights_.metresPerUnit) * unit, 0};
+  }
+
+  // Of a raster that does not say what its coordinates are: degrees that are taken for metres make needles of hills.
+  void refuseDegrees() const {
+    constexpr double kSteepest = 3;  // whole height over whole extent
+    if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
+    const auto [x, y] = heights_.place(0, 0);
+    const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
+    if (std::max(std::fabs(x), std::fabs(x2)) > 360 || std::max(std::fabs(y), std::fabs(y2)) > 90) return;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const float value : heights_.values) {
+      if (!std::isfinite(value)) continue;
+      low = std::min(low, double{value});
+      high = std::max(high, double{value});
+    }
+    const double extent = std::hypot(x2 - x, y2 - y);
+    if (!(high - low > kSteepest * extent)) return;
+    throw InputError({file_.string()},
+                     fmt::format("rises by {:.4g} m within {:.4g} and does not say whether that is metres or degrees: "
+                                 "put its coordinate system into a .prj beside it, or into it by gdal_edit.py -a_srs "
+                                 "(degrees are EPSG:4326)",
+                                 high - low, extent));
+  }
+
+  // Of a row of samples; two rows are known at a time.
+  void findPlaces(int row) {
+    std::vector<Vec3d>& places = places_[static_cast<std::size_t>(row) % 2];
+    places.resize(static_cast<std::size_t>(heights_.width));
+    for (int column = 0; column < heights_.width; ++column) {
+      places[static_cast<std::size_t>(column)] = vertex(column, row);
+    }
+  }
+
+  // Less the asset's origin.
+  Vec3d vertex(int column, int row) const {
+    const auto [x, y] = heights_.place(column, row);
+    const double z = double{heights_.values[indexOf(column, row)]};
+    const double unit = options_.metresPerUnit;
+    if (heights_.geographic) return localFromEarth_ * earthCentred(radians(x), radians(y), z) * unit;
+    return Vec3d{x * heights_.metresPerUnit, y * heights_.metresPerUnit, z} * unit - asset_.origin;
+  }
+
+  void expectSame(const Raster& other, const std::filesystem::path& name) const {
+    if (sameReference(heights_, other)) return;
+    throw InputError({name.string()}, fmt::format("has another coordinate system than {}: bring it into that one, by "
+                                                  "`gdalwarp -t_srs`",
+                                                  file_.string()));
+  }
+
+  void readClasses() {
+    classes_ = readRaster(wanted_.classes, {1, 1, false, boundsOfHeights(), kMostSamples});
+    expectSame(*classes_, wanted_.classes);
+  }
+
+  // What the heights cover, and a sample more.
+  RasterBounds boundsOfHeights() const {
+    RasterBounds b{INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (const int column : {-1, heights_.width}) {
+      for (const int row : {-1, heights_.height}) {
+        const auto [x, y] = heights_.place(column, row);
+        b = {std::min(b[0], x), std::min(b[1], y), std::max(b[2], x), std::max(b[3], y)};
+      }
+    }
+    return b;
+  }
+
+  void readImage() {
+    const int bands = bandsOf(wanted_.image);
+    auto image = std::make_shared<Texture>();
+    image->file = wanted_.image.string();
+    for (int channel = 0; channel < 3; ++channel) {
+      const int band = bands >= 3 ? channel + 1 : 1;
+      photo_ = readRaster(wanted_.image, {band, 1, true, boundsOfHeights(), kMostSamples});
+      image->width = static_cast<std::uint32_t>(photo_.width);
+      image->height = static_cast<std::uint32_t>(photo_.height);
+      image->rgba.resize(photo_.values.size() * 4, 255);
+      // Photographs of 16 bits are read as well.
+      const float most = *std::max_element(photo_.values.begin(), photo_.values.end());
+      if (most > 255) scale_ = 255.0 / 65535;
+      for (std::size_t i = 0; i < photo_.values.size(); ++i) {
+        // The first row of a texture is the lowest.
+        const std::size_t row = i / image->width;
+        const std::size_t to = (image->height - 1 - row) * image->width + i % image->width;
+        const double value = std::isfinite(photo_.values[i]) ? double{photo_.values[i]} * scale_ : 0;
+        image->rgba[4 * to + static_cast<std::size_t>(channel)] =
+            static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+      }
+    }
+    expectSame(photo_, wanted_.image);
+    image_ = std::move(image);
+  }
+
+  void addCell(int column, int row) {
+    const std::array<std::array<int, 2>, 4> at{
+        {{column, row}, {column, row + 1}, {column + 1, row + 1}, {column + 1, row}}};
+    std::array<Vec3d, 4> corner;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!std::isfinite(heights_.values[indexOf(at[k][0], at[k][1])])) return;
+      corner[k] = places_[static_cast<std::size_t>(at[k][1]) % 2][static_cast<std::size_t>(at[k][0])];
+    }
+    const auto [x, y] = heights_.place(column, row);
+    const auto [x2, y2] = heights_.place(column + 1, row + 1);
+    const float own = classes_ ? classes_->at((x + x2) / 2, (y + y2) / 2) : 0;
+    Part& part = partOf(own);
+    std::array<std::uint32_t, 4> v{};
+    for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(part, at[k][0], at[k][1], corner[k]);
+    // Facing up, whichever way rows and columns run.
+    const bool turned = cross(corner[1] - corner[0], corner[2] - corner[0]).z < 0;
+    const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
+      asset_.parts[part.index].triangles.push_back(turned ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
+    };
+    if (length(corner[2] - corner[0]) <= length(corner[3] - corner[1])) {
+      add(0, 1, 2);
+      add(0, 2, 3);
+    } else {
+      add(0, 1, 3);
+      add(1, 2, 3);
+    }
+  }
+
+  // The triangles of one class, which share vertices among each other.
+  struct Part {
+    std::size_t index = 0;  // of asset_.parts
+    // Of two rows of samples, by columns; rows take turns.
+    std::array<std::vector<std::uint32_t>, 2> vertices;
+    std::array<int, 2> row{-1, -1};
+  };
+
+  Part& partOf(float own) {
+    const std::int64_t number = std::isfinite(own) ? std::llround(own) : -1;
+    const auto [found, isNew] = parts_.try_emplace(number);
+    if (!isNew) return found->second;
+    found->second.index = asset_.parts.size();
+    AssetPart part;
+    part.node = "heights";
+    part.material = !classes_ ? "heights" : number < 0 ? "no class" : fmt::format("{}", number);
+    part.fileMaterial.name = part.material;
+    BaseColor color;
+    color.stated = false;
+    color.image = options_.textures ? image_ : nullptr;
+    color.colored = color.textured = color.image != nullptr;
+    if (color.colored) part.texture = wanted_.image.filename().string();
+    setColor(part.fileMaterial, std::move(color), file_, options_, images_);
+    asset_.parts.push_back(std::move(part));
+    return found->second;
+  }
+
+  std::uint32_t vertexOf(Part& part, int column, int row, const Vec3d& place) {
+    const auto turn = static_cast<std::size_t>(row) % 2;
+    if (part.row[turn] != row) part.vertices[turn].assign(static_cast<std::size_t>(heights_.width), kNew);
+    part.row[turn] = row;
+    std::uint32_t& known = part.vertices[turn][static_cast<std::size_t>(column)];
+    if (known != kNew) return known;
+    AssetPart& to = asset_.parts[part.index];
+    known = static_cast<std::uint32_t>(to.positions.size());
+    to.positions.push_back(static_cast<Vec3f>(place));
+    if (image_ != nullptr) {
+      const auto [x, y] = heights_.place(column, row);
+      const auto [c, r] = photo_.sample(x, y);
+      to.uvs.push_back({static_cast<float>(c / photo_.width), static_cast<float>(1 - r / photo_.height)});
+    }
+    return known;
+  }
+
+  const std::filesystem::path& file_;
+  const AssetOptions& options_;
+  const HeightOptions& wanted_;
+  Raster heights_;
+  std::optional<Raster> classes_;
+  Raster photo_;  // one channel of the image, for its place
+  double scale_ = 1;
+  std::shared_ptr<const Texture> image_;
+  ColorImages images_{file_, true};
+  Affine localFromEarth_;
+  std::array<std::vector<Vec3d>, 2> places_;
+  std::map<std::int64_t, Part> parts_;
+  Asset asset_;
+};
+
+}  // namespace
+
+bool isHeights(std::string_view suffix) {
+  return suffix == ".tif" || suffix == ".tiff" || suffix == ".asc" || suffix == ".hgt" || suffix == ".vrt" ||
+         suffix == ".img" || suffix == ".dem";
+}
+
+Asset readHeightAsset(const std::filesystem::path& file, const AssetOptions& options) {
+  return HeightAsset(file, options).build();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,136 @@
+#include "assets/surveys/surfels.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <nanoflann.hpp>
+#include <numeric>
+
+#include "base/parallel.h"
+
+namespace scanmill {
+namespace {
+
+constexpr double kLine = 0.02;  // of the second spread to the first, below which points lie on a line
+constexpr int kMostTimes = 8;   // as many neighbours
+
+// What nanoflann asks of a set of points.
+struct Points {
+  const std::vector<Vec3f>& positions;
+  std::size_t kdtree_get_point_count() const { return positions.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    const Vec3f& p = positions[i];
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+  }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Points>, Points, 3, std::uint32_t>;
+
+struct Neighborhood {
+  std::vector<std::uint32_t> index;
+  std::vector<float> squared;  // m^2
+};
+
+class Estimator {
+ public:
+  Estimator(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals, const SurfelOptions& options)
+      : positions_(positions), normals_(normals), options_(options), points_{positions}, tree_(3, points_) {}
+
+  Surfel at(std::size_t i, Neighborhood& near) const {
+    const auto wanted = static_cast<std::size_t>(options_.neighbors) + 1;  // with itself
+    Surfel surfel{{0, 0, 1}, static_cast<float>(options_.radius[1])};
+    std::size_t found = search(i, wanted, near);
+    if (found < 2) return surfel;
+    const double share = kPi * static_cast<double>(near.squared[found - 1]) / static_cast<double>(found - 1);
+    surfel.radius =
+        static_cast<float>(std::clamp(options_.cover * std::sqrt(share / kPi), options_.radius[0], options_.radius[1]));
+    if (!normals_.empty() && length(Vec3d(normals_[i])) > 0.5) {
+      surfel.normal = static_cast<Vec3f>(normalized(Vec3d(normals_[i])));
+      return surfel;
+    }
+    for (std::size_t times = 1;; times *= 2) {
+      const bool plane = fit(near, found, surfel.normal);
+      if (plane || times >= kMostTimes || found < wanted * times) return surfel;
+      found = search(i, wanted * times * 2, near);
+    }
+  }
+
+ private:
+  std::size_t search(std::size_t i, std::size_t count, Neighborhood& near) const {
+    near.index.resize(count);
+    near.squared.resize(count);
+    return tree_.knnSearch(&positions_[i].x, count, near.index.data(), near.squared.data());
+  }
+
+  // The plane nearest to points; false where they lie on a line.
+  bool fit(const Neighborhood& near, std::size_t count, Vec3f& normal) const {
+    const Vec3d about(positions_[near.index[0]]);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3d off = Vec3d(positions_[near.index[k]]) - about;
+      const Eigen::Vector3d p(off.x, off.y, off.z);
+      sum += p;
+      squares += p * p.transpose();
+    }
+    const Eigen::Vector3d mean = sum / static_cast<double>(count);
+    const Eigen::Matrix3d covariance = squares / static_cast<double>(count) - mean * mean.transpose();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(covariance);
+    const Eigen::Vector3d n = solver.eigenvectors().col(0);
+    if (!n.allFinite() || n.norm() < 0.5) return false;
+    normal = {static_cast<float>(n.x()), static_cast<float>(n.y()), static_cast<float>(n.z())};
+    return solver.eigenvalues()[1] > kLine * kLine * solver.eigenvalues()[2];
+  }
+
+  const std::vector<Vec3f>& positions_;
+  const std::vector<Vec3f>& normals_;
+  const SurfelOptions& options_;
+  Points points_;
+  Tree tree_;
+};
+
+}  // namespace
+
+std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::vector<Vec3f>& normals,
+                              const SurfelOptions& options) {
+  std::vector<Surfel> surfels(positions.size());
+  if (positions.empty()) return surfels;
+  const Estimator estimator(positions, normals, options);
+  parallelFor(positions.size(), 1024, [&](std::size_t first, std::size_t last) {
+    Neighborhood near;
+    for (std::size_t i = first; i < last; ++i) surfels[i] = estimator.at(i, near);
+  });
+  return surfels;
+}
+
+std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spacing) {
+  struct Cube {
+    std::array<std::int64_t, 3> at;
+    double off;  // from its middle, in cubes
+    std::size_t index;
+  };
+  std::vector<Cube> cubes(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const Vec3d p = Vec3d(positions[i]) * (1 / spacing);
+    const Vec3d low{std::floor(p.x), std::floor(p.y), std::floor(p.z)};
+    cubes[i] = {
+        {std::llround(low.x), std::llround(low.y), std::llround(low.z)}, length(p - low - Vec3d{0.5, 0.5, 0.5}), i};
+  }
+  std::sort(cubes.begin(), cubes.end(), [](const Cube& a, const Cube& b) {
+    return a.at != b.at ? a.at < b.at : a.off != b.off ? a.off < b.off : a.index < b.index;
+  });
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < cubes.size(); ++i) {
+    if (i == 0 || cubes[i].at != cubes[i - 1].at) kept.push_back(cubes[i].index);
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+}  // namespace scanmill

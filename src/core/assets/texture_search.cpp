@@ -1,0 +1,75 @@
+#include "assets/texture_search.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "assets/references.h"
+#include "assets/uri.h"
+#include "assets/worlds/model_search.h"
+#include "base/error.h"
+#include "config/text.h"
+
+namespace scanmill {
+
+namespace {
+
+bool isFile(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+// A name in a folder, whatever its case.
+std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
+  std::error_code error;
+  std::filesystem::path best;  // the least, since the order of a folder is not stable
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
+    if (best.empty() || entry.path() < best) best = entry.path();
+  }
+  return best;
+}
+
+}  // namespace
+
+std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside) {
+  std::string plain = name;
+  std::replace(plain.begin(), plain.end(), '\\', '/');
+  const std::filesystem::path folder = asset.parent_path();
+  std::vector<std::filesystem::path> candidates;
+  std::filesystem::path outside;
+  if (plain.starts_with("file://")) plain = plain.substr(7);
+  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., the models lie beside one another
+    plain = plain.substr(8);
+    if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
+      if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
+    }
+  }
+  for (const std::string& spelling : {plain, decodeUri(plain)}) {
+    const std::filesystem::path path = folder / spelling;  // an absolute name replaces the folder
+    if (allowOutside || !leadsOutside(spelling)) {
+      candidates.push_back(path);
+    } else if (isFile(path)) {
+      outside = path;
+    }
+  }
+  const std::array<std::filesystem::path, 6> folders{folder,
+                                                     folder / "textures",
+                                                     folder / "Textures",
+                                                     folder / ".." / "materials" / "textures",
+                                                     folder / ".." / "textures",
+                                                     folder / "materials" / "textures"};
+  const std::string bare = std::filesystem::path(decodeUri(plain)).filename().string();
+  if (bare.empty() || bare == "..") return {};
+  for (const auto& place : folders) candidates.push_back(place / bare);
+  for (const auto& candidate : candidates) {
+    if (isFile(candidate)) return candidate;
+  }
+  for (const auto& place : folders) {
+    if (auto found = findIgnoringCase(place.empty() ? "." : place, bare); !found.empty()) return found;
+  }
+  if (!outside.empty()) throw InputError({asset.string()}, refusalOf(name));
+  return {};
+}
+
+}  // namespace scanmill

@@ -1,0 +1,187 @@
+#include "assets/worlds/tileset.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "assets/asset_parts.h"
+#include "assets/gltf/reader.h"
+#include "assets/uri.h"
+#include "base/earth.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "config/text.h"
+
+namespace scanmill {
+namespace {
+
+using Json = nlohmann::json;
+constexpr int kDeepestTile = 64;  // tiles in tiles, of tilesets in tilesets too
+
+class TilesetReader {
+ public:
+  explicit TilesetReader(const AssetOptions& options) : options_(options) {}
+
+  Asset read(const std::filesystem::path& file) {
+    if (options_.up) fail(file, "says by itself which axis is up: leave out `up`");
+    asset_.upDeclared = true;
+    readFileOf(file, {}, "REPLACE", 0);
+    if (!leftOut_.empty()) {
+      std::vector<std::string> kinds;
+      for (const auto& [kind, count] : leftOut_) kinds.push_back(fmt::format("{} {}", count, kind));
+      warn(fmt::format("{}: left out, only glTF, GLB and b3dm are read: {}", file.string(), fmt::join(kinds, ", ")));
+    }
+    return std::move(asset_);
+  }
+
+ private:
+  struct Context {
+    std::filesystem::path file;
+    Mat3 zUpFromGltf;
+  };
+
+  [[noreturn]] static void fail(const std::filesystem::path& file, const std::string& what) {
+    throw InputError({file.string()}, what);
+  }
+
+  void readFileOf(const std::filesystem::path& file, const Affine& earthFromParent, const std::string& refine,
+                  int depth) {
+    if (!open_.insert(std::filesystem::weakly_canonical(file)).second) fail(file, "is a tileset that holds itself");
+    try {
+      const Json json = Json::parse(readFile(file));
+      const auto asset = json.find("asset");
+      if (asset == json.end() || !json.contains("root")) fail(file, "is no tileset: it has no asset and root");
+      const std::string version = asset->value("version", std::string());
+      if (version != "1.0" && version != "1.1") fail(file, fmt::format("is a tileset of the version '{}'", version));
+      const std::string up = asset->value("gltfUpAxis", std::string("Y"));
+      if (up != "X" && up != "Y" && up != "Z") fail(file, fmt::format("has the gltfUpAxis '{}'", up));
+      const Context context{file, zUpFrom(static_cast<char>(up[0] + 32))};
+      if (!assetFromEarth_) assetFromEarth_ = frameOf(json.at("root"));
+      readTile(json.at("root"), context, earthFromParent, refine, depth);
+    } catch (const Json::exception& e) {
+      fail(file, fmt::format("is no tileset: {}", e.what()));
+    }
+    open_.erase(std::filesystem::weakly_canonical(file));
+  }
+
+  static Affine transformOf(const Json& tile) {
+    const auto found = tile.find("transform");
+    if (found == tile.end()) return {};
+    const auto m = found->get<std::array<double, 16>>();
+    return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
+  }
+
+  // East, north, up about the middle of the root on the earth; elsewhere the tileset's own frame.
+  Affine frameOf(const Json& root) const {
+    const double unit = options_.metresPerUnit;
+    const Affine scaled{Mat3::scale({unit, unit, unit}), {}};
+    const Json& volume = root.at("boundingVolume");
+    Vec3d middle;
+    if (const auto region = volume.find("region"); region != volume.end()) {
+      auto r = region->get<std::array<double, 6>>();
+      if (r[2] < r[0]) r[2] += 2 * kPi;  // across the date line
+      middle = earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, r[4]);
+    } else if (volume.contains("box")) {
+      const auto b = volume.at("box").get<std::vector<double>>();
+      if (b.size() != 12) throw Error("a bounding box of 3D Tiles has 12 numbers");
+      middle = transformOf(root) * Vec3d{b[0], b[1], b[2]};
+    } else {
+      const auto s = volume.at("sphere").get<std::array<double, 4>>();
+      middle = transformOf(root) * Vec3d{s[0], s[1], s[2]};
+    }
+    return isOnEarth(middle) ? scaled * eastNorthUp(middle) : scaled;
+  }
+
+  void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, const std::string& before,
+                int depth) {
+    if (depth > kDeepestTile) fail(context.file, fmt::format("is deeper than {} tiles", kDeepestTile));
+    if (tile.contains("implicitTiling")) {
+      fail(context.file, "has implicit tiling, which is not read: write its tiles out, by 3d-tiles-tools for example");
+    }
+    const Affine earthFromTile = earthFromParent * transformOf(tile);
+    const std::string refine = tile.value("refine", before);
+    std::vector<std::string> contents;
+    const auto note = [&](const Json& content) {
+      contents.push_back(content.contains("uri") ? content.at("uri").get<std::string>()
+                                                 : content.at("url").get<std::string>());
+    };
+    if (const auto content = tile.find("content"); content != tile.end()) note(*content);
+    if (const auto several = tile.find("contents"); several != tile.end()) {
+      for (const Json& content : *several) note(content);
+    }
+    const auto children = tile.find("children");
+    const bool leaf = children == tile.end() || children->empty();
+    for (const std::string& uri : contents) {
+      const bool tileset = uri.substr(0, uri.find('?')).ends_with(".json");
+      if (leaf || tileset || refine == "ADD") readContent(uri, context, earthFromTile, refine, depth);
+    }
+    if (leaf) return;
+    for (const Json& child : *children) readTile(child, context, earthFromTile, refine, depth + 1);
+  }
+
+  void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile,
+                   const std::string& refine, int depth) {
+    if (uri.starts_with("http://") || uri.starts_with("https://")) {
+      fail(context.file, fmt::format("names '{}', which lies elsewhere: download the tileset", uri));
+    }
+    const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
+    const std::filesystem::path file = context.file.parent_path() / plain;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+      fail(context.file, fmt::format("names '{}', and there is no such file", uri));
+    }
+    const std::string kind = lowerExtension(file);
+    if (kind == ".json") return readFileOf(file, earthFromTile, refine, depth + 1);
+    if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
+      ++leftOut_[kind.empty() ? "of no kind" : kind];
+      return;
+    }
+    add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_), plain);
+  }
+
+  void add(Asset tile, const std::string& name) {
+    asset_.dropped += tile.dropped;
+    flatten(tile);
+    std::uint32_t nodes = 0;
+    for (AssetPart& part : tile.parts) {
+      nodes = std::max(nodes, part.nodeIndex + 1);
+      part.nodeIndex += nodes_;
+      part.node = part.node.empty() ? name : fmt::format("{}/{}", name, part.node);
+      triangles_ += part.triangles.size();
+      asset_.parts.push_back(std::move(part));
+    }
+    nodes_ += nodes;
+    if (triangles_ > kMostTriangles) throw Error(fmt::format("places more than {} triangles", kMostTriangles));
+  }
+
+  const AssetOptions& options_;
+  std::optional<Affine> assetFromEarth_;
+  Asset asset_;
+  std::set<std::filesystem::path> open_;
+  std::map<std::string, int> leftOut_;
+  std::uint32_t nodes_ = 0;
+  std::uint64_t triangles_ = 0;
+};
+
+}  // namespace
+
+Asset readTileset(const std::filesystem::path& file, const AssetOptions& options) {
+  try {
+    return TilesetReader(options).read(file);
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& e) {
+    throw InputError({file.string()}, e.what());
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,195 @@
+#include "assets/worlds/world_asset.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "assets/asset_parts.h"
+#include "assets/base_color.h"
+#include "assets/worlds/tileset.h"
+#include "assets/worlds/world.h"
+#include "base/error.h"
+#include "config/text.h"
+
+namespace scanmill {
+namespace {
+
+// "car_01_002" is "car".
+std::string withoutNumber(const std::string& name) {
+  const std::size_t last = name.find_last_not_of("0123456789_-. ");
+  return last == std::string::npos ? name : name.substr(0, last + 1);
+}
+
+class WorldAsset {
+ public:
+  WorldAsset(const std::filesystem::path& file, const AssetOptions& options)
+      : file_(file), options_(options), images_(file, true) {
+    asset_.up = options.up.value_or('z');
+    asset_.upDeclared = true;
+    const double scale = options.metresPerUnit;
+    assetFromWorld_ = {zUpFrom(asset_.up) * Mat3::scale({scale, scale, scale}), {}};
+  }
+
+  Asset build(const World& world) {
+    if (!world.leftOut.empty()) {
+      warn(fmt::format("{}: left out: {}", file_.string(), fmt::join(world.leftOut, ", ")));
+    }
+    // Those of one model whose names differ in their numbers alone.
+    std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
+    for (const WorldThing& thing : world.things) {
+      if (!thing.definition.empty()) same[{thing.definition, withoutNumber(thing.name)}].push_back(&thing);
+    }
+    for (const WorldThing& thing : world.things) {
+      const auto found = same.find({thing.definition, withoutNumber(thing.name)});
+      if (found == same.end() || found->second.size() < 2) {
+        addTo(asset_.parts, thing, thing.name, assetFromWorld_ * thing.worldFromThing);
+      } else if (found->second.front() == &thing) {
+        InstancedParts instanced;
+        addTo(instanced.parts, thing, found->first.second, {});
+        if (instanced.parts.empty()) continue;
+        for (const WorldThing* copy : found->second) {
+          instanced.assetFromParts.push_back(assetFromWorld_ * copy->worldFromThing);
+        }
+        asset_.instanced.push_back(std::move(instanced));
+      }
+    }
+    return std::move(asset_);
+  }
+
+ private:
+  void addTo(std::vector<AssetPart>& parts, const WorldThing& thing, const std::string& name, const Affine& place) {
+    for (const WorldPart& from : thing.parts) {
+      const std::string node = fmt::format("{}/{}", name, from.node);
+      const Affine own = place * from.thingFromPart;
+      if (from.solid) {
+        add(parts, solid(from), node, own);
+        continue;
+      }
+      for (AssetPart& part : partsOf(from)) {
+        const bool textured = !from.texture.empty() && !part.uvs.empty();
+        if (textured || (from.color && part.texture.empty())) dress(from, part);
+        if (part.material.empty()) part.fileMaterial.name = part.material = from.material;
+        const std::string inMesh = part.node.empty() ? node : fmt::format("{}/{}", node, part.node);
+        add(parts, std::move(part), inMesh, own);
+      }
+    }
+    ++things_;
+  }
+
+  void add(std::vector<AssetPart>& parts, AssetPart part, const std::string& node, const Affine& place) {
+    part.node = node;
+    part.nodeIndex = things_;
+    move(part, place);
+    triangles_ += part.triangles.size();
+    if (triangles_ > kMostTriangles) {
+      throw InputError({file_.string()}, fmt::format("places more than {} triangles", kMostTriangles));
+    }
+    parts.push_back(std::move(part));
+  }
+
+  AssetPart solid(const WorldPart& from) {
+    AssetPart part;
+    part.positions = from.solid->positions;
+    part.triangles = from.solid->triangles;
+    dress(from, part);
+    return part;
+  }
+
+  // Gives a part the looks that its visual has.
+  void dress(const WorldPart& from, AssetPart& part) {
+    if (part.material.empty()) part.material = from.material;
+    part.fileMaterial.name = part.material;
+    BaseColor color;
+    color.stated = from.color.has_value();
+    color.factor = from.color.value_or(std::array<float, 3>{1, 1, 1});
+    part.color = color.factor;
+    if (!from.texture.empty() && !part.uvs.empty()) {
+      part.texture = from.texture.filename().string();
+      color.textured = true;
+      color.alpha.wanted = options_.alpha == AlphaUse::Test || (options_.alpha == AlphaUse::Auto && from.alphaCutoff);
+      color.alpha.cutoff = from.alphaCutoff.value_or(0.5f);
+      if (options_.textures || color.alpha.wanted) {
+        color.image = images_.load(from.texture.string(), from.texture.string(), !options_.textures, color.alpha.wanted,
+                                   [] { return nullptr; });
+      }
+      color.colored = color.image != nullptr;
+      if (color.colored) part.color = {1, 1, 1};
+    }
+    setColor(part.fileMaterial, std::move(color), file_, options_, images_);
+  }
+
+  // Of a mesh, or of its submesh.
+  std::vector<AssetPart> partsOf(const WorldPart& from) {
+    const Asset& mesh = meshOf(from);
+    if (from.submesh.empty()) return mesh.parts;
+    std::vector<AssetPart> taken;
+    std::vector<std::string> names;
+    Box box;
+    for (const AssetPart& part : mesh.parts) {
+      names.push_back(part.node);
+      if (part.node != from.submesh) continue;
+      taken.push_back(part);
+      for (const Vec3f& p : part.positions) box.add(Vec3d(p));
+    }
+    if (taken.empty()) {
+      std::sort(names.begin(), names.end());
+      names.erase(std::unique(names.begin(), names.end()), names.end());
+      throw InputError(from.where, fmt::format("'{}' has no submesh '{}'; it has {}", from.mesh.string(), from.submesh,
+                                               fmt::join(names, ", ")));
+    }
+    for (AssetPart& part : taken) {
+      for (Vec3f& p : part.positions) p = from.centred ? Vec3f(Vec3d(p) - box.center()) : p;
+    }
+    return taken;
+  }
+
+  const Asset& meshOf(const WorldPart& from) {
+    const auto known = meshes_.find(from.mesh);
+    if (known != meshes_.end()) return known->second;
+    AssetOptions options;
+    options.alpha = options_.alpha;
+    options.textures = options_.textures;
+    options.allowOutside = options_.allowOutside;
+    const std::string suffix = lowerExtension(from.mesh);
+    if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is no mesh", from.mesh.string()));
+    // Gazebo and ROS take the coordinates of all but glTF as they are, whatever axis a file declares.
+    if (suffix != ".gltf" && suffix != ".glb") options.up = 'z';
+    try {
+      Asset mesh = readAsset(from.mesh, options);
+      flatten(mesh);
+      if (length(mesh.origin) > 0) {
+        for (AssetPart& part : mesh.parts) move(part, {{}, mesh.origin});
+      }
+      asset_.dropped += mesh.dropped;
+      return meshes_.emplace(from.mesh, std::move(mesh)).first->second;
+    } catch (const InputError& e) {
+      throw InputError(from.where, e.what());
+    }
+  }
+
+  std::filesystem::path file_;
+  const AssetOptions& options_;
+  ColorImages images_;
+  Affine assetFromWorld_;
+  Asset asset_;
+  std::map<std::filesystem::path, Asset> meshes_;
+  std::uint32_t things_ = 0;
+  std::uint64_t triangles_ = 0;
+};
+
+}  // namespace
+
+bool isWorld(std::string_view suffix) {
+  return suffix == ".sdf" || suffix == ".world" || suffix == ".urdf" || suffix == ".xacro" || suffix == ".json";
+}
+
+Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options) {
+  if (suffix == ".json") return readTileset(file, options);
+  const bool sdf = suffix == ".sdf" || suffix == ".world";
+  return WorldAsset(file, options).build(sdf ? readSdf(file) : readUrdf(file));
+}
+
+}  // namespace scanmill

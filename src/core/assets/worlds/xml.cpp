@@ -1,0 +1,134 @@
+#include "assets/worlds/xml.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <pugixml.hpp>
+
+#include "base/file.h"
+#include "config/text.h"
+
+namespace scanmill {
+namespace {
+
+constexpr int kDeepestElement = 64;
+
+std::string trimmed(std::string_view text) {
+  constexpr std::string_view kSpaces = " \t\r\n";
+  const std::size_t first = text.find_first_not_of(kSpaces);
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(kSpaces) - first + 1));
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& file) : file_(file.string()), bytes_(readFile(file)) {
+    for (std::size_t i = 0; i < bytes_.size(); ++i) {
+      if (bytes_[i] == '\n') lineEnds_.push_back(i);
+    }
+  }
+
+  XmlNode read() const {
+    pugi::xml_document document;
+    const pugi::xml_parse_result result = document.load_buffer(bytes_.data(), bytes_.size());
+    if (!result) {
+      throw InputError(at(result.offset), fmt::format("is no XML: {}", result.description()));
+    }
+    const pugi::xml_node root = document.document_element();
+    if (!root) throw InputError({file_}, "is no XML: it has no element");
+    return convert(root, 0);
+  }
+
+ private:
+  Location at(std::ptrdiff_t offset) const {
+    const auto line = std::lower_bound(lineEnds_.begin(), lineEnds_.end(), static_cast<std::size_t>(offset));
+    return {file_, static_cast<int>(line - lineEnds_.begin()) + 1};
+  }
+
+  XmlNode convert(const pugi::xml_node& from, int depth) const {
+    XmlNode node;
+    node.where = at(from.offset_debug());
+    if (depth > kDeepestElement)
+      throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepestElement));
+    node.name = from.name();
+    std::string text;  // comments may stand in it
+    for (const pugi::xml_node& child : from.children()) {
+      if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
+    }
+    node.text = trimmed(text);
+    for (const pugi::xml_attribute& a : from.attributes()) node.attributes.emplace_back(a.name(), trimmed(a.value()));
+    for (const pugi::xml_node& child : from.children()) {
+      if (child.type() == pugi::node_element) node.children.push_back(convert(child, depth + 1));
+    }
+    return node;
+  }
+
+  std::string file_;
+  std::string bytes_;
+  std::vector<std::size_t> lineEnds_;
+};
+
+}  // namespace
+
+const XmlNode* XmlNode::child(std::string_view childName) const {
+  const auto found =
+      std::find_if(children.begin(), children.end(), [&](const XmlNode& c) { return c.name == childName; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+const std::string* XmlNode::attribute(std::string_view attribute) const {
+  const auto found =
+      std::find_if(attributes.begin(), attributes.end(), [&](const auto& a) { return a.first == attribute; });
+  return found == attributes.end() ? nullptr : &found->second;
+}
+
+std::string XmlNode::attributeOr(std::string_view attribute, std::string_view fallback) const {
+  const std::string* const found = this->attribute(attribute);
+  return found == nullptr ? std::string(fallback) : *found;
+}
+
+std::string XmlNode::textOf(std::string_view childName, std::string_view fallback) const {
+  const XmlNode* const found = child(childName);
+  return found == nullptr ? std::string(fallback) : found->text;
+}
+
+void XmlNode::fail(const std::string& what) const {
+  throw InputError(where, fmt::format("<{}> {}", name, what));
+}
+
+XmlNode readXml(const std::filesystem::path& file) {
+  return Reader(file).read();
+}
+
+std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" \t\r\n", at), text.size());
+    std::string_view word = text.substr(at, end - at);
+    at = end + 1;
+    if (word.empty()) continue;
+    if (word.starts_with('+')) word.remove_prefix(1);
+    double number = 0;
+    auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error == std::errc::result_out_of_range) {  // nearer to zero than a double is, or too large
+      number = std::strtod(std::string(word).c_str(), nullptr);
+      error = std::errc();
+    }
+    if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(number)) {
+      node.fail(fmt::format("has {} where a number should be", quotedForMessage(word)));
+    }
+    numbers.push_back(number);
+  }
+  if (numbers.size() != count) node.fail(fmt::format("has {} numbers where {} are wanted", numbers.size(), count));
+  return numbers;
+}
+
+Vec3d vectorIn(const XmlNode& node, std::string_view text) {
+  const std::vector<double> n = numbersIn(node, text, 3);
+  return {n[0], n[1], n[2]};
+}
+
+}  // namespace scanmill

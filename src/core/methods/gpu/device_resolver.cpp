@@ -1,0 +1,133 @@
+#include "methods/gpu/device_resolver.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <mutex>
+#include <utility>
+
+#include "base/parallel.h"
+#include "methods/world/resolve.h"
+
+namespace scanmill {
+
+namespace {
+
+using enum ComputeTable::Texel;
+
+constexpr std::size_t kResolverGrain = 16384;
+
+std::uint32_t bitsOf(Channels channels) {
+  std::uint32_t set = 0;
+  for (std::uint32_t bit = 1; bit < 0x100u; bit <<= 1) set |= channels.has(static_cast<Channel>(bit)) ? bit : 0u;
+  return set;
+}
+
+// Where columns begin that are asked for, in words of 4 bytes. Class and material share one.
+struct ColumnPlaces {
+  ColumnPlaces(Channels channels, std::size_t rays) : end(rays) {
+    const auto next = [&](bool asked, std::size_t words) {
+      const std::size_t at = end;
+      if (asked) end += words * rays;
+      return at;
+    };
+    incidence = next(channels.has(Channel::Incidence), 1);
+    reflectance = next(channels.has(Channel::Reflectance), 1);
+    instance = next(channels.has(Channel::Instance), 1);
+    label = next(channels.has(Channel::Semantic) || channels.has(Channel::Material), 1);
+    primitive = next(channels.has(Channel::Primitive), 1);
+    normal = next(channels.has(Channel::Normal), 3);
+  }
+  std::size_t end;  // the range begins at 0
+  std::size_t incidence, reflectance, instance, label, primitive, normal;
+};
+
+}  // namespace
+
+DeviceResolver::DeviceResolver(const ComputeDevice& device, std::uint64_t most)
+    : device_(device),
+      most_(most),
+      columns_(device),
+      records_(device),
+      materials_(device),
+      reflectances_(device),
+      textured_(device) {
+  // Buffers without storage cannot be read from.
+  for (ComputeBuffer* buffer : {&records_, &materials_, &reflectances_, &textured_}) buffer->reserve(16);
+}
+
+template <class T>
+void DeviceResolver::hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array,
+                          const char* what) {
+  holdTable(device_, buffer, texel, std::as_bytes(array), most_, what);
+}
+
+void DeviceResolver::holdMeshes(const World& world) {
+  const LabelTables tables = labelTables(world);
+  hold(records_, Uint32x4, std::span<const TriangleRecord>(tables.records), "scene's planes and labels");
+  hold(textured_, Uint32x4, std::span<const TexturedTriangle>(tables.textured), "scene's textured triangles");
+  hold(materials_, Uint32x4, std::span<const DeviceWord>(tables.materials), "scene's materials");
+  hold(reflectances_, Uint32, std::span<const std::uint32_t>(tables.texels), "scene's textures");
+}
+
+ResolverBlock DeviceResolver::block(const BeamTable& beams, Channels channels, std::size_t rays) {
+  const RangeLimits limits = limitsOf(beams);
+  return {limits.nearest, limits.farthest, bitsOf(channels), static_cast<std::uint32_t>(rays)};
+}
+
+std::uint64_t DeviceResolver::bytesPerRay(Channels channels) {
+  return ColumnPlaces(channels, 1).end * sizeof(std::uint32_t);
+}
+
+void DeviceResolver::reserve(Channels channels, std::size_t rays) {
+  columns_.reserve(bytesPerRay(channels) * rays);
+}
+
+ComputeTable DeviceResolver::table(std::size_t binding) const {
+  const std::array<const ComputeBuffer*, kTables> buffers{&records_, &materials_, &reflectances_, &textured_};
+  return {buffers[binding], binding == 2 ? Uint32 : Uint32x4};
+}
+
+void DeviceResolver::take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
+                          std::vector<UndecidedRay>& undecided) {
+  const ColumnPlaces places(hits.channels, piece.all);
+  std::mutex mutex;
+  const std::size_t before = undecided.size();
+  parallelFor(piece.count, kResolverGrain, [&](std::size_t from, std::size_t to) {
+    const auto copy = [&](std::size_t word, std::size_t words, auto* values) {
+      std::memcpy(values, columns.data() + 4 * (word + words * (piece.from + from)), 4 * words * (to - from));
+    };
+    const std::size_t at = first + from;
+    copy(0, 1, &hits.range[at]);
+    if (!hits.incidence.empty()) copy(places.incidence, 1, &hits.incidence[at]);
+    if (!hits.reflectance.empty()) copy(places.reflectance, 1, &hits.reflectance[at]);
+    if (!hits.instance.empty()) copy(places.instance, 1, &hits.instance[at]);
+    if (!hits.primitive.empty()) copy(places.primitive, 1, &hits.primitive[at]);
+    if (!hits.normal.empty()) copy(places.normal, 3, &hits.normal[at]);
+    if (!hits.semantic.empty() || !hits.material.empty()) {
+      std::array<std::uint32_t, 256> labels;
+      for (std::size_t i = from; i < to; i += labels.size()) {
+        const std::size_t some = std::min(labels.size(), to - i);
+        std::memcpy(labels.data(), columns.data() + 4 * (places.label + piece.from + i), 4 * some);
+        for (std::size_t k = 0; k < some && !hits.semantic.empty(); ++k)
+          hits.semantic[first + i + k] = static_cast<std::uint16_t>(labels[k]);
+        for (std::size_t k = 0; k < some && !hits.material.empty(); ++k)
+          hits.material[first + i + k] = static_cast<std::uint16_t>(labels[k] >> 16);
+      }
+    }
+    std::vector<UndecidedRay> mine;
+    for (std::size_t i = at; i < first + to; ++i) {
+      if (!std::isnan(hits.range[i])) continue;
+      mine.push_back({static_cast<std::uint32_t>(i), std::bit_cast<RayVerdict>(hits.range[i])});
+    }
+    if (mine.empty()) return;
+    const std::scoped_lock lock(mutex);
+    undecided.insert(undecided.end(), mine.begin(), mine.end());
+  });
+  std::sort(undecided.begin() + static_cast<std::ptrdiff_t>(before), undecided.end(),
+            [](const UndecidedRay& a, const UndecidedRay& b) { return a.ray < b.ray; });
+}
+
+}  // namespace scanmill

@@ -1,0 +1,99 @@
+#pragma once
+
+// Makes hits on a device of the triangles that a shot's rays meet, as methods/world/resolve.h does on the processor:
+// with its bytes, or not at all. Sums and products in double have the processor's bits (`precise`); quotients and
+// roots, which devices round as they like, are bounded, and where rounding could change a number that is asked for, the
+// ray is left to the processor.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/compute.h"
+#include "methods/gpu/device_tables.h"
+#include "methods/world/world.h"
+#include "scan/hits.h"
+#include "sensors/beams.h"
+
+namespace scanmill {
+
+constexpr std::uint64_t kResolverBytesPerTriangle = 48;
+
+// What became of a ray that is neither a hit nor a miss: NaNs in the place of its range.
+enum class RayVerdict : std::uint32_t {
+  Open = 0x7FC00001u,       // left to the processor
+  Exhausted = 0x7FC00002u,  // a particle used up its steps
+  Left = 0x7FC00003u,       // a particle left the field
+};
+
+struct UndecidedRay {
+  std::uint32_t ray;
+  RayVerdict verdict;
+};
+
+// By the rules of std140: what DeviceResolver::shader() reads.
+struct ResolverBlock {
+  double nearest, farthest;    // m, the sensor's range limits
+  std::uint32_t channels = 0;  // asked for
+  std::uint32_t rays = 0;
+};
+
+class DeviceResolver {
+ public:
+  // `most`: bytes of a table.
+  DeviceResolver(const ComputeDevice& device, std::uint64_t most);
+
+  // Uploads the planes and labels of all triangles of a flat world, with its materials.
+  void holdMeshes(const World& world);
+
+  static ResolverBlock block(const BeamTable& beams, Channels channels, std::size_t rays);
+
+  // Makes room for hits of so many rays.
+  void reserve(Channels channels, std::size_t rays);
+  static std::uint64_t bytesPerRay(Channels channels);
+  // Binding kColumns of programs that use shader().
+  const ComputeBuffer& columns() const { return columns_; }
+  // Bindings 0 to kTables - 1 of these programs.
+  static constexpr std::size_t kTables = 4;
+  ComputeTable table(std::size_t binding) const;
+
+  // Some of the rays in columns().
+  struct Piece {
+    std::size_t all;  // rays of the columns
+    std::size_t from;
+    std::size_t count;
+  };
+  // Copies what a program has made of a piece to the channels that `hits` has, from its ray `first` on, and adds the
+  // rays that are neither hits nor misses, ascending. `columns` is a copy of all of columns().
+  static void take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
+                   std::vector<UndecidedRay>& undecided);
+
+  // GLSL that declares the tables, the buffer of columns (binding kColumns) and
+  //
+  //     Plane planeOf(uint triangle, dvec3 d)
+  //     double distanceTo(Plane plane, dvec3 o, out double doubt)  // m, along the ray
+  //     void hit(uint ray, Plane plane, double range, double doubt, dvec3 o, dvec3 d)
+  //     void miss(uint ray)
+  //     void leave(uint ray, uint verdict)
+  //     bool letsPass(Plane plane, double range, double doubt, dvec3 o, dvec3 d, out bool sure)  // by its texture
+  //     void planeRecord(uint triangle, out dvec3 normal, out double offset)
+  //
+  // It declares the program's uniform block, too: the members of ResolverBlock, and then `parameters`, GLSL such as
+  // "uint columns;".
+  static constexpr std::uint32_t kColumns = 5;
+  static std::string shader(const std::string& parameters);
+
+ private:
+  template <class T>
+  void hold(ComputeBuffer& buffer, ComputeTable::Texel texel, std::span<const T> array, const char* what);
+
+  ComputeDevice device_;
+  std::uint64_t most_;
+  ComputeBuffer columns_;
+  ComputeBuffer records_, materials_, reflectances_, textured_;
+};
+
+}  // namespace scanmill

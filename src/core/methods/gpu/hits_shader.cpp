@@ -1,0 +1,339 @@
+#include <fmt/format.h>
+
+#include "gpu/compute.h"
+#include "methods/field/distance_field.h"
+#include "methods/field/march_rule.h"
+#include "methods/field/particle_launch.h"
+#include "methods/gpu/device_beams.h"
+#include "methods/gpu/device_resolver.h"
+#include "methods/gpu/march_gl.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kParameters = R"(
+  uint rings, columns;
+  uint first;          // particle of the slice, shot after shot
+  uint count;          // of the slice
+  uint withOrigins;
+  uint shotParticles, shotRays, shotPoses;
+  uint firstAlpha;     // triangles from here on are alpha-tested
+  uint corrected;      // 1: to the plane of the nearest triangle
+  uint whole;          // 1: nothing of the scene lies outside of the box
+  uint last;           // 1: what still passes a hole is left to the processor
+  int lastLevel;
+  float reach;         // of the field's first level
+  float metres;        // of a voxel
+  uint unused;
+  double voxel;        // m
+  double ends;         // m, how far particles go
+  dvec4 low, high;     // m, of the box where particles may march
+  dvec4 centre;        // m, of the field; and level 0's voxels a metre
+  double trust;        // kTrust of methods/world/resolve.h
+  double aside, layer, alike, trusted, there;  // those of march_rule.h
+)";
+
+// What resolve() does with a particle (methods/particle/march_job.cpp), in its order, in double. Where rounding of a
+// quotient could change what is decided, the particle is left to the processor.
+constexpr const char* kEnds = R"(
+layout(std430, binding = 4) restrict buffer HitRecords { uint records[]; };
+layout(std430, binding = 6) restrict buffer Particles { float particles[]; };
+
+dvec3 onRay(dvec3 o, dvec3 d, double range) {
+  precise dvec3 point = o + d * range;
+  return point;
+}
+
+// Whether the particle ended because its way left the box, where the scene goes on.
+bool leftField(dvec3 o, dvec3 d, out bool sure) {
+  double way = 2.0LF * ends;
+  for (int k = 0; k < 3; ++k) {
+    double steep = abs(d[k]) < 1e-12LF ? 1e-12LF : d[k];
+    way = min(way, max((low[k] - o[k]) / steep, (high[k] - o[k]) / steep));
+  }
+  sure = abs(way - ends) > 1e-9LF * ends;
+  return way < ends;
+}
+
+void ended(uint ray, uint verdict) {
+  miss(ray);
+  leave(ray, verdict);
+}
+
+// What is no hit.
+void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
+  if (outcome == kExhausted) {
+    ended(ray, kExhaustedRay);
+    return;
+  }
+  bool sure = true;
+  bool left = whole == 0u && leftField(o, d, sure);
+  if (!sure) {
+    leave(ray, kOpen);
+  } else if (left) {
+    ended(ray, kLeftRay);
+  } else {
+    miss(ray);
+  }
+}
+
+)";
+
+constexpr const char* kInvoke = R"(
+void invoke(uint i) {
+  uint word = records[2u * count + i];
+  if ((word & kDone) != 0u) return;
+  uint shot = (first + i) / shotParticles;
+  uint particle = (first + i) % shotParticles;
+  uint tile = particle / kTogether;
+  uint column = tile / rings * kTogether + particle % kTogether;
+  if (column >= columns) return;
+  uint ofShot = tile % rings * columns + column;
+  uint ray = shot * shotRays + ofShot;
+  dvec3 o, d;
+  rayOf(ofShot, column, shot * shotPoses, withOrigins != 0u, o, d);
+  if (particles[6u * count + i] == kLeftOut) {
+    leave(ray, kOpen);
+  } else if ((word & 3u) == kHit) {
+    if (!resolve(i, ray, word, o, d)) return;
+  } else {
+    finish(ray, word & 3u, o, d);
+  }
+  records[2u * count + i] = word | kDone;
+}
+)";
+
+constexpr const char* kLists = R"(
+// Returns whether the particle is done; else it goes on behind a hole.
+bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
+  uint triangle = records[count + i];
+  float way = uintBitsToFloat(records[i]);
+  precise float divisor = uintBitsToFloat(records[4u * count + i]) * metres;
+  double exact = double(uintBitsToFloat(records[3u * count + i])) / double(divisor);
+  float rest;
+  if (exact != 0.0LF && !settled(exact, abs(exact) * kSlack, rest)) {
+    leave(ray, kOpen);
+    return true;
+  }
+  if (exact == 0.0LF) rest = 0.0;
+  precise float total = way + rest;
+  precise double traced = double(total) * voxel;
+  Plane plane = planeOf(triangle, d);
+  if (triangle >= firstAlpha) {
+    bool sure;
+    bool open = letsPass(plane, traced, 0.0LF, o, d, sure);
+    if (!sure || (open && last != 0u)) {
+      leave(ray, kOpen);
+      return true;
+    }
+    if (open) {
+      precise float begin = total + max(kBehindHole, total * kBehindHoleShare);
+      particles[6u * count + i] = begin;
+      records[2u * count + i] = kGoOn | (word & ~3u);
+      return false;
+    }
+  }
+  double doubt;
+  double range = distanceTo(plane, o, doubt);
+  double about = double(float(traced));
+  precise double low = about - (trust * about + trust);
+  precise double high = about + (trust * about + trust);
+  if (range > low + doubt && range < high - doubt) {
+    hit(ray, plane, range, doubt, o, d);
+  } else if (range < low - doubt || range > high + doubt) {
+    hit(ray, plane, range < low ? low : high, 0.0LF, o, d);
+  } else {
+    leave(ray, kOpen);
+  }
+  return true;
+}
+)";
+
+constexpr const char* kNearest = R"(
+layout(binding = 4) uniform usamplerBuffer levels;
+layout(binding = 5) uniform usamplerBuffer table;
+layout(binding = 6) uniform usamplerBuffer distances;
+layout(binding = 7) uniform usamplerBuffer words;
+
+// In the field's frame. False where a float32 of it could have other bits.
+bool fieldFrame(dvec3 point, double doubt, out vec3 q) {
+  precise dvec3 place = (point - centre.xyz) * centre.w;
+  bool sure = true;
+  for (int k = 0; k < 3; ++k) {
+    float rounded;
+    sure = settled(place[k], doubt * centre.w, rounded) && sure;
+    q[k] = rounded;
+  }
+  return sure;
+}
+
+int levelAt(vec3 q) {
+  float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
+  int level = 0;
+  for (float within = reach; level < lastLevel && most > within; within *= 2.0) ++level;
+  return level;
+}
+
+double voxelAt(vec3 q) {
+  return voxel * double(uintBitsToFloat(uint(127 + levelAt(q)) << 23));
+}
+
+struct Spot {
+  bool full;
+  uint cell;  // the first of its corners
+  vec3 f;     // in the voxel
+};
+
+Spot spotAt(vec3 q) {
+  int level = levelAt(q);
+  uvec4 place = texelFetch(levels, 2 * level);
+  uvec4 box = texelFetch(levels, 2 * level + 1);
+  float scale = uintBitsToFloat(uint(127 - level) << 23);
+  precise vec3 u = max(q * scale + uintBitsToFloat(place.xyz), vec3(0.0));
+  uvec3 corner = min(uvec3(u), box.xyz * 8u - 1u);
+  uvec3 brick = corner >> 3u;
+  uvec3 inside = corner & 7u;
+  uint entry = texelFetch(table, int(place.w + (brick.z * box.y + brick.y) * box.x + brick.x)).x;
+  Spot spot;
+  spot.full = entry >= kFullBrick;
+  spot.cell = spot.full ? (entry - kFullBrick) * kBrickStride + (inside.z * 9u + inside.y) * 9u + inside.x : 0u;
+  precise vec3 f = u - vec3(corner);
+  spot.f = f;
+  return spot;
+}
+
+float mixed(float a, float b, float t) {
+  precise float between = a + (b - a) * t;
+  return between;
+}
+
+float row(uint corner, float t) {
+  return mixed(float(texelFetch(distances, int(corner)).x), float(texelFetch(distances, int(corner + 1u)).x), t);
+}
+
+// Whether there is a surface at a place. Empty bricks are farther from all.
+bool surfaceAt(vec3 q) {
+  Spot s = spotAt(q);
+  if (!s.full) return false;
+  float below = mixed(row(s.cell, s.f.x), row(s.cell + 9u, s.f.x), s.f.y);
+  float above = mixed(row(s.cell + 81u, s.f.x), row(s.cell + 90u, s.f.x), s.f.y);
+  precise float here = mixed(below, above, s.f.z) * kDistanceStep;
+  return here <= float(there);
+}
+
+// The triangle that the nearest corner names.
+uint namedAt(vec3 q) {
+  Spot s = spotAt(q);
+  uvec3 up = uvec3(greaterThanEqual(s.f, vec3(0.5)));
+  return s.full ? texelFetch(words, int(s.cell + (up.z * 9u + up.y) * 9u + up.x)).x : kNoWord;
+}
+
+// What a particle rests at.
+struct Rest {
+  uint triangle;
+  double range, doubt;  // m
+};
+
+uint seenAt(uint triangle, dvec3 place, double doubt, dvec3 d, double size, inout bool sure) {
+  dvec3 normal;
+  double offset;
+  planeRecord(triangle, normal, offset);
+  double side = sum3(normal, d) > 0.0LF ? -1.0LF : 1.0LF;
+  precise double away = side * aside * size;
+  precise dvec3 beside = place + normal * away;
+  vec3 q;
+  sure = fieldFrame(beside, doubt, q) && sure;
+  uint named = namedAt(q);
+  if (named == kNoWord || named == triangle) return triangle;
+  dvec3 otherNormal;
+  double otherOffset;
+  planeRecord(named, otherNormal, otherOffset);
+  if (!(abs(sum3(otherNormal, normal)) > alike)) return triangle;
+  precise double gap = abs(sum3(otherNormal, place) - otherOffset);
+  precise double thick = layer * size;
+  if (doubt > 0.0LF && abs(gap - thick) <= 2.0LF * doubt) sure = false;
+  return gap <= thick ? named : triangle;
+}
+
+Rest renamed(Rest rest, dvec3 o, dvec3 d, inout bool sure) {
+  dvec3 normal;
+  double offset;
+  planeRecord(rest.triangle, normal, offset);
+  dvec3 here = onRay(o, d, rest.range);
+  precise dvec3 onPlane = here + normal * (offset - sum3(normal, here));
+  vec3 q;
+  sure = fieldFrame(here, 0.0LF, q) && sure;
+  rest.triangle = seenAt(rest.triangle, onPlane, 0.0LF, d, voxelAt(q), sure);
+  return rest;
+}
+
+Rest moved(Rest rest, dvec3 o, dvec3 d, inout bool sure) {
+  for (int round = 0; round < 2; ++round) {
+    dvec3 normal;
+    double offset;
+    planeRecord(rest.triangle, normal, offset);
+    dvec3 here = onRay(o, d, rest.range);
+    double size = (largest(o) + abs(rest.range)) * (4.0LF * kSlack);
+    double hereDoubt = rest.doubt > 0.0LF ? rest.doubt + size : 0.0LF;
+    precise double away = offset - sum3(normal, here);
+    double facing = sum3(normal, d);
+    double further = away / facing;
+    double range = rest.range + further;
+    double doubt = rest.doubt + 4.0LF * hereDoubt / abs(facing) + (abs(further) + abs(range)) * kSlack;
+    vec3 q;
+    sure = fieldFrame(here, hereDoubt, q) && sure;
+    double voxelHere = voxelAt(q);
+    precise double limit = trusted * voxelHere;
+    bool near = hereDoubt > 0.0LF && abs(abs(away) - limit) <= 4.0LF * hereDoubt;
+    if (near || !(abs(range) > doubt)) sure = false;
+    if (!(abs(away) <= limit) || !(range >= 0.0LF)) return rest;
+    dvec3 place = onRay(o, d, range);
+    double placeDoubt = doubt + size + abs(further) * (4.0LF * kSlack);
+    if (any(lessThanEqual(min(abs(place - low.xyz), abs(place - high.xyz)), dvec3(placeDoubt)))) sure = false;
+    if (any(lessThan(place, low.xyz)) || any(greaterThan(place, high.xyz))) return rest;
+    sure = fieldFrame(place, placeDoubt, q) && sure;
+    if (!surfaceAt(q)) return rest;
+    uint seen = seenAt(rest.triangle, place, placeDoubt, d, voxelHere, sure);
+    bool same = seen == rest.triangle;
+    rest = Rest(seen, range, doubt);
+    if (same) break;
+  }
+  return rest;
+}
+
+bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
+  precise double way = double(uintBitsToFloat(records[i])) * voxel;
+  bool sure = way > 0.0LF;  // what starts at a surface is counted there
+  Rest rest = Rest(records[count + i], way, 0.0LF);
+  if (corrected != 0u) {
+    rest = moved(rest, o, d, sure);
+  } else {
+    rest = renamed(rest, o, d, sure);
+  }
+  float rounded;
+  sure = settled(rest.range, rest.doubt, rounded) && sure;
+  if (sure) {
+    hit(ray, planeOf(rest.triangle, d), double(rounded), 0.0LF, o, d);
+  } else {
+    leave(ray, kOpen);
+  }
+  return true;
+}
+)";
+
+}  // namespace
+
+std::string particleHitsShader(bool lists) {
+  const std::string constants =
+      glslConstant("kTogether", ParticleLaunch::kTogether + 0u) + glslConstant("kDistanceStep", kDistanceStep) +
+      glslConstant("kBrickStride", kBrickStride + 0u) + glslConstant("kNoWord", kNoWord) +
+      glslConstant("kFullBrick", kFullBrick) + glslConstant("kHit", static_cast<std::uint32_t>(Outcome::Hit)) +
+      glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) + glslConstant("kGoOn", kGoOn) +
+      glslConstant("kLeftOut", kLeftOut) + glslConstant("kDone", kParticleDone) +
+      glslConstant("kBehindHole", kBehindHole) + glslConstant("kBehindHoleShare", kBehindHoleShare);
+  return constants + DeviceBeams::shader() + DeviceResolver::shader(kParameters) + kEnds + (lists ? kLists : kNearest) +
+         kInvoke;
+}
+
+}  // namespace scanmill

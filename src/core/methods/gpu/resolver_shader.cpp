@@ -1,0 +1,198 @@
+#include <bit>
+
+#include "gpu/compute.h"
+#include "methods/gpu/device_resolver.h"
+#include "methods/gpu/device_tables.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr const char* kDeclared = R"(
+layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
+layout(binding = 0) uniform usamplerBuffer planeRecords;
+layout(binding = 1) uniform usamplerBuffer materials;
+layout(binding = 2) uniform usamplerBuffer texels;
+layout(binding = 3) uniform usamplerBuffer texturedTriangles;
+
+// The plane of a triangle, relative to the world's origin, and what the triangle says: with the processor's bits.
+struct Plane {
+  dvec3 normal;
+  double offset;
+  double along;  // normal . direction of the ray
+  uvec4 label;
+};
+
+double sum3(dvec3 a, dvec3 b) {
+  precise double sum = a.x * b.x + a.y * b.y + a.z * b.z;
+  return sum;
+}
+
+dvec3 across(dvec3 a, dvec3 b) {
+  precise dvec3 product = dvec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  return product;
+}
+
+double largest(dvec3 v) {
+  dvec3 a = abs(v);
+  return max(a.x, max(a.y, a.z));
+}
+
+void planeRecord(uint record, out dvec3 normal, out double offset) {
+  uvec4 a = texelFetch(planeRecords, int(3u * record));
+  uvec4 b = texelFetch(planeRecords, int(3u * record + 1u));
+  normal = dvec3(packDouble2x32(a.xy), packDouble2x32(a.zw), packDouble2x32(b.xy));
+  offset = packDouble2x32(b.zw);
+}
+
+Plane planeOf(uint triangle, dvec3 d) {
+  Plane p;
+  planeRecord(triangle, p.normal, p.offset);
+  p.label = texelFetch(planeRecords, int(3u * triangle + 2u));
+  p.along = sum3(p.normal, d);
+  return p;
+}
+
+// `doubt`: by how much the processor's number may differ.
+double distanceTo(Plane p, dvec3 o, out double doubt) {
+  precise double gap = p.offset - sum3(p.normal, o);
+  double range = gap / p.along;
+  doubt = abs(range) * kSlack;
+  return range;
+}
+
+// Along a side of so many texels.
+uint texelOf(float coordinate, uint side) {
+  precise float part = coordinate - floor(coordinate);
+  precise float place = part * float(side);
+  return part > 0.0 ? min(uint(place), side - 1u) : 0u;
+}
+
+// Where the line of sight meets the triangle, in its texture. False where rounding could make it another texel.
+bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
+  int at = int(4u * (p.label.w - 1u));
+  uvec4 behind = texelFetch(texturedTriangles, at + 3);
+  dvec3 corner[3];
+  float u[3];
+  for (int k = 0; k < 3; ++k) {
+    uvec4 word = texelFetch(texturedTriangles, at + k);
+    corner[k] = dvec3(uintBitsToFloat(word.xyz));
+    u[k] = uintBitsToFloat(word.w);
+  }
+  dvec3 ab = corner[1] - corner[0];
+  dvec3 ac = corner[2] - corner[0];
+  dvec3 point = o + d * range - corner[0];
+  dvec3 n = across(ab, ac);
+  double square = sum3(n, n);
+  double second = clamp(sum3(n, across(point, ac)) / square, 0.0LF, 1.0LF);
+  double third = clamp(sum3(n, across(ab, point)) / square, 0.0LF, 1.0LF - second);
+  double size = largest(corner[0]) + largest(corner[1]) + largest(corner[2]) + largest(o) + abs(range);
+  double blur = (doubt + size * (8.0LF * kSlack)) * 16.0LF * (largest(ab) + largest(ac) + largest(point)) /
+                sqrt(square);
+  double first = 1.0LF - second - third;
+  uvec2 sides = uvec2(material.z & 0xFFFFu, material.z >> 16);
+  uvec2 index;
+  bool sure = true;
+  for (int k = 0; k < 2; ++k) {
+    dvec3 v = dvec3(k == 0 ? vec3(u[0], u[1], u[2]) : uintBitsToFloat(behind.xyz));
+    double value = first * v.x + second * v.y + third * v.z;
+    double off = blur * (abs(v.y - v.x) + abs(v.z - v.x)) + (abs(v.x) + abs(v.y) + abs(v.z)) * (4.0LF * kSlack);
+    // What lies between two coordinates of a repetition that are in one texel is in it, too.
+    float low = float(value - off);
+    float high = float(value + off);
+    index[k] = texelOf(low, sides[k]);
+    sure = floor(low) == floor(high) && index[k] == texelOf(high, sides[k]) && sure;
+  }
+  texel = texelFetch(texels, int(material.y + index.y * sides.x + index.x)).x;
+  return sure;
+}
+
+// Whether the triangle's texture lets the ray pass; `sure` is false where rounding could decide it.
+bool letsPass(Plane p, double range, double doubt, dvec3 o, dvec3 d, out bool sure) {
+  sure = true;
+  uvec4 material = texelFetch(materials, int(p.label.y >> 16));
+  if ((material.w & kCutOut) == 0u) return false;
+  uint texel;
+  sure = texelAt(p, range, doubt, o, d, material, texel);
+  return (texel & kLetsPass) != 0u;
+}
+
+bool wants(uint channel) {
+  return (channels & channel) != 0u;
+}
+
+void leave(uint ray, uint verdict) {
+  hitColumns[ray] = verdict;
+}
+
+void put(inout uint column, uint ray, uint word) {
+  hitColumns[column + ray] = word;
+  column += rays;
+}
+
+void miss(uint ray) {
+  uint column = rays;
+  int single = bitCount(channels & (kIncidence | kReflectance | kInstance | kPrimitive));
+  if (wants(kSemantic | kMaterial)) ++single;
+  for (int k = 0; k < single; ++k) put(column, ray, 0u);
+  if (wants(kNormal)) {
+    for (uint k = 0u; k < 3u; ++k) hitColumns[column + 3u * ray + k] = 0u;
+  }
+  hitColumns[ray] = kInfinite;
+}
+)";
+
+constexpr const char* kHit = R"(
+void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
+  float rounded;
+  bool sure = settled(range, doubt, rounded);
+  if (abs(range - nearest) <= doubt || abs(range - farthest) <= doubt || p.along == 0.0LF) sure = false;
+  if (sure && !(range >= nearest && range <= farthest)) {
+    miss(ray);
+    return;
+  }
+  uint bits = floatBitsToUint(rounded);
+  uint column = rays;
+  if (wants(kIncidence)) {
+    double cosine = abs(p.along);
+    sure = settled(min(cosine, 1.0LF), 0.0LF, rounded) && sure;
+    put(column, ray, floatBitsToUint(rounded));
+  }
+  if (wants(kReflectance)) {
+    uvec4 material = texelFetch(materials, int(p.label.y >> 16));
+    uint reflectance = material.x;
+    if ((material.w & kTextured) != 0u) {
+      sure = texelAt(p, range, doubt, o, d, material, reflectance) && sure;
+    }
+    put(column, ray, reflectance & ~kLetsPass);
+  }
+  if (wants(kInstance)) put(column, ray, p.label.x);
+  if (wants(kSemantic | kMaterial)) put(column, ray, p.label.y);
+  if (wants(kPrimitive)) put(column, ray, p.label.z);
+  if (wants(kNormal)) {
+    dvec3 towards = p.along > 0.0LF ? -p.normal : p.normal;
+    for (int k = 0; k < 3; ++k) {
+      sure = settled(towards[k], 0.0LF, rounded) && sure;
+      hitColumns[column + 3u * ray + uint(k)] = floatBitsToUint(rounded);
+    }
+  }
+  hitColumns[ray] = sure ? bits : kOpen;
+}
+)";
+
+}  // namespace
+
+std::string DeviceResolver::shader(const std::string& parameters) {
+  const auto channel = [](const char* name, Channel c) { return glslConstant(name, static_cast<std::uint32_t>(c)); };
+  const auto verdict = [](const char* name, RayVerdict v) { return glslConstant(name, static_cast<std::uint32_t>(v)); };
+  return "layout(std140, binding = 0) uniform Parameters { double nearest, farthest; uint channels, rays; " +
+         parameters + " };\n" + channel("kNormal", Channel::Normal) + channel("kInstance", Channel::Instance) +
+         channel("kSemantic", Channel::Semantic) + channel("kMaterial", Channel::Material) +
+         channel("kPrimitive", Channel::Primitive) + channel("kReflectance", Channel::Reflectance) +
+         channel("kIncidence", Channel::Incidence) + verdict("kOpen", RayVerdict::Open) +
+         verdict("kExhaustedRay", RayVerdict::Exhausted) + verdict("kLeftRay", RayVerdict::Left) +
+         glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
+         glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u) + kDeclared + kHit;
+}
+
+}  // namespace scanmill

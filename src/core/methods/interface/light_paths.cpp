@@ -1,0 +1,202 @@
+#include "methods/interface/light_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace scanmill {
+
+namespace {
+
+constexpr double kStep = 1e-4;  // m, so far from a surface a ray goes on, so as not to meet it again
+
+// A ray that goes on.
+struct Onward {
+  std::uint32_t beam;
+  Vec3d origin;     // m, world axes, from the sensor's place at the start of the revolution
+  Vec3d direction;  // unit, world axes
+  double way;       // m, so far
+  double weight;
+  std::uint32_t panes;
+  std::uint32_t bounces;
+  RayPath path;
+};
+
+class LightFollower {
+ public:
+  LightFollower(const Method& method, const Shot& shot, std::span<const Material> materials, const LightPaths& paths,
+                Hits& hits)
+      : method_(method), shot_(shot), materials_(materials), paths_(paths), hits_(hits) {}
+
+  TraceAccount follow() {
+    takeAsTheyAre();
+    std::vector<Onward> onward = fromSensor();
+    TraceAccount account;
+    while (!onward.empty()) {
+      Hits met;
+      account += method_.trace(shotOf(onward), hits_.channels, met);
+      onward = add(onward, met);
+    }
+    return account;
+  }
+
+ private:
+  // All rays so far have a beam, a weight and a path of their own.
+  void takeAsTheyAre() {
+    if (hits_.beamOfRay.empty()) {
+      hits_.beamOfRay.resize(hits_.rays());
+      std::iota(hits_.beamOfRay.begin(), hits_.beamOfRay.end(), 0u);
+      hits_.weightOfRay.assign(hits_.rays(), 1.0f);
+    }
+    hits_.pathOfRay.resize(hits_.rays(), RayPath::Direct);
+    hits_.glassIsClear = true;
+  }
+
+  std::vector<Onward> fromSensor() const {
+    const BeamTable& rays = *shot_.beams;
+    const Vec3d start = shot_.worldFromSensor.front().translation;
+    std::vector<Mat3> rotation;
+    for (const Pose& pose : shot_.worldFromSensor) rotation.push_back(toMatrix(pose.rotation));
+    std::vector<Onward> onward;
+    for (std::uint32_t ray = 0; ray < hits_.rays(); ++ray) {
+      if (!hits_.hit(ray) || !goesOn(hits_.material[ray])) continue;
+      const std::size_t step = shot_.stepOf(ray % rays.columns);
+      Vec3d origin = shot_.worldFromSensor[step].translation - start;
+      if (!rays.origin.empty()) origin = origin + rotation[step] * Vec3d(rays.origin[ray]);
+      const Onward before{
+          hits_.beamOfRay[ray], origin, rotation[step] * rays.direction[ray], 0, hits_.weightOfRay[ray], 0, 0,
+          RayPath::Direct};
+      branch(before, hits_, ray, onward);
+    }
+    return onward;
+  }
+
+  bool goesOn(std::uint16_t material) const {
+    if (material == kNoMaterial) return false;
+    const Material& m = materials_[material];
+    return m.transmission > 0 || (paths_.bounces > 0 && m.roughness <= kMirrorRoughness);
+  }
+
+  // What becomes of a ray at what it meets.
+  void branch(const Onward& before, const Hits& met, std::uint32_t ray, std::vector<Onward>& onward) const {
+    const Material& material = materials_[met.material[ray]];
+    const double cosine = met.incidence[ray];
+    const Vec3d place = before.origin + before.direction * double{met.range[ray]};
+    const auto go = [&](double part, const Vec3d& direction, bool pane) {
+      Onward next = before;
+      next.weight *= part * part;
+      if (next.weight < paths_.least) return;
+      next.direction = direction;
+      next.origin = place + direction * kStep;
+      next.way += double{met.range[ray]} + kStep;
+      next.panes += pane ? 1 : 0;
+      next.bounces += pane ? 0 : 1;
+      next.path = !pane || before.path == RayPath::Mirrored ? RayPath::Mirrored : RayPath::ThroughGlass;
+      onward.push_back(next);
+    };
+    if (material.transmission > 0 && before.panes < paths_.panes) {
+      go(paneOf(cosine, material.index, material.transmission).transmitted, before.direction, true);
+    }
+    if (before.bounces < paths_.bounces) {
+      const Vec3d normal(met.normal[ray]);
+      const Vec3d away = before.direction - normal * (2 * dot(before.direction, normal));
+      go(mirrored(material, cosine, met.reflectance[ray]), normalized(away), false);
+    }
+  }
+
+  // One ring of rays about the sensor's place, in the axes of the world.
+  Shot shotOf(const std::vector<Onward>& onward) const {
+    auto table = std::make_shared<BeamTable>();
+    table->model = shot_.beams->model;
+    table->rings = 1;
+    table->columns = static_cast<std::uint32_t>(onward.size());
+    table->maxRange = shot_.beams->maxRange;
+    table->period = shot_.beams->period;
+    table->elevation = {0};
+    for (const Onward& ray : onward) {
+      table->direction.push_back(ray.direction);
+      table->origin.push_back(Vec3f(ray.origin));
+      table->time.push_back(timeOf(ray.beam));
+    }
+    Shot shot = shot_;
+    shot.worldFromSensor = {Pose{{}, shot_.worldFromSensor.front().translation}};
+    shot.beams = std::move(table);
+    return shot;
+  }
+
+  // When a beam fires (s since the start of the revolution).
+  float timeOf(std::uint32_t beam) const {
+    const BeamTable& rays = *shot_.beams;
+    return static_cast<float>(rays.columnTime(beam % (rays.columns / rays.raysPerBeam) * rays.raysPerBeam));
+  }
+
+  // Adds what they met, and gives those that go on from there.
+  std::vector<Onward> add(const std::vector<Onward>& onward, const Hits& met) {
+    std::vector<Onward> further;
+    for (std::uint32_t i = 0; i < onward.size(); ++i) {
+      if (!met.hit(i)) continue;
+      const Onward& ray = onward[i];
+      const double way = ray.way + double{met.range[i]};
+      if (way > shot_.beams->maxRange) continue;
+      if (goesOn(met.material[i])) branch(ray, met, i, further);
+      if (way < shot_.beams->minRange) continue;
+      hits_.beamOfRay.push_back(ray.beam);
+      hits_.weightOfRay.push_back(static_cast<float>(ray.weight));
+      hits_.pathOfRay.push_back(ray.path);
+      hits_.range.push_back(static_cast<float>(way));
+      const auto append = [&](auto& column, const auto& from) {
+        if (!column.empty()) column.push_back(from[i]);
+      };
+      append(hits_.normal, met.normal);
+      append(hits_.instance, met.instance);
+      append(hits_.semantic, met.semantic);
+      append(hits_.material, met.material);
+      append(hits_.primitive, met.primitive);
+      append(hits_.reflectance, met.reflectance);
+      append(hits_.incidence, met.incidence);
+      if (ray.path == RayPath::Mirrored && paths_.mirroredUnlabelled) {
+        if (!hits_.semantic.empty()) hits_.semantic.back() = 0;
+        if (!hits_.instance.empty()) hits_.instance.back() = 0;
+      }
+    }
+    return further;
+  }
+
+  const Method& method_;
+  const Shot& shot_;
+  std::span<const Material> materials_;
+  const LightPaths& paths_;
+  Hits& hits_;
+};
+
+}  // namespace
+
+double fresnel(double cosine, double index) {
+  const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)) / index;
+  if (sine >= 1) return 1;
+  const double inside = std::sqrt(1 - sine * sine);
+  const double across = (cosine - index * inside) / (cosine + index * inside);
+  const double along = (index * cosine - inside) / (index * cosine + inside);
+  return (across * across + along * along) / 2;
+}
+
+Pane paneOf(double cosine, double index, double inside) {
+  const double face = fresnel(cosine, index);
+  const double through = (1 - face) * (1 - face) * inside / (1 - face * face * inside * inside);
+  return {face * (1 + inside * through), through};
+}
+
+double mirrored(const Material& material, double cosine, double reflectance) {
+  if (material.roughness > kMirrorRoughness) return 0;
+  if (material.transmission > 0) return paneOf(cosine, material.index, material.transmission).reflected;
+  const double metal = reflectance + (1 - reflectance) * std::pow(1 - cosine, 5);
+  return material.metallic * metal + (1 - material.metallic) * fresnel(cosine, material.index);
+}
+
+TraceAccount followLight(const Method& method, const Shot& shot, std::span<const Material> materials,
+                         const LightPaths& paths, Hits& hits) {
+  return LightFollower(method, shot, materials, paths, hits).follow();
+}
+
+}  // namespace scanmill

@@ -1,0 +1,66 @@
+// Particles in the lanes of the processor. What is between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE() is compiled
+// for each instruction set that Highway knows of this kind of processor, and the best that the machine has is taken.
+
+#ifdef __AVX2__  // a build for the own processor: its instructions alone
+#define HWY_COMPILE_ONLY_STATIC
+#endif
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "methods/particle/march_cpu.cpp"
+#include <hwy/foreach_target.h>
+
+#if HWY_TARGET == HWY_SCALAR
+#error "Highway knows no lanes of this processor: for x86 without SSSE3 it takes g++ 12.3 or later"
+#endif
+
+#include "methods/particle/march.h"
+#include "methods/particle/march_stream.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
+
+void marchInLanes(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
+                  const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
+  if (field.shape.lists) {
+    RayStream<true>(field, triangles, steps, particles, which, records).run();
+  } else {
+    RayStream<false>(field, triangles, steps, particles, which, records).run();
+  }
+}
+
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+namespace scanmill {
+
+namespace {
+
+HWY_EXPORT(marchInLanes);
+
+}  // namespace
+
+void Particles::resize(std::size_t count, bool lists) {
+  for (auto* column : {&ox, &oy, &oz, &dx, &dy, &dz, &begin, &end}) column->resize(count);
+  for (auto* column : {&wx, &wy, &wz, &ix, &iy, &iz}) column->resize(lists ? count : 0);
+}
+
+void HitRecords::reset(std::size_t count) {
+  way.assign(count, 0);
+  triangle.assign(count, 0);
+  outcome.assign(count, 0);
+}
+
+void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
+              const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
+  HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, steps, particles, which, records);
+  if (field.shape.lists) return;
+  // From corners to their triangles: all at once, since words lie anywhere in memory.
+  for (const std::uint32_t i : which) {
+    if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.word[records.triangle[i]];
+  }
+}
+
+}  // namespace scanmill
+
+#endif

@@ -1,0 +1,434 @@
+// The steps of particles, for as many at a time as the processor has lanes, for march_cpu.cpp. The shader in
+// march_shader.cpp takes the same steps.
+//
+// Particles stream through the lanes: as soon as a particle is done, its lane is refilled with the next one, so that
+// one long way leaves no other lane idle. A step is cut into stages, and each stage is done for all groups of lanes
+// before the next stage begins. The loads of a stage take far longer than its arithmetic; meanwhile the processor works
+// on the other groups. What becomes of a particle does not depend on the others.
+// Against one particle at a time the lanes of AVX-512 make scans 3.1 to 3.5 times as fast, and the groups 15 to 25 % of
+// that (docs/particle.md).
+// Read once for each instruction set: see march_cpu.cpp.
+#if defined(SCANMILL_MARCH_STREAM_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCANMILL_MARCH_STREAM_H
+#undef SCANMILL_MARCH_STREAM_H
+#else
+#define SCANMILL_MARCH_STREAM_H
+#endif
+
+#include <span>
+
+#include "methods/field/march_rule.h"
+#include "methods/particle/march.h"
+#include "methods/particle/march_lanes.h"
+#include "methods/particle/march_triangles.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
+
+constexpr std::size_t kLaneGroups = 12;
+static_assert(kLaneGroups * kLanes <= TriangleTester::kLines);
+
+constexpr std::uint32_t kCornerRow = kBrickCorners;
+constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
+
+// Particles in their lanes.
+struct LaneGroup {
+  HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
+  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only for fields with lists
+  HWY_ALIGN_MAX LaneFloats way = {};
+  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * steps taken
+  std::size_t particle[kLanes] = {};
+  LaneBits active = 0;  // lanes that hold a particle
+
+  // Of the current step.
+  HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // place in the voxel
+  HWY_ALIGN_MAX LaneWords in[3] = {};              // voxel in the brick
+  HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
+  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, the nearest corner's alone
+  HWY_ALIGN_MAX LaneFloats looked = {};  // the way before the step
+  HWY_ALIGN_MAX LaneWords corner = {};   // without lists, of the lanes that rest: nearest to the particle
+  LaneBits meeting = 0;                  // lanes that rest, or have triangles to look at
+};
+
+// Of all levels.
+struct LevelTables {
+  static constexpr std::size_t kSize = kMaxLevels;
+  HWY_ALIGN_MAX float offset[3][kSize] = {};
+  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // corner that begins a voxel
+  HWY_ALIGN_MAX std::uint32_t row[kSize] = {};     // bricks from one row to the next
+  HWY_ALIGN_MAX std::uint32_t layer[kSize] = {};
+  HWY_ALIGN_MAX std::uint32_t first[kSize] = {};
+
+  explicit LevelTables(const DistanceField& field) {
+    for (std::size_t l = 0; l < field.levels.size(); ++l) {
+      const FieldLevel& level = field.levels[l];
+      for (int k = 0; k < 3; ++k) {
+        offset[k][l] = level.offset[k];
+        last[k][l] = static_cast<std::int32_t>(level.bricks[k]) * kBrickVoxels - 1;
+      }
+      row[l] = level.bricks[0];
+      layer[l] = level.bricks[0] * level.bricks[1];
+      first[l] = level.firstEntry;
+    }
+  }
+
+  template <class D>
+  static hn::Vec<D> at(D d, const hn::TFromD<D>* table, Ints level) {
+    if constexpr (kLanes == kSize) {
+      return hn::TableLookupLanes(hn::Load(d, table), hn::IndicesFromVec(d, level));
+    } else {
+      return hn::GatherIndex(d, table, level);
+    }
+  }
+};
+
+inline Mask isFull(Words entry) {
+  return hn::RebindMask(kFloats, hn::TestBit(entry, hn::Set(kWords, kFullBrick)));
+}
+
+inline Floats mixed(Floats a, Floats b, Floats t) {
+  return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
+}
+
+// Of a pair of neighbours' distances.
+inline Floats lowerOf(Words pair) {
+  return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::And(pair, hn::Set(kWords, 0xFFFFu))));
+}
+
+inline Floats upperOf(Words pair) {
+  return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::ShiftRight<16>(pair)));
+}
+
+inline Words wordsWhere(Mask mask, Words yes, Words no) {
+  return hn::IfThenElse(hn::RebindMask(kWords, mask), yes, no);
+}
+
+// Without lists, a hit is recorded with the corner whose word names the triangle: see nameTriangles() in march_cpu.cpp.
+template <bool kLists>
+class RayStream {
+ public:
+  RayStream(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps, const Particles& particles,
+            std::span<const std::uint32_t> which, HitRecords& records)
+      : field_(field),
+        spent_(4 * steps),
+        particles_(particles),
+        which_(which),
+        records_(records),
+        tables_(field),
+        tester_(field, triangles) {}
+
+  void run() {
+    LaneBits active = 0;
+    for (LaneGroup& group : groups_) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) refill(group, lane);
+      active |= group.active;
+    }
+    while (active != 0) {
+      for (LaneGroup& group : groups_) {
+        if (group.active != 0) locate(group);
+      }
+      for (LaneGroup& group : groups_) {
+        if (group.active != 0) aim(group);
+      }
+      for (LaneGroup& group : groups_) {
+        if (group.active != 0) fetch(group);
+      }
+      for (std::size_t g = 0; g < kLaneGroups; ++g) {
+        if (groups_[g].active != 0) step(g);
+      }
+      if constexpr (kLists) tester_.meet();
+      active = 0;
+      for (std::size_t g = 0; g < kLaneGroups; ++g) {
+        if (groups_[g].active != 0) settle(g);
+        active |= groups_[g].active;
+      }
+    }
+  }
+
+ private:
+  void record(std::size_t i, float way, std::uint32_t triangle, std::uint32_t outcome) {
+    records_.way[i] = way;
+    records_.triangle[i] = triangle;
+    records_.outcome[i] = outcome;
+  }
+
+  // The next particle takes the lane; where none is left, the lane idles where it is.
+  void refill(LaneGroup& group, std::size_t lane) {
+    group.active &= ~(LaneBits{1} << lane);
+    while (next_ < which_.size()) {
+      const std::uint32_t i = which_[next_++];
+      const std::uint32_t taken = 4 * records_.stepsOf(i);
+      if (taken >= spent_ || !(particles_.begin[i] < particles_.end[i])) {
+        record(i, 0, 0, taken + static_cast<std::uint32_t>(taken >= spent_ ? Outcome::Exhausted : Outcome::Miss));
+        continue;
+      }
+      group.o[0][lane] = particles_.ox[i];
+      group.o[1][lane] = particles_.oy[i];
+      group.o[2][lane] = particles_.oz[i];
+      group.d[0][lane] = particles_.dx[i];
+      group.d[1][lane] = particles_.dy[i];
+      group.d[2][lane] = particles_.dz[i];
+      group.begin[lane] = group.way[lane] = particles_.begin[i];
+      group.end[lane] = particles_.end[i];
+      if constexpr (kLists) {
+        group.w[0][lane] = particles_.wx[i];
+        group.w[1][lane] = particles_.wy[i];
+        group.w[2][lane] = particles_.wz[i];
+        group.inverse[0][lane] = particles_.ix[i];
+        group.inverse[1][lane] = particles_.iy[i];
+        group.inverse[2][lane] = particles_.iz[i];
+      }
+      group.outcome[lane] = taken;
+      group.particle[lane] = i;
+      group.active |= LaneBits{1} << lane;
+      return;
+    }
+  }
+
+  // Level, brick and voxel; asks the table for the brick.
+  void locate(LaneGroup& group) const {
+    const Floats way = hn::Load(kFloats, group.way);
+    Floats q[3];
+    for (int k = 0; k < 3; ++k) {
+      q[k] = hn::Add(hn::Load(kFloats, group.o[k]), hn::Mul(hn::Load(kFloats, group.d[k]), way));
+    }
+    const Floats most = hn::Max(hn::Abs(q[0]), hn::Max(hn::Abs(q[1]), hn::Abs(q[2])));
+    const Floats share = hn::Mul(most, hn::Set(kFloats, 1.0f / field_.shape.reach));
+    const Ints exponent = hn::ShiftRight<23>(hn::Sub(hn::BitCast(kInts, share), hn::Set(kInts, 1)));
+    const Ints coarsest = hn::Set(kInts, static_cast<std::int32_t>(field_.levels.size()) - 1);
+    const Ints level = hn::Min(hn::Max(hn::Sub(exponent, hn::Set(kInts, 126)), hn::Zero(kInts)), coarsest);
+    const Floats scale = hn::BitCast(kFloats, hn::ShiftLeft<23>(hn::Sub(hn::Set(kInts, 127), level)));
+    hn::Store(scale, kFloats, group.scale);
+    Words brick[3];
+    for (int k = 0; k < 3; ++k) {
+      const Floats offset = tables_.at(kFloats, tables_.offset[k], level);
+      const Floats u = hn::Max(hn::Add(hn::Mul(q[k], scale), offset), hn::Zero(kFloats));
+      const Ints corner = hn::Min(hn::ConvertTo(kInts, u), tables_.at(kInts, tables_.last[k], level));
+      const Words word = hn::BitCast(kWords, corner);
+      brick[k] = hn::ShiftRight<3>(word);
+      hn::Store(hn::And(word, hn::Set(kWords, 7)), kWords, group.in[k]);
+      hn::Store(hn::Sub(u, hn::ConvertTo(kFloats, corner)), kFloats, group.f[k]);
+    }
+    const Words row = hn::Mul(brick[1], tables_.at(kWords, tables_.row, level));
+    const Words layer = hn::Mul(brick[2], tables_.at(kWords, tables_.layer, level));
+    const Words at = hn::Add(hn::Add(tables_.at(kWords, tables_.first, level), brick[0]), hn::Add(row, layer));
+    hn::Store(hn::GatherIndex(kWords, field_.table.data(), hn::BitCast(kInts, at)), kWords, group.entry);
+  }
+
+  // The distance of a corner and, in the upper half, of the next one along x.
+  Words pair(Words corner) const {
+    return hn::GatherOffset(kWords, reinterpret_cast<const std::uint32_t*>(field_.distance.data()),
+                            hn::BitCast(kInts, hn::ShiftLeft<1>(corner)));
+  }
+
+  // The corner in full bricks that begins the voxel; asks for its distances, which may lie anywhere in memory.
+  void aim(LaneGroup& group) const {
+    const Words entry = hn::Load(kWords, group.entry);
+    const Mask full = isFull(entry);
+    const LaneBits lanes = bitsOf(full);
+    if (lanes == 0) return;
+    const Words index = hn::AndNot(hn::Set(kWords, kFullBrick), entry);
+    const Words x = hn::Add(hn::Mul(index, hn::Set(kWords, kBrickStride)), hn::Load(kWords, group.in[0]));
+    const Words y = hn::Mul(hn::Load(kWords, group.in[1]), hn::Set(kWords, kCornerRow));
+    const Words z = hn::Mul(hn::Load(kWords, group.in[2]), hn::Set(kWords, kCornerLayer));
+    Words cell = hn::IfThenElseZero(hn::RebindMask(kWords, full), hn::Add(hn::Add(x, y), z));
+    if constexpr (kLists) cell = nearestOf(group, cell);
+    hn::Store(cell, kWords, group.cell);
+    const std::uint16_t* distance = field_.distance.data();
+    for (const std::uint32_t corner : group.cell) {
+      __builtin_prefetch(distance + corner);
+      if constexpr (!kLists) __builtin_prefetch(distance + corner + kCornerLayer);
+    }
+  }
+
+  // Distances of full bricks.
+  void fetch(LaneGroup& group) const {
+    if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
+    const Words cell = hn::Load(kWords, group.cell);
+    if constexpr (kLists) {
+      hn::Store(pair(cell), kWords, group.rows[0]);
+    } else {
+      constexpr std::uint32_t kCorner[4] = {0, kCornerRow, kCornerLayer, kCornerLayer + kCornerRow};
+      for (int k = 0; k < 4; ++k) {
+        hn::Store(pair(hn::Add(cell, hn::Set(kWords, kCorner[k]))), kWords, group.rows[k]);
+      }
+    }
+  }
+
+  static Mask isUpper(const LaneGroup& group, int axis) {
+    return hn::Ge(hn::Load(kFloats, group.f[axis]), hn::Set(kFloats, 0.5f));
+  }
+
+  static Words nearestOf(const LaneGroup& group, Words cell) {
+    constexpr std::uint32_t kSteps[3] = {1, kCornerRow, kCornerLayer};
+    for (int k = 0; k < 3; ++k) {
+      cell = hn::Add(cell, wordsWhere(isUpper(group, k), hn::Set(kWords, kSteps[k]), hn::Zero(kWords)));
+    }
+    return cell;
+  }
+
+  static Floats nearestDistance(const LaneGroup& group) {
+    Words row = hn::Load(kWords, group.rows[0]);
+    if constexpr (!kLists) {
+      const Mask y = isUpper(group, 1);
+      const Words above = wordsWhere(y, hn::Load(kWords, group.rows[3]), hn::Load(kWords, group.rows[2]));
+      row = wordsWhere(isUpper(group, 2), above, wordsWhere(y, hn::Load(kWords, group.rows[1]), row));
+      row = wordsWhere(isUpper(group, 0), hn::ShiftRight<16>(row), row);
+    }
+    return hn::Mul(lowerOf(row), hn::Set(kFloats, kDistanceStep));
+  }
+
+  static Floats interpolate(const LaneGroup& group) {
+    const auto along = [&](int k) {
+      const Words row = hn::Load(kWords, group.rows[k]);
+      return mixed(lowerOf(row), upperOf(row), hn::Load(kFloats, group.f[0]));
+    };
+    const Floats y = hn::Load(kFloats, group.f[1]);
+    const Floats between =
+        mixed(mixed(along(0), along(1), y), mixed(along(2), along(3), y), hn::Load(kFloats, group.f[2]));
+    return hn::Mul(between, hn::Set(kFloats, kDistanceStep));
+  }
+
+  // Where the particle leaves its voxel.
+  static Floats exitOf(const LaneGroup& group, const Floats (&r)[3]) {
+    const auto face = [&](int k) {
+      const Floats inverse = hn::Load(kFloats, group.inverse[k]);
+      return hn::Mul(hn::Sub(hn::CopySignToAbs(hn::Set(kFloats, kFace), inverse), r[k]), inverse);
+    };
+    return hn::Min(face(0), hn::Min(face(1), face(2)));
+  }
+
+  // The step itself, but for triangles.
+  void step(std::size_t g) {
+    LaneGroup& group = groups_[g];
+    const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
+    const Floats way = hn::Load(kFloats, group.way);
+    const Floats scale = hn::Load(kFloats, group.scale);
+    const Floats grow = hn::BitCast(kFloats, hn::Sub(hn::Set(kWords, 254u << 23), hn::BitCast(kWords, scale)));
+    const Words entry = hn::Load(kWords, group.entry);
+    const Mask full = isFull(entry);
+    const bool anyFull = !hn::AllFalse(kFloats, full);
+    // The free ball: of the brick, or of the nearest corner.
+    Floats r[3];
+    for (int k = 0; k < 3; ++k) {
+      const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));
+      r[k] = hn::Add(hn::Load(kFloats, group.f[k]), hn::ConvertTo(kFloats, middle));
+    }
+    Floats radius = hn::BitCast(kFloats, entry);
+    Floats bend = hn::Set(kFloats, kEmptyBend);
+    [[maybe_unused]] Mask far = hn::Not(full);
+    if (anyFull) {
+      for (int k = 0; k < 3; ++k) {
+        const Floats corner = hn::IfThenElseZero(isUpper(group, k), hn::Set(kFloats, 1.0f));
+        r[k] = hn::IfThenElse(full, hn::Sub(hn::Load(kFloats, group.f[k]), corner), r[k]);
+      }
+      radius = hn::IfThenElse(full, nearestDistance(group), radius);
+      far = hn::Gt(radius, hn::Set(kFloats, kNamed));
+      const Floats fullBend = hn::IfThenElse(far, hn::Set(kFloats, kNamedBend), hn::Set(kFloats, kListedBend));
+      bend = hn::IfThenElse(full, fullBend, bend);
+    }
+    const Floats square = dotOf(r, r);
+    const Floats along = dotOf(r, d);
+    const Floats half = hn::Sub(radius, hn::Mul(hn::Sub(square, hn::Mul(along, along)), bend));
+    Floats ahead = hn::Sub(half, along);
+    Mask meets = hn::FirstN(kFloats, 0);
+    if constexpr (kLists) {
+      if (anyFull) {
+        const Floats exit = exitOf(group, r);
+        const Mask inside = hn::Gt(radius, hn::Set(kFloats, kListed));
+        const Floats out = hn::Add(square, hn::Mul(hn::Add(hn::Add(along, along), exit), exit));
+        const Floats ball = hn::Mul(radius, radius);
+        meets = hn::AndNot(inside, hn::Or(hn::Gt(square, ball), hn::Gt(out, ball)));
+        const Floats longer = hn::IfThenElse(inside, hn::Max(ahead, exit), exit);
+        ahead = hn::IfThenElse(full, longer, ahead);
+      }
+    } else if (!hn::AllTrue(kFloats, far)) {
+      const Floats here = interpolate(group);
+      meets = hn::AndNot(far, hn::Le(here, hn::Set(kFloats, kRest)));
+      ahead = hn::IfThenElse(far, ahead, here);
+    }
+    hn::Store(way, kFloats, group.looked);
+    group.meeting = bitsOf(meets) & group.active;
+    if (group.meeting != 0) {
+      if constexpr (kLists) {
+        ask(g, d, way, ahead, grow);
+      } else {
+        hn::Store(nearestOf(group, hn::Load(kWords, group.cell)), kWords, group.corner);
+      }
+    }
+    // Lanes that idle stay at the end of their way.
+    const Floats end = hn::Load(kFloats, group.end);
+    hn::Store(hn::Min(hn::Add(way, hn::Mul(ahead, grow)), end), kFloats, group.way);
+    hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
+  }
+
+  // Has the tester look at the triangles of the lanes that meet some.
+  void ask(std::size_t g, const Floats (&d)[3], Floats way, Floats exit, Floats grow) {
+    const LaneGroup& group = groups_[g];
+    const Floats metres = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
+    const Floats voxel = hn::Mul(metres, grow);
+    const Floats gone = hn::Mul(way, metres);
+    Floats place[3];
+    for (int k = 0; k < 3; ++k) place[k] = hn::Add(hn::Load(kFloats, group.w[k]), hn::Mul(d[k], gone));
+    const Floats past = hn::Mul(hn::Sub(hn::Load(kFloats, group.begin), way), metres);
+    const Floats low = hn::Max(hn::Mul(hn::Set(kFloats, -kBehind), voxel), past);
+    const Floats high = hn::Mul(hn::Add(exit, hn::Set(kFloats, kNudge)), voxel);
+    const std::size_t first = g * kLanes;
+    hn::StoreInterleaved4(place[0], place[1], place[2], low, kFloats, &tester_.start[first].x);
+    hn::StoreInterleaved4(d[0], d[1], d[2], high, kFloats, &tester_.course[first].dx);
+    hn::Store(hn::Mul(hn::Set(kFloats, kTie), voxel), kFloats, tester_.tie + first);
+    for (LaneBits lanes = group.meeting; lanes != 0; lanes &= lanes - 1) {
+      const std::size_t lane = firstOf(lanes);
+      tester_.add(first + lane, group.cell[lane]);
+    }
+  }
+
+  // Records the particles that are done and refills their lanes.
+  void settle(std::size_t g) {
+    LaneGroup& group = groups_[g];
+    LaneBits hits = group.meeting;
+    if constexpr (kLists) {
+      hits = 0;
+      for (LaneBits lanes = group.meeting; lanes != 0; lanes &= lanes - 1) {
+        const std::size_t lane = firstOf(lanes);
+        if (tester_.best[g * kLanes + lane].denominator > 0) hits |= LaneBits{1} << lane;
+      }
+    }
+    const Mask spent = hn::RebindMask(kFloats, hn::Eq(hn::Load(kWords, group.outcome), hn::Set(kWords, spent_)));
+    const Mask done = hn::Not(hn::Lt(hn::Load(kFloats, group.way), hn::Load(kFloats, group.end)));
+    LaneBits finished = (bitsOf(hn::Or(spent, done)) & group.active) | hits;
+    if (finished == 0) return;
+    for (; finished != 0; finished &= finished - 1) {
+      const std::size_t lane = firstOf(finished);
+      const std::size_t i = group.particle[lane];
+      const std::uint32_t steps = group.outcome[lane];
+      if ((hits >> lane & 1) == 0) {
+        const bool exhausted = steps == spent_;
+        record(i, 0, 0, steps + static_cast<std::uint32_t>(exhausted ? Outcome::Exhausted : Outcome::Miss));
+      } else if constexpr (kLists) {
+        const Meeting& best = tester_.best[g * kLanes + lane];
+        const float metres = static_cast<float>(field_.shape.voxel);
+        record(i, group.looked[lane] + best.numerator / (best.denominator * metres), best.triangle, steps);
+      } else {
+        __builtin_prefetch(&field_.word[group.corner[lane]]);
+        record(i, group.looked[lane], group.corner[lane], steps);
+      }
+      refill(group, lane);
+    }
+  }
+
+  const DistanceField& field_;
+  const std::uint32_t spent_;  // as outcomes count steps: 4 each
+  const Particles& particles_;
+  std::span<const std::uint32_t> which_;
+  std::size_t next_ = 0;  // of which_
+  HitRecords& records_;
+  LevelTables tables_;
+  TriangleTester tester_;
+  LaneGroup groups_[kLaneGroups];
+};
+
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,193 @@
+// Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp.
+// Read once for each instruction set: see march_cpu.cpp.
+#if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCANMILL_MARCH_TRIANGLES_H
+#undef SCANMILL_MARCH_TRIANGLES_H
+#else
+#define SCANMILL_MARCH_TRIANGLES_H
+#endif
+
+#include <cstdint>
+#include <vector>
+
+#include "methods/field/distance_field.h"
+#include "methods/field/march_rule.h"
+#include "methods/particle/march_lanes.h"
+#include "methods/world/world.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace scanmill::HWY_NAMESPACE {
+
+// The part of a particle's line that is looked at: from `low` to `high` along d, from the place x y z; m, relative to
+// the world's origin.
+struct LineStart {
+  float x, y, z, low;
+};
+struct LineCourse {
+  float dx, dy, dz, high;
+};
+
+// Where a line meets a triangle: m from its start, as a fraction.
+struct Meeting {
+  float numerator, denominator;  // denominator > 0 of a hit
+  std::uint32_t triangle;
+};
+
+// Lists differ in length. So pairs of a line and a triangle are collected first and then intersected, kLanes at a time,
+// whichever lines they belong to. Words and lists lie anywhere in memory: they are prefetched before they are needed.
+class TriangleTester {
+ public:
+  static constexpr std::size_t kLines = 16 * kLanes;
+
+  TriangleTester(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
+
+  // The caller fills these for the lines that it adds.
+  HWY_ALIGN_MAX LineStart start[kLines] = {};
+  HWY_ALIGN_MAX LineCourse course[kLines] = {};
+  HWY_ALIGN_MAX float tie[kLines] = {};
+
+  void add(std::size_t line, std::uint32_t corner) {
+    asked_.push_back({static_cast<std::uint32_t>(line), corner});
+    __builtin_prefetch(&field_.word[corner]);
+    best[line].denominator = 0;
+  }
+
+  // Intersects the lines that were added with the triangles that their corners list, and forgets the lines.
+  void meet();
+
+  Meeting best[kLines] = {};
+
+ private:
+  struct Asked {
+    std::uint32_t line, corner;
+  };
+  struct Pair {
+    std::uint32_t line, triangle;
+  };
+
+  void look(const Pair* pairs);
+
+  const DistanceField& field_;
+  const TriangleBlock& triangles_;
+  std::vector<Asked> asked_;
+  std::vector<Pair> pairs_;
+};
+
+inline void TriangleTester::meet() {
+  std::size_t lists = 0;
+  for (const Asked& asked : asked_) {
+    const std::uint32_t at = field_.word[asked.corner];
+    if (at == kNoWord) continue;
+    asked_[lists++] = {asked.line, at};
+    __builtin_prefetch(&field_.lists[at]);
+  }
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < lists; ++k) {
+    const std::uint32_t line = asked_[k].line;
+    const std::uint32_t* entry = &field_.lists[asked_[k].corner];
+    for (bool more = true; more; ++entry) {
+      more = *entry < kLastOfList;
+      if (count + kLanes >= pairs_.size()) pairs_.resize(2 * count + kLines);
+      pairs_[count++] = {line, *entry & ~kLastOfList};
+    }
+  }
+  asked_.clear();
+  // Those that fill the last lanes change nothing: a line that meets a triangle twice meets it no nearer.
+  for (; count % kLanes != 0; ++count) pairs_[count] = pairs_[count - 1];
+  for (std::size_t k = 0; k < count; k += kLanes) look(pairs_.data() + k);
+}
+
+inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product)[3]) {
+  for (int k = 0; k < 3; ++k) {
+    const int l = (k + 1) % 3;
+    const int m = (k + 2) % 3;
+    product[k] = hn::Sub(hn::Mul(a[l], b[m]), hn::Mul(a[m], b[l]));
+  }
+}
+
+// Four floats of each of the numbers k, k + 4, ... below kLanes.
+template <class Address>
+HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
+  constexpr hn::FixedTag<float, 4> four;
+  constexpr hn::FixedTag<float, kLanes / 2> half;
+  const auto of = [&](std::size_t number) { return hn::LoadU(four, address(number)); };
+  static_assert(kLanes == 4 || kLanes == 8 || kLanes == 16);
+  if constexpr (kLanes == 4) {
+    return of(k);
+  } else if constexpr (kLanes == 8) {
+    return hn::Combine(kFloats, of(k + 4), of(k));
+  } else {
+    return hn::Combine(kFloats, hn::Combine(half, of(k + 12), of(k + 8)), hn::Combine(half, of(k + 4), of(k)));
+  }
+}
+
+// Four floats of each number below kLanes, to four vectors.
+template <class Address>
+HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Floats& z, Floats& w) {
+  const Floats row[4] = {loadRow(address, 0), loadRow(address, 1), loadRow(address, 2), loadRow(address, 3)};
+  const Floats xyEven = hn::InterleaveLower(kFloats, row[0], row[2]);
+  const Floats xyOdd = hn::InterleaveLower(kFloats, row[1], row[3]);
+  const Floats zwEven = hn::InterleaveUpper(kFloats, row[0], row[2]);
+  const Floats zwOdd = hn::InterleaveUpper(kFloats, row[1], row[3]);
+  x = hn::InterleaveLower(kFloats, xyEven, xyOdd);
+  y = hn::InterleaveUpper(kFloats, xyEven, xyOdd);
+  z = hn::InterleaveLower(kFloats, zwEven, zwOdd);
+  w = hn::InterleaveUpper(kFloats, zwEven, zwOdd);
+}
+
+// Moeller and Trumbore 1997, without the division.
+inline void TriangleTester::look(const Pair* pairs) {
+  const Vec3f* vertices = triangles_.vertices.data();
+  const Triangle* triangles = triangles_.corners.data();
+  // 16 bytes of each: vertices are padded by one.
+  const auto vertex = [&](int c) {
+    return [=](std::size_t k) { return &vertices[triangles[pairs[k].triangle][c]].x; };
+  };
+  Floats a[3], ab[3], ac[3], s[3], d[3], low, high, padding;
+  loadTransposed(vertex(0), a[0], a[1], a[2], padding);
+  loadTransposed(vertex(1), ab[0], ab[1], ab[2], padding);
+  loadTransposed(vertex(2), ac[0], ac[1], ac[2], padding);
+  loadTransposed([&](std::size_t k) { return &start[pairs[k].line].x; }, s[0], s[1], s[2], low);
+  loadTransposed([&](std::size_t k) { return &course[pairs[k].line].dx; }, d[0], d[1], d[2], high);
+  for (int k = 0; k < 3; ++k) {
+    ab[k] = hn::Sub(ab[k], a[k]);
+    ac[k] = hn::Sub(ac[k], a[k]);
+    s[k] = hn::Sub(s[k], a[k]);
+  }
+  Floats p[3], q[3];
+  crossOf(d, ac, p);
+  crossOf(s, ab, q);
+  const Floats determinant = dotOf(ab, p);
+  const Mask turned = hn::Lt(determinant, hn::Zero(kFloats));
+  const Floats sign = hn::IfThenElse(turned, hn::Set(kFloats, -1.0f), hn::Set(kFloats, 1.0f));
+  const Floats whole = hn::Mul(determinant, sign);
+  const Floats u = hn::Mul(dotOf(s, p), sign);
+  const Floats v = hn::Mul(dotOf(d, q), sign);
+  const Floats t = hn::Mul(dotOf(ac, q), sign);
+  const Floats seam = hn::Mul(whole, hn::Set(kFloats, kSeam));
+  const Floats least = hn::Neg(seam);
+  const Mask corner = hn::And(hn::Ge(u, least), hn::Ge(v, least));
+  const Mask edge = hn::And(hn::Le(hn::Add(u, v), hn::Add(whole, seam)), hn::Gt(whole, hn::Zero(kFloats)));
+  const Mask within = hn::And(hn::Ge(t, hn::Mul(low, whole)), hn::Le(t, hn::Mul(high, whole)));
+  LaneBits met = bitsOf(hn::And(hn::And(corner, edge), within));
+  if (met == 0) return;
+  HWY_ALIGN_MAX LaneFloats numerators;
+  HWY_ALIGN_MAX LaneFloats denominators;
+  hn::Store(t, kFloats, numerators);
+  hn::Store(whole, kFloats, denominators);
+  for (; met != 0; met &= met - 1) {
+    const std::size_t k = firstOf(met);
+    const Meeting next{numerators[k], denominators[k], pairs[k].triangle};
+    Meeting& known = best[pairs[k].line];
+    const float margin = tie[pairs[k].line] * known.denominator;
+    if (!(known.denominator > 0) ||
+        next.numerator * known.denominator < (known.numerator - margin) * next.denominator) {
+      known = next;
+    }
+  }
+}
+
+}  // namespace scanmill::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,188 @@
+// Buildings over any outline: walls with windows, floors and inner walls behind them, a flat roof.
+
+#include <algorithm>
+#include <boost/polygon/polygon.hpp>
+#include <cmath>
+
+#include "models/facade.h"
+
+namespace scanmill::models {
+namespace {
+
+namespace gtl = boost::polygon;
+
+constexpr double kBelowSlopes = -3;  // m, for slopes
+constexpr double kRooms = 3.6;       // m deep
+constexpr double kUnit = 1e-3;       // m, of Boost's whole numbers
+
+using Ring = gtl::polygon_data<int>;
+using Shape2 = gtl::polygon_set_data<int>;
+
+Ring ringOf(const std::vector<Point2>& points) {
+  std::vector<gtl::point_data<int>> corners;
+  corners.reserve(points.size());
+  for (const Point2& p : points) {
+    corners.emplace_back(static_cast<int>(std::lround(p.x / kUnit)), static_cast<int>(std::lround(p.y / kUnit)));
+  }
+  Ring ring;
+  gtl::set_points(ring, corners.begin(), corners.end());
+  return ring;
+}
+
+template <class Polygon>
+std::vector<Point2> pointsOf(const Polygon& polygon) {
+  std::vector<Point2> points;
+  for (auto p = gtl::begin_points(polygon); p != gtl::end_points(polygon); ++p) {
+    const Point2 made{kUnit * gtl::x(*p), kUnit * gtl::y(*p)};
+    if (!points.empty() && std::hypot(made.x - points.back().x, made.y - points.back().y) < kUnit / 2) continue;
+    points.push_back(made);
+  }
+  if (points.size() > 1 && std::hypot(points.front().x - points.back().x, points.front().y - points.back().y) < kUnit) {
+    points.pop_back();
+  }
+  return points;
+}
+
+class BlockMaker {
+ public:
+  BlockMaker(SceneBuilder& builder, std::uint64_t seed, const Block& block)
+      : b_(block), draw_(seed, Kind::House, 2000000 + block.number), s_(builder, "block") {
+    const char* const wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
+    look_.wall = s_.surface("building", block.floors == 0 && draw_.chance(0.4) ? "wood" : wall);
+    look_.trim = s_.surface("building", "concrete");
+    look_.wood = s_.surface("building", "wood");
+    look_.metal = s_.surface("building", "painted_metal");
+    look_.tile = s_.surface("building", "roof_tile");
+    look_.glass = s_.surface("window", "glass");
+    look_.casing = s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal");
+    look_.foundation = kBelowSlopes;
+    base_ = block.floors > 0 ? draw_.in(0.1, 0.4) : 0;
+    storey_ = draw_.in(2.8, 3.3);
+    if (block.height > 0 && block.floors > 0) storey_ = std::max(2.3, (block.height - base_ - 0.4) / block.floors);
+    look_.top = block.floors > 0 ? base_ + storey_ * block.floors + 0.4 : std::max(block.height, 2.2);
+    windowWidth_ = draw_.in(1, 1.6);
+    windowHeight_ = std::min(draw_.in(1.3, 1.7), storey_ - 1.1);
+    spacing_ = windowWidth_ + draw_.in(0.8, 1.8);
+    plan_.insert(ringOf(block.outline));
+    for (const std::vector<Point2>& court : block.courts) plan_.insert(ringOf(court), true);
+  }
+
+  Model make() {
+    const std::size_t door = nearestWall();
+    for (std::size_t i = 0; i < b_.outline.size(); ++i) {
+      wall(b_.outline[i], b_.outline[(i + 1) % b_.outline.size()], i == door);
+    }
+    for (const std::vector<Point2>& court : b_.courts) {
+      for (std::size_t i = 0; i < court.size(); ++i) wall(court[i], court[(i + 1) % court.size()], false);
+    }
+    slab(look_.trim, look_.top - (b_.floors > 0 ? 0.35 : 0.02));
+    for (int floor = 0; floor < b_.floors; ++floor) slab(look_.wood, base_ + floor * storey_ + 0.02);
+    if (b_.floors > 0) innerWalls();
+    return s_.finish();
+  }
+
+ private:
+  std::size_t nearestWall() const {
+    std::size_t nearest = 0;
+    double least = 1e18;
+    for (std::size_t i = 0; i < b_.outline.size(); ++i) {
+      const Point2& a = b_.outline[i];
+      const Point2& b = b_.outline[(i + 1) % b_.outline.size()];
+      if (std::hypot(b.x - a.x, b.y - a.y) < 2) continue;
+      const double d = std::hypot((a.x + b.x) / 2 - b_.entrance.x, (a.y + b.y) / 2 - b_.entrance.y);
+      if (d >= least) continue;
+      least = d;
+      nearest = i;
+    }
+    return nearest;
+  }
+
+  // The building lies to the left of the way from a to b.
+  void wall(const Point2& a, const Point2& b, bool door) {
+    const double width = std::hypot(b.x - a.x, b.y - a.y);
+    const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
+    const Affine frame{{along, {0, 0, 1}, {along.y, -along.x, 0}}, {a.x, a.y, 0}};
+    addFacade(s_, look_, frame, width, openings(width, door), false);
+    if (b_.floors == 0) return;
+    // The parapet's coping.
+    const Affine place = s_.frame * frame;
+    const Affine outer = s_.frame;
+    s_.frame = place;
+    s_.box(look_.metal, {width / 2, look_.top, 0}, {width + 0.05, 0.05, 0.3});
+    s_.frame = outer;
+  }
+
+  std::vector<Opening> openings(double width, bool door) {
+    std::vector<Opening> made;
+    if (b_.floors == 0) {
+      if (door && width > 1.6) made.push_back({{width / 2 - 0.5, width / 2 + 0.5}, {0.02, 2.02}, Opening::Door});
+      return made;
+    }
+    const int columns = static_cast<int>((width - 0.5) / spacing_);
+    if (columns < 1) return made;
+    const double pitch = width / columns;
+    for (int floor = 0; floor < b_.floors; ++floor) {
+      const double z = base_ + floor * storey_;
+      for (int c = 0; c < columns; ++c) {
+        const double u = (c + 0.5) * pitch;
+        if (door && floor == 0 && c == columns / 2) {
+          made.push_back({{u - 0.55, u + 0.55}, {z - 0.05, z + 2.1}, Opening::Door});
+        } else if (b_.shop && floor == 0) {
+          const double half = pitch / 2 - 0.2;
+          made.push_back({{u - half, u + half}, {z + 0.25, z + 2.3}, Opening::Window});
+        } else {
+          const double half = windowWidth_ / 2;
+          made.push_back({{u - half, u + half}, {z + 0.85, z + 0.85 + windowHeight_}, Opening::Window});
+        }
+      }
+    }
+    return made;
+  }
+
+  void slab(SurfaceIndex surface, double z) {
+    std::vector<Ring> pieces;
+    plan_.get_trapezoids(pieces);
+    for (const Ring& piece : pieces) {
+      const std::vector<Point2> corners = pointsOf(piece);
+      for (std::size_t i = 2; i < corners.size(); ++i) {
+        s_.triangle(surface, {corners[0].x, corners[0].y, z}, {corners[i - 1].x, corners[i - 1].y, z},
+                    {corners[i].x, corners[i].y, z});
+      }
+    }
+  }
+
+  // At the back of the rooms, all round.
+  void innerWalls() {
+    Shape2 core = plan_;
+    core.shrink(static_cast<unsigned>(kRooms / kUnit));
+    std::vector<gtl::polygon_with_holes_data<int>> parts;
+    core.get(parts);
+    const auto ring = [&](const std::vector<Point2>& corners) {
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Point2& a = corners[i];
+        const Point2& b = corners[(i + 1) % corners.size()];
+        s_.quad(look_.wall, {a.x, a.y, base_}, {b.x, b.y, base_}, {b.x, b.y, look_.top - 0.4},
+                {a.x, a.y, look_.top - 0.4});
+      }
+    };
+    for (const auto& part : parts) {
+      ring(pointsOf(part));
+      for (auto hole = gtl::begin_holes(part); hole != gtl::end_holes(part); ++hole) ring(pointsOf(*hole));
+    }
+  }
+
+  const Block& b_;
+  Draw draw_;
+  Shape s_;
+  FacadeLook look_;
+  Shape2 plan_;
+  double base_ = 0, storey_ = 3, windowWidth_ = 1.2, windowHeight_ = 1.4, spacing_ = 2.6;
+};
+
+}  // namespace
+
+Model makeBlock(SceneBuilder& builder, std::uint64_t seed, const Block& block) {
+  return BlockMaker(builder, seed, block).make();
+}
+
+}  // namespace scanmill::models

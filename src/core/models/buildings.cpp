@@ -1,0 +1,313 @@
+// Houses: walls with real openings, windows and doors inset into them, roofs with eaves, chimneys, balconies.
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/facade.h"
+#include "models/house_details.h"
+
+namespace scanmill::models {
+namespace {
+
+constexpr double kFoundation = -0.4;  // walls begin below the ground, m
+constexpr double kStorey = 2.9;       // m
+
+// Of the rendered houses most are tinted, or grey with age; drawn apart from all else, so that forms stay what they
+// are.
+const char* facadeOf(std::uint64_t seed, const House& house) {
+  constexpr std::uint32_t kFacadeDraw = 1000000;
+  return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";
+}
+
+constexpr double kThickness = 0.16;  // m, of pitched roofs
+constexpr double kHipEaves = 0.45;   // m, beyond the walls
+constexpr double kInRoof = 0.05;     // m by which the walls of hip roofs end inside them
+
+class HouseMaker {
+ public:
+  HouseMaker(SceneBuilder& builder, std::uint64_t seed, const House& house)
+      : h_(house),
+        seed_(seed),
+        draw_(seed, Kind::House, house.number),
+        s_(builder, "house"),
+        wall_(s_.surface("building", draw_.chance(0.45) ? "brick" : facadeOf(seed, house))),
+        trim_(s_.surface("building", "concrete")),
+        wood_(s_.surface("building", "wood")),
+        metal_(s_.surface("building", "painted_metal")),
+        tile_(s_.surface("building", "roof_tile")),
+        glass_(s_.surface("window", "glass")),
+        casing_(s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal")) {
+    storey_ = draw_.around(kStorey, 0.06);
+    base_ = draw_.in(0.15, 0.5);
+    wallTop_ = base_ + storey_ * h_.floors + (h_.roof == Roof::Flat ? 0.5 : 0.1);
+    windowWidth_ = std::min(draw_.in(0.9, 1.5), h_.width / h_.columns - 0.5);
+    windowHeight_ = draw_.in(1.2, 1.6);
+    sill_ = draw_.in(0.75, 0.95);
+    pitch_ = std::tan(radians(draw_.in(30, 46)));
+    shutters_ = !h_.shop && draw_.chance(0.3) && h_.width / h_.columns > windowWidth_ * 2 + 0.2;
+    balconies_ = h_.floors >= 3 && draw_.chance(0.7);
+    if (h_.top) reach(*h_.top);
+  }
+
+  Model make() {
+    walls();
+    plinth();
+    switch (h_.roof) {
+      case Roof::Flat:
+        flatRoof();
+        break;
+      case Roof::Gable:
+        gableRoof(Mat3{}, {0, 0, 0}, h_.width, h_.depth);
+        break;
+      case Roof::CrossGable:
+        gableRoof({{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, {h_.width, 0, 0}, h_.depth, h_.width);
+        break;
+      case Roof::Hip:
+        hipRoof();
+        break;
+    }
+    downpipes();
+    if (h_.forecourt) {
+      addHouseDetails(s_, seed_, h_,
+                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kReveal, kFoundation, wall_, trim_,
+                       tile_, metal_, wood_, glass_});
+    }
+    return s_.finish();
+  }
+
+ private:
+  // The slope first gives way, then the storeys.
+  void reach(double top) {
+    constexpr double kLeastStorey = 2.3;  // m
+    const double shorter = std::min(h_.width, h_.depth);
+    const bool flat = h_.roof == Roof::Flat;
+    const double span = flat                          ? 0
+                        : h_.roof == Roof::Gable      ? h_.depth / 2
+                        : h_.roof == Roof::CrossGable ? h_.width / 2
+                                                      : shorter / 2 + kHipEaves;
+    const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
+    const double above = flat ? 0.5 : 0.1;  // of the last storey's top, where the walls end
+    const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
+    if (!flat) pitch_ = std::clamp(room / span, std::tan(radians(6.0)), pitch_);
+    storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);
+    wallTop_ = base_ + storey_ * h_.floors + above;
+    windowHeight_ = std::min(windowHeight_, storey_ - sill_ - 0.3);
+  }
+
+  void walls() {
+    const std::vector<Opening> front = windows(h_.columns, h_.width, true);
+    facade({{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {0, 0, 0}}, h_.width, front, true);
+    const int back = std::max(2, h_.columns - draw_.below(2));
+    facade({{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}, {h_.width, h_.depth, 0}}, h_.width, windows(back, h_.width, false),
+           false);
+    const int sides = std::max(1, static_cast<int>(h_.depth / 4));
+    facade({{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, {h_.width, 0, 0}}, h_.depth, windows(sides, h_.depth, false), false);
+    facade({{{0, -1, 0}, {0, 0, 1}, {-1, 0, 0}}, {0, h_.depth, 0}}, h_.depth, windows(sides, h_.depth, false), false);
+  }
+
+  void facade(const Affine& wallFrame, double width, const std::vector<Opening>& openings, bool front) {
+    addFacade(s_, {wall_, trim_, wood_, metal_, tile_, glass_, casing_, kFoundation, wallTop_, shutters_}, wallFrame,
+              width, openings, front);
+  }
+
+  std::vector<Opening> windows(int columns, double width, bool front) {
+    std::vector<Opening> openings;
+    const double pitch = width / columns;
+    for (int floor = 0; floor < h_.floors; ++floor) {
+      const double z = base_ + floor * storey_;
+      for (int c = 0; c < columns; ++c) {
+        const double u = (c + 0.5) * pitch;
+        if (front && floor == 0 && c == h_.doorColumn) {
+          openings.push_back({{u - 0.55, u + 0.55}, {base_ - 0.1, base_ + 2.1}, Opening::Door});
+        } else if (front && floor == 0 && h_.shop) {
+          const double half = pitch / 2 - 0.22;
+          openings.push_back({{u - half, u + half}, {base_ + 0.25, base_ + 2.45}, Opening::Window});
+        } else if (front && floor > 0 && balconies_ && c == h_.doorColumn) {
+          openings.push_back({{u - 0.6, u + 0.6}, {z + 0.1, z + 2.2}, Opening::Window});
+          balcony(u, z);
+        } else if (front || draw_.chance(0.85)) {
+          const double half = windowWidth_ / 2;
+          openings.push_back({{u - half, u + half}, {z + sill_, z + sill_ + windowHeight_}, Opening::Window});
+        }
+      }
+    }
+    return openings;
+  }
+
+  void balcony(double u, double z) {
+    const double width = 2.2;
+    const double out = 1.2;
+    s_.box(trim_, {u, -out / 2 + 0.05, z}, {width, out + 0.1, 0.16});
+    const double rail = z + 1.05;
+    const double y = -out + 0.06;
+    const double x0 = u - width / 2 + 0.06;
+    const double x1 = u + width / 2 - 0.06;
+    s_.pipe(metal_, {{x0, 0.02, rail}, {x0, y, rail}, {x1, y, rail}, {x1, 0.02, rail}}, {0.025, 0.025, 0.025, 0.025},
+            6);
+    for (int k = 0; k <= 14; ++k) {
+      const double x = lerp(x0, x1, k / 14.0);
+      s_.tube(metal_, {x, y, z}, {x, y, rail}, 0.01, 0.01, 4);
+    }
+    for (const double x : {x0, x1}) {
+      for (int k = 1; k < 7; ++k) {
+        const double at = lerp(0.0, y, k / 7.0);
+        s_.tube(metal_, {x, at, z}, {x, at, rail}, 0.01, 0.01, 4);
+      }
+    }
+  }
+
+  // A base of the walls that stands 3 cm proud of them.
+  void plinth() {
+    const double z = (base_ - 0.12 + kFoundation) / 2;
+    const double height = base_ - 0.12 - kFoundation;
+    if (height < 0.5 - 0.12) return;
+    const double door = h_.doorX();
+    const double left = door - 0.75 + 0.03;
+    const double right = h_.width + 0.03 - door - 0.75;
+    if (left > 0.1) s_.box(trim_, {left / 2 - 0.03, 0.02, z}, {left, 0.1, height});
+    if (right > 0.1) s_.box(trim_, {h_.width + 0.03 - right / 2, 0.02, z}, {right, 0.1, height});
+    s_.box(trim_, {h_.width / 2, h_.depth - 0.02, z}, {h_.width + 0.06, 0.1, height});
+    for (const double x : {0.02, h_.width - 0.02}) s_.box(trim_, {x, h_.depth / 2, z}, {0.1, h_.depth - 0.14, height});
+  }
+
+  void flatRoof() {
+    const double z = wallTop_ - 0.35;
+    s_.quad(trim_, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
+    // The inner side of the parapet, and its coping.
+    const double t = 0.2;
+    const double w = h_.width;
+    const double d = h_.depth;
+    s_.quad(wall_, {t, t, z}, {t, t, wallTop_}, {w - t, t, wallTop_}, {w - t, t, z});
+    s_.quad(wall_, {w - t, d - t, z}, {w - t, d - t, wallTop_}, {t, d - t, wallTop_}, {t, d - t, z});
+    s_.quad(wall_, {t, d - t, z}, {t, d - t, wallTop_}, {t, t, wallTop_}, {t, t, z});
+    s_.quad(wall_, {w - t, t, z}, {w - t, t, wallTop_}, {w - t, d - t, wallTop_}, {w - t, d - t, z});
+    for (const double y : {t / 2, d - t / 2}) s_.box(metal_, {w / 2, y, wallTop_}, {w + 0.1, t + 0.1, 0.05});
+    for (const double x : {t / 2, w - t / 2}) s_.box(metal_, {x, d / 2, wallTop_}, {t + 0.1, d - 2 * t - 0.1, 0.05});
+    const double x = draw_.in(2, w - 2);
+    s_.box(metal_, {x, d / 2, z + 0.5}, {1.6, 1.2, 1.1});
+    s_.tube(metal_, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
+  }
+
+  // A flat slab: a, b along the eaves, c, d along the ridge; counter-clockwise from outside. Its side at the ridge is
+  // hidden and left out.
+  void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
+    const Vec3d down{0, 0, -thickness};
+    s_.quad(tile_, a, b, c, d);
+    s_.quad(tile_, a + down, d + down, c + down, b + down);
+    s_.quad(tile_, a + down, b + down, b, a);
+    s_.quad(tile_, b + down, c + down, c, b);
+    s_.quad(tile_, d + down, a + down, a, d);
+  }
+
+  // The ridge runs along x of the given frame, over a plan of width x depth.
+  void gableRoof(const Mat3& turn, const Vec3d& origin, double width, double depth) {
+    const Affine outer = s_.frame;
+    s_.frame = outer * Affine{turn, origin};
+    constexpr double kEaves = 0.4;
+    constexpr double kRake = 0.3;
+    const double ridge = wallTop_ + depth / 2 * pitch_;
+    s_.triangle(wall_, {0, depth, wallTop_}, {0, 0, wallTop_}, {0, depth / 2, ridge});
+    s_.triangle(wall_, {width, 0, wallTop_}, {width, depth, wallTop_}, {width, depth / 2, ridge});
+    const double top = ridge + kThickness;
+    const double eaves = wallTop_ - kEaves * pitch_ + kThickness;
+    const double x0 = -kRake;
+    const double x1 = width + kRake;
+    slab({x0, -kEaves, eaves}, {x1, -kEaves, eaves}, {x1, depth / 2, top}, {x0, depth / 2, top}, kThickness);
+    slab({x1, depth + kEaves, eaves}, {x0, depth + kEaves, eaves}, {x0, depth / 2, top}, {x1, depth / 2, top},
+         kThickness);
+    s_.tube(tile_, {x0 - 0.02, depth / 2, top}, {x1 + 0.02, depth / 2, top}, 0.1, 0.1, 8);
+    for (const double y : {-kEaves - 0.06, depth + kEaves + 0.06}) {
+      s_.tube(metal_, {x0, y, eaves - 0.1}, {x1, y, eaves - 0.1}, 0.06, 0.06, 8);
+    }
+    skylights(width, depth, eaves, kEaves);
+    chimney(draw_.in(0.15, 0.85) * width, depth * draw_.in(0.35, 0.65), ridge);
+    s_.frame = outer;
+  }
+
+  void skylights(double width, double depth, double eaves, double overhang) {
+    const int count = draw_.below(4);
+    const double slope = std::atan(pitch_);
+    for (int k = 0; k < count; ++k) {
+      const double x = width * (k + 0.5) / count;
+      const double y = depth * 0.25;
+      const double z = eaves + (y + overhang) * pitch_;
+      const Affine lying{{{1, 0, 0}, {0, std::cos(slope), std::sin(slope)}, {0, -std::sin(slope), std::cos(slope)}},
+                         {x, y, z}};
+      s_.boxAt(metal_, lying, {0.9, 1.2, 0.12});
+      s_.boxAt(glass_, lying * at({0, 0, 0.02}), {0.74, 1.04, 0.11});
+    }
+  }
+
+  void chimney(double x, double y, double ridge) {
+    if (!draw_.chance(0.75)) return;
+    const SurfaceIndex brick = s_.surface("building", "brick");
+    const double low = wallTop_ - 0.2;
+    const double high = ridge + draw_.in(0.5, 0.9);
+    s_.box(brick, {x, y, (low + high) / 2}, {0.7, 0.55, high - low});
+    s_.box(trim_, {x, y, high}, {0.85, 0.7, 0.1});
+    for (const double dx : {-0.16, 0.16}) s_.tube(brick, {x + dx, y, high}, {x + dx, y, high + 0.4}, 0.1, 0.08, 10);
+  }
+
+  void hipRoof() {
+    constexpr double kEaves = kHipEaves;
+    const double w = h_.width;
+    const double d = h_.depth;
+    const double low = wallTop_ - kInRoof;
+    const double eaves = low + kThickness;
+    const double short_ = std::min(w, d) / 2 + kEaves;
+    const double top = eaves + short_ * pitch_;
+    const double x0 = -kEaves;
+    const double x1 = w + kEaves;
+    const double y0 = -kEaves;
+    const double y1 = d + kEaves;
+    const Vec3d a = w >= d ? Vec3d{x0 + short_, d / 2, top} : Vec3d{w / 2, y0 + short_, top};
+    const Vec3d b = w >= d ? Vec3d{x1 - short_, d / 2, top} : Vec3d{w / 2, y1 - short_, top};
+    const std::array<Vec3d, 4> corner{Vec3d{x0, y0, eaves}, {x1, y0, eaves}, {x1, y1, eaves}, {x0, y1, eaves}};
+    const Vec3d down{0, 0, -kThickness};
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vec3d& p = corner[k];
+      const Vec3d& q = corner[(k + 1) % 4];
+      s_.quad(tile_, p + down, q + down, q, p);
+    }
+    s_.quad(trim_, corner[0] + down, corner[3] + down, corner[2] + down, corner[1] + down);
+    const auto slope = [&](const Vec3d& p, const Vec3d& q, const Vec3d& r, const Vec3d& s) {
+      s_.triangle(tile_, p, q, r);
+      if (length(r - s) > 0.01) s_.triangle(tile_, p, r, s);
+    };
+    if (w >= d) {
+      slope(corner[0], corner[1], b, a);
+      slope(corner[1], corner[2], b, b);
+      slope(corner[2], corner[3], a, b);
+      slope(corner[3], corner[0], a, a);
+    } else {
+      slope(corner[0], corner[1], a, a);
+      slope(corner[1], corner[2], b, a);
+      slope(corner[2], corner[3], b, b);
+      slope(corner[3], corner[0], a, b);
+    }
+    chimney(w * draw_.in(0.35, 0.65), d * 0.4, top);
+  }
+
+  void downpipes() {
+    const double top = wallTop_ - 0.1;
+    for (const double x : {0.12, h_.width - 0.12}) {
+      s_.tube(metal_, {x, -0.07, kFoundation}, {x, -0.07, top}, 0.045, 0.045, 8);
+    }
+  }
+
+  const House& h_;
+  std::uint64_t seed_;
+  Draw draw_;
+  Shape s_;
+  SurfaceIndex wall_, trim_, wood_, metal_, tile_, glass_, casing_;
+  double storey_ = 0, base_ = 0, wallTop_ = 0, windowWidth_ = 0, windowHeight_ = 0, sill_ = 0, pitch_ = 0;
+  bool shutters_ = false, balconies_ = false;
+};
+
+}  // namespace
+
+Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house) {
+  return HouseMaker(builder, seed, house).make();
+}
+
+}  // namespace scanmill::models

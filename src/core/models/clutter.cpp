@@ -1,0 +1,207 @@
+// What stands about: of roadworks, of gardens, of squares.
+
+#include <cmath>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+constexpr double kClutterSunk = 0.05;  // m
+
+void appendCone(Shape& s, Draw& draw) {
+  const SurfaceIndex body = s.surface("object", "plastic_black");
+  const SurfaceIndex band = s.surface("object", "sign_retroreflective");
+  const double height = draw.in(0.45, 0.8);
+  const double foot = 0.42 * height;
+  s.box(body, {0, 0, 0.02}, {2 * foot, 2 * foot, 0.04});
+  const auto radius = [&](double t) { return lerp(0.34, 0.07, t) * height; };
+  const auto ring = [&](SurfaceIndex surface, double a, double b) {
+    s.revolve(surface, {}, {{radius(a), a * height}, {radius(b), b * height}}, 14);
+  };
+  ring(body, 0.03, 0.4);
+  ring(band, 0.4, 0.6);
+  ring(body, 0.6, 0.7);
+  ring(band, 0.7, 0.85);
+  ring(body, 0.85, 1);
+}
+
+void appendBarrier(Shape& s) {
+  const SurfaceIndex post = s.surface("object", "metal_galvanised");
+  const SurfaceIndex board = s.surface("object", "sign_retroreflective");
+  for (const double x : {-0.9, 0.9}) {
+    s.tube(post, {x, 0, 0}, {x, 0, 1.1}, 0.025, 0.025, 8);
+    s.box(post, {x, 0, 0.04}, {0.08, 0.7, 0.08});
+  }
+  for (const double z : {0.3, 0.95}) s.box(board, {0, 0, z}, {2, 0.03, 0.22});
+}
+
+// A container for rubble, full.
+void appendSkip(Shape& s, Draw& draw) {
+  const SurfaceIndex metal = s.surface("object", "painted_metal");
+  const SurfaceIndex rubble = s.surface("object", "soil");
+  const double height = draw.in(1.0, 1.4);
+  const auto ring = [](double z, double x, double y) {
+    return std::vector<Vec3d>{{-x, -y, z}, {x, -y, z}, {x, y, z}, {-x, y, z}};
+  };
+  s.grid({ring(0.05, 0.01, 0.01), ring(0.05, 1, 0.75), ring(height, 1.7, 0.85)}, true, [&](int, int) { return metal; });
+  for (const double y : {-0.87, 0.87}) s.box(metal, {0, y, height}, {3.4, 0.06, 0.08});
+  s.ball(rubble, {0, 0, height - 0.25}, {1.5, 0.75, 0.45}, 14);
+}
+
+void appendCart(Shape& s) {
+  const SurfaceIndex wire = s.surface("object", "metal_bare");
+  const SurfaceIndex rubber = s.surface("object", "rubber");
+  for (int k = 0; k <= 8; ++k) {
+    const double z = lerp(0.5, 0.95, k / 8.0);
+    for (const double y : {-0.27, 0.27}) s.tube(wire, {-0.4, y, z}, {0.45, y, z}, 0.006, 0.006, 4);
+    s.tube(wire, {0.45, -0.27, z}, {0.45, 0.27, z}, 0.006, 0.006, 4);
+  }
+  s.box(wire, {0, 0, 0.5}, {0.85, 0.54, 0.02});
+  s.tube(wire, {-0.5, -0.27, 1.02}, {-0.5, 0.27, 1.02}, 0.018, 0.018, 8);
+  for (const double y : {-0.25, 0.25}) {
+    s.pipe(wire, {{-0.5, y, 1.02}, {-0.4, y, 0.5}, {-0.35, y, 0.16}, {0.4, y, 0.16}}, {0.014, 0.014, 0.014, 0.014}, 6);
+    for (const double x : {-0.35, 0.4}) s.tube(rubber, {x, y - 0.015, 0.07}, {x, y + 0.015, 0.07}, 0.07, 0.07, 12);
+  }
+}
+
+void appendPallets(Shape& s, Draw& draw) {
+  const SurfaceIndex wood = s.surface("object", "wood_weathered");
+  const int count = 2 + draw.below(6);
+  for (int k = 0; k < count; ++k) {
+    const double z = 0.145 * k;
+    for (int board = 0; board < 5; ++board) s.box(wood, {0, -0.35 + 0.175 * board, z + 0.13}, {1.2, 0.1, 0.022});
+    for (const double x : {-0.55, 0.0, 0.55}) s.box(wood, {x, 0, z + 0.06}, {0.1, 0.8, 0.11});
+  }
+}
+
+void appendHeap(Shape& s, Draw& draw) {
+  const SurfaceIndex sand = s.surface("object", "soil");
+  const double radius = draw.in(0.9, 1.8);
+  std::vector<std::vector<Vec3d>> rows;
+  constexpr int kAround = 20;
+  for (int ring = 0; ring <= 6; ++ring) {
+    const double t = ring / 6.0;
+    std::vector<Vec3d> row;
+    for (int k = 0; k < kAround; ++k) {
+      const double angle = 2 * kPi * k / kAround;
+      const double r = radius * (1 - t) * (ring == 0 ? 1 : draw.around(1, 0.1));
+      row.push_back({r * std::cos(angle), r * std::sin(angle), ring == 0 ? -kClutterSunk : 0.55 * radius * t});
+    }
+    rows.push_back(row);
+  }
+  s.grid(rows, true, [&](int, int) { return sand; });
+}
+
+void appendShed(Shape& s, Draw& draw) {
+  const SurfaceIndex wood = s.surface("structure", "wood_weathered");
+  const SurfaceIndex roof = s.surface("structure", "roof_tile");
+  const double x = draw.in(1.0, 1.7);
+  const double y = draw.in(0.9, 1.4);
+  const double top = draw.in(1.9, 2.2);
+  const int boards = static_cast<int>(2 * x / 0.16);
+  s.box(wood, {0, 0, top / 2 - 0.2}, {2 * x - 0.04, 2 * y - 0.04, top + 0.4});
+  for (int k = 0; k < boards; ++k) {  // every other board stands proud
+    const double at = -x + (k + 0.5) * 2 * x / boards;
+    for (const double side : {-y, y}) s.box(wood, {at, side, top / 2 - 0.2}, {0.11, 0.03, top + 0.4});
+  }
+  const double ridge = top + y * 0.5;
+  for (const double side : {-1.0, 1.0}) {
+    s.quad(roof, {-x - 0.15, side * (y + 0.15), top - 0.07}, {x + 0.15, side * (y + 0.15), top - 0.07},
+           {x + 0.15, 0, ridge}, {-x - 0.15, 0, ridge});
+    s.triangle(wood, {side * (x - 0.02), -y, top}, {side * (x - 0.02), y, top}, {side * (x - 0.02), 0, ridge - 0.06});
+  }
+  s.box(wood, {0, -y - 0.02, 0.85}, {0.8, 0.04, 1.7});
+}
+
+// A basin with a rim of stone; a fountain has a column in its middle.
+void appendBasin(Shape& s, Draw& draw, bool fountain) {
+  const SurfaceIndex stone = s.surface(fountain ? "structure" : "object", "concrete");
+  const SurfaceIndex water = s.surface("water", "water");
+  const double radius = fountain ? draw.in(1.4, 2.2) : draw.in(0.9, 1.9);
+  const double rim = fountain ? draw.in(0.45, 0.65) : draw.in(0.12, 0.25);
+  s.revolve(stone, {}, {{radius, -0.5}, {radius, rim}, {radius - 0.22, rim}, {radius - 0.22, -0.5}}, 28);
+  const double level = rim - 0.07;
+  std::vector<std::vector<Vec3d>> rows(2);
+  for (int k = 0; k < 28; ++k) {
+    const double angle = 2 * kPi * k / 28;
+    rows[0].push_back({(radius - 0.2) * std::cos(angle), (radius - 0.2) * std::sin(angle), level});
+    rows[1].push_back({0, 0, level});
+  }
+  s.grid(rows, true, [&](int, int) { return water; });
+  if (!fountain) return;
+  s.revolve(stone, {},
+            {{0.3, 0}, {0.22, 0.3}, {0.18, 1.1}, {0.6, 1.3}, {0.62, 1.38}, {0.1, 1.3}, {0.09, 1.8}, {0, 1.85}}, 18);
+}
+
+void appendSwing(Shape& s) {
+  const SurfaceIndex wood = s.surface("object", "wood");
+  const SurfaceIndex metal = s.surface("object", "metal_galvanised");
+  for (const double x : {-1.3, 1.3}) {
+    for (const double y : {-0.9, 0.9}) s.tube(wood, {x, y, -0.1}, {x, 0, 2.2}, 0.06, 0.06, 8);
+  }
+  s.tube(wood, {-1.4, 0, 2.2}, {1.4, 0, 2.2}, 0.06, 0.06, 8);
+  for (const double seat : {-0.55, 0.55}) {
+    for (const double x : {-0.2, 0.2}) s.tube(metal, {seat + x, 0, 2.2}, {seat + x, 0.1, 0.5}, 0.008, 0.008, 4);
+    s.box(wood, {seat, 0.1, 0.48}, {0.45, 0.18, 0.03});
+  }
+}
+
+void appendWoodPile(Shape& s, Draw& draw) {
+  const SurfaceIndex bark = s.surface("object", "bark");
+  const int rows = 3 + draw.below(5);
+  for (int row = 0; row < rows; ++row) {
+    for (int k = 0; k < 12 - row % 2; ++k) {
+      const double radius = draw.in(0.06, 0.09);
+      const double x = -0.95 + 0.165 * k + (row % 2 == 0 ? 0 : 0.08);
+      const double z = 0.07 + 0.14 * row;
+      s.tube(bark, {x, draw.in(-0.22, -0.16), z}, {x, draw.in(0.16, 0.22), z}, radius, radius, 7);
+    }
+  }
+}
+
+}  // namespace
+
+Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number) {
+  Draw draw(seed, Kind::Clutter, static_cast<std::uint32_t>(static_cast<int>(what) * 100 + number));
+  Shape s(builder, "clutter");
+  switch (what) {
+    case Clutter::Cone:
+      appendCone(s, draw);
+      break;
+    case Clutter::Barrier:
+      appendBarrier(s);
+      break;
+    case Clutter::Skip:
+      appendSkip(s, draw);
+      break;
+    case Clutter::Cart:
+      appendCart(s);
+      break;
+    case Clutter::Pallets:
+      appendPallets(s, draw);
+      break;
+    case Clutter::Heap:
+      appendHeap(s, draw);
+      break;
+    case Clutter::Shed:
+      appendShed(s, draw);
+      break;
+    case Clutter::Pond:
+      appendBasin(s, draw, false);
+      break;
+    case Clutter::Fountain:
+      appendBasin(s, draw, true);
+      break;
+    case Clutter::Swing:
+      appendSwing(s);
+      break;
+    case Clutter::WoodPile:
+    case Clutter::Count:
+      appendWoodPile(s, draw);
+      break;
+  }
+  return s.finish();
+}
+
+}  // namespace scanmill::models

@@ -1,0 +1,224 @@
+// Street furniture, bus shelters, poster columns, fences and garden walls. What stands in the ground begins below it.
+
+#include <cmath>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+constexpr double kSunk = 0.06;  // m
+
+void appendBench(Shape& s) {
+  const SurfaceIndex wood = s.surface("object", "wood");
+  const SurfaceIndex metal = s.surface("object", "painted_metal");
+  for (int k = 0; k < 4; ++k) s.box(wood, {0, -0.17 + 0.115 * k, 0.45}, {1.7, 0.095, 0.035});
+  for (int k = 0; k < 3; ++k) s.box(wood, {0, 0.25 + 0.025 * k, 0.58 + 0.13 * k}, {1.7, 0.03, 0.1});
+  for (const double x : {-0.7, 0.7}) {
+    for (const double y : {-0.17, 0.2}) s.box(metal, {x, y, (0.43 - kSunk) / 2}, {0.05, 0.05, 0.43 + kSunk});
+    s.box(metal, {x, 0.02, 0.415}, {0.045, 0.44, 0.035});
+    s.tube(metal, {x, 0.22, 0.42}, {x, 0.32, 0.92}, 0.022, 0.018, 6);
+    s.pipe(metal, {{x, -0.18, 0.42}, {x, -0.2, 0.66}, {x, 0.24, 0.66}}, {0.016, 0.016, 0.016}, 6);
+  }
+}
+
+void appendHydrant(Shape& s) {
+  const SurfaceIndex paint = s.surface("object", "painted_metal");
+  s.revolve(paint, {},
+            {{0.17, -kSunk},
+             {0.17, 0.05},
+             {0.12, 0.06},
+             {0.11, 0.5},
+             {0.15, 0.52},
+             {0.15, 0.57},
+             {0.11, 0.6},
+             {0.1, 0.67},
+             {0.05, 0.74},
+             {0.03, 0.75},
+             {0.03, 0.8},
+             {0, 0.8}},
+            16);
+  for (const double side : {-1.0, 1.0}) {
+    s.tube(paint, {0, side * 0.08, 0.42}, {0, side * 0.17, 0.42}, 0.05, 0.05, 10);
+    s.tube(paint, {0, side * 0.16, 0.42}, {0, side * 0.2, 0.42}, 0.06, 0.04, 6);
+  }
+  s.tube(paint, {0.08, 0, 0.36}, {0.19, 0, 0.36}, 0.065, 0.065, 10);
+}
+
+void appendWheelieBin(Shape& s) {
+  const SurfaceIndex body = s.surface("object", "plastic_black");
+  const SurfaceIndex rubber = s.surface("object", "rubber");
+  const auto ring = [](double z, double halfX, double halfY, double shift) {
+    return std::vector<Vec3d>{
+        {-halfX + shift, -halfY, z}, {halfX + shift, -halfY, z}, {halfX + shift, halfY, z}, {-halfX + shift, halfY, z}};
+  };
+  s.grid({ring(0.03, 0.01, 0.01, 0), ring(0.03, 0.2, 0.2, 0), ring(0.95, 0.28, 0.27, 0), ring(0.96, 0.31, 0.29, 0),
+          ring(1.0, 0.31, 0.29, 0), ring(1.06, 0.22, 0.2, -0.02), ring(1.065, 0.01, 0.01, -0.02)},
+         true, [&](int, int) { return body; });
+  s.tube(body, {-0.33, -0.24, 0.98}, {-0.33, 0.24, 0.98}, 0.018, 0.018, 8);
+  for (const double y : {-0.23, 0.23}) s.tube(rubber, {-0.22, y - 0.03, 0.1}, {-0.22, y + 0.03, 0.1}, 0.1, 0.1, 14);
+  s.tube(body, {-0.22, -0.22, 0.1}, {-0.22, 0.22, 0.1}, 0.015, 0.015, 6);
+}
+
+void appendBin(Shape& s) {
+  const SurfaceIndex metal = s.surface("object", "painted_metal");
+  const SurfaceIndex dark = s.surface("object", "plastic_black");
+  s.tube(metal, {-0.16, 0, -kSunk}, {-0.16, 0, 1.15}, 0.03, 0.03, 8);
+  s.revolve(metal, at({0.05, 0, 0.45}), {{0, 0}, {0.15, 0}, {0.18, 0.5}, {0.19, 0.52}, {0.17, 0.53}}, 16);
+  s.revolve(dark, at({0.05, 0, 0.45}), {{0.17, 0.53}, {0.16, 0.4}, {0, 0.4}}, 16);
+  s.revolve(metal, at({0.05, 0, 1.08}), {{0, 0}, {0.2, 0}, {0.2, 0.02}, {0.12, 0.1}, {0, 0.13}}, 16);
+  for (const double y : {-0.12, 0.12}) s.tube(metal, {0.05, y, 0.93}, {0.05, y, 1.1}, 0.01, 0.01, 5);
+}
+
+void appendLetterBox(Shape& s) {
+  const SurfaceIndex paint = s.surface("object", "painted_metal");
+  const SurfaceIndex dark = s.surface("object", "plastic_black");
+  for (const double y : {-0.15, 0.15}) s.box(paint, {0, y, 0.3}, {0.06, 0.06, 0.6 + kSunk * 2});
+  const auto ring = [](double z, double half) {
+    return std::vector<Vec3d>{
+        {-half * 0.7, -half, z}, {half * 0.7, -half, z}, {half * 0.7, half, z}, {-half * 0.7, half, z}};
+  };
+  s.grid({ring(0.58, 0.01), ring(0.58, 0.3), ring(1.2, 0.3), ring(1.3, 0.25), ring(1.34, 0.15), ring(1.345, 0.01)},
+         true, [&](int, int) { return paint; });
+  s.box(dark, {0.21, 0, 1.1}, {0.04, 0.4, 0.05});
+  s.box(paint, {0.212, 0, 0.85}, {0.012, 0.35, 0.25});
+}
+
+void appendPowerBox(Shape& s, Draw& draw) {
+  const SurfaceIndex paint = s.surface("object", "painted_metal");
+  const SurfaceIndex concrete = s.surface("object", "concrete");
+  const double width = draw.in(0.8, 1.4);
+  const double height = draw.in(1.0, 1.4);
+  s.box(concrete, {0, 0, 0.03}, {width + 0.06, 0.42, 0.2});
+  s.box(paint, {0, 0, 0.1 + height / 2}, {width, 0.36, height});
+  s.box(paint, {0, 0, 0.12 + height}, {width + 0.08, 0.44, 0.05});
+  for (const double side : {-1.0, 1.0}) {
+    s.box(paint, {side * width / 4, -0.18, 0.12 + height / 2}, {width / 2 - 0.05, 0.02, height - 0.12});
+    s.box(paint, {side * 0.05, -0.195, 0.2 + height / 2}, {0.03, 0.03, 0.12});
+  }
+}
+
+}  // namespace
+
+Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what) {
+  Draw draw(seed, Kind::Furniture, 100000 + static_cast<std::uint32_t>(what));
+  Shape s(builder, "furniture");
+  switch (what) {
+    case Furnishing::Bin:
+      appendBin(s);
+      break;
+    case Furnishing::WheelieBin:
+      appendWheelieBin(s);
+      break;
+    case Furnishing::Hydrant:
+      appendHydrant(s);
+      break;
+    case Furnishing::Bench:
+      appendBench(s);
+      break;
+    case Furnishing::LetterBox:
+      appendLetterBox(s);
+      break;
+    case Furnishing::PowerBox:
+      appendPowerBox(s, draw);
+      break;
+    case Furnishing::BicycleRack: {
+      const SurfaceIndex metal = s.surface("object", "metal_galvanised");
+      for (int k = 0; k < 3; ++k) {
+        const double x = 0.8 * (k - 1);
+        s.pipe(
+            metal,
+            {{x, -0.35, -kSunk}, {x, -0.35, 0.7}, {x, -0.25, 0.8}, {x, 0.25, 0.8}, {x, 0.35, 0.7}, {x, 0.35, -kSunk}},
+            {0.024, 0.024, 0.024, 0.024, 0.024, 0.024}, 10);
+      }
+      break;
+    }
+    case Furnishing::Planter: {
+      const SurfaceIndex concrete = s.surface("object", "concrete");
+      const SurfaceIndex soil = s.surface("object", "soil");
+      s.revolve(concrete, {}, {{0.32, -kSunk}, {0.35, 0.1}, {0.48, 0.5}, {0.5, 0.55}, {0.44, 0.55}, {0.43, 0.5}}, 20);
+      s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
+      break;
+    }
+    default:
+      s.revolve(s.surface("object", "painted_metal"), {},
+                {{0.06, -kSunk}, {0.06, 0.8}, {0.075, 0.82}, {0.075, 0.88}, {0.06, 0.94}, {0, 0.97}}, 14);
+      break;
+  }
+  return s.finish();
+}
+
+Model makeShelter(SceneBuilder& builder, std::uint64_t seed) {
+  Draw draw(seed, Kind::Shelter);
+  Shape s(builder, "bus shelter");
+  const SurfaceIndex metal = s.surface("structure", "painted_metal");
+  const SurfaceIndex glass = s.surface("structure", "glass");
+  const SurfaceIndex wood = s.surface("structure", "wood");
+  const double width = draw.in(3.2, 4.2);
+  const double height = draw.in(2.35, 2.55);
+  constexpr double kDepth = 1.3;
+  for (const double x : {-width / 2, 0.0, width / 2})
+    s.box(metal, {x, kDepth / 2, height / 2 - 0.03}, {0.08, 0.08, height});
+  for (const double x : {-width / 2, width / 2}) {
+    s.box(metal, {x, -kDepth / 2 + 0.1, height / 2 - 0.03}, {0.07, 0.07, height});
+    s.box(glass, {x, 0.05, 1.25}, {0.02, kDepth - 0.3, 1.9});
+  }
+  for (const double side : {-1.0, 1.0})
+    s.box(glass, {side * width / 4, kDepth / 2, 1.25}, {width / 2 - 0.1, 0.02, 1.9});
+  s.box(metal, {0, 0.0, height + 0.03}, {width + 0.4, kDepth + 0.4, 0.12});
+  for (int k = 0; k < 3; ++k) s.box(wood, {0, kDepth / 2 - 0.42 + 0.12 * k, 0.47}, {width * 0.7, 0.1, 0.04});
+  for (const double x : {-width * 0.3, width * 0.3}) s.box(metal, {x, kDepth / 2 - 0.3, 0.2}, {0.06, 0.3, 0.5});
+  return s.finish();
+}
+
+Model makeColumn(SceneBuilder& builder, std::uint64_t seed) {
+  Draw draw(seed, Kind::Shelter, 1);
+  Shape s(builder, "poster column");
+  const double h = draw.in(2.7, 3.2);
+  s.revolve(s.surface("structure", "concrete"), {}, {{0.7, -kSunk}, {0.7, 0.3}, {0.6, 0.36}, {0.6, h}, {0, h}}, 28);
+  s.revolve(s.surface("structure", "painted_metal"), at({0, 0, h - 0.02}),
+            {{0, 0}, {0.75, 0}, {0.75, 0.1}, {0.62, 0.2}, {0.4, 0.38}, {0.1, 0.5}, {0.05, 0.75}, {0, 0.78}}, 28);
+  return s.finish();
+}
+
+Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what) {
+  Draw draw(seed, Kind::Boundary, 100000 + static_cast<std::uint32_t>(what));
+  Shape s(builder, what == Fencing::Brick ? "garden wall" : "fence");
+  constexpr double kHalf = 1.0;
+  switch (what) {
+    case Fencing::Pickets: {
+      const SurfaceIndex wood = s.surface("fence", "wood_weathered");
+      const double h = draw.in(0.85, 1.1);
+      for (const double z : {0.25, h - 0.25}) s.box(wood, {0, 0.025, z}, {2 * kHalf, 0.035, 0.07});
+      s.box(wood, {-kHalf + 0.04, 0.06, h / 2 - kSunk}, {0.08, 0.08, h + kSunk});
+      constexpr int kPickets = 15;
+      for (int k = 0; k < kPickets; ++k) {
+        const double x = -kHalf + 2 * kHalf * (k + 0.5) / kPickets;
+        const Affine standing{{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}}, {x, 0, 0}};
+        s.prism(wood, wood, standing, {{-0.04, 0.06}, {0.04, 0.06}, {0.04, h - 0.06}, {0, h}, {-0.04, h - 0.06}}, 0.02);
+      }
+      break;
+    }
+    case Fencing::Bars: {
+      const SurfaceIndex metal = s.surface("fence", "painted_metal");
+      const double h = draw.in(1.0, 1.4);
+      for (const double z : {0.12, h - 0.12}) s.box(metal, {0, 0, z}, {2 * kHalf, 0.02, 0.04});
+      s.box(metal, {-kHalf + 0.03, 0, h / 2 - kSunk / 2}, {0.06, 0.06, h + kSunk});
+      constexpr int kBars = 17;
+      for (int k = 1; k < kBars; ++k) {
+        const double x = -kHalf + 2 * kHalf * k / kBars;
+        s.pipe(metal, {{x, 0, 0.08}, {x, 0, h - 0.05}, {x, 0, h + 0.05}}, {0.01, 0.01, 0.002}, 5);
+      }
+      break;
+    }
+    default: {
+      const double h = draw.in(0.6, 1.1);
+      s.box(s.surface("wall", "brick"), {0, 0, (h - 0.2) / 2}, {2 * kHalf, 0.24, h + 0.2});
+      s.box(s.surface("wall", "concrete"), {0, 0, h + 0.03}, {2 * kHalf, 0.32, 0.07});
+      break;
+    }
+  }
+  return s.finish();
+}
+
+}  // namespace scanmill::models

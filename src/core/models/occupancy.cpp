@@ -1,0 +1,57 @@
+#include "models/occupancy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill::models {
+namespace {
+
+constexpr double kCell = 8;  // m
+
+// Whether the projections of two rectangles on both axes of `a` overlap.
+bool overlapOnAxes(const Footprint& a, const Footprint& b) {
+  const double c = std::cos(b.yaw - a.yaw);
+  const double s = std::sin(b.yaw - a.yaw);
+  const double dx = b.center.x - a.center.x;
+  const double dy = b.center.y - a.center.y;
+  const double x = dx * std::cos(a.yaw) + dy * std::sin(a.yaw);
+  const double y = -dx * std::sin(a.yaw) + dy * std::cos(a.yaw);
+  return std::abs(x) < a.halfX + b.halfX * std::abs(c) + b.halfY * std::abs(s) &&
+         std::abs(y) < a.halfY + b.halfX * std::abs(s) + b.halfY * std::abs(c);
+}
+
+// Calls visit(key) for the cells that the rectangle's circle reaches into.
+template <class Visit>
+void forCells(const Footprint& f, const Visit& visit) {
+  const double reach = std::hypot(f.halfX, f.halfY);
+  const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kCell)); };
+  for (std::int64_t y = cell(f.center.y - reach); y <= cell(f.center.y + reach); ++y) {
+    for (std::int64_t x = cell(f.center.x - reach); x <= cell(f.center.x + reach); ++x) {
+      visit(cellKey(x, y));
+    }
+  }
+}
+
+}  // namespace
+
+// The separating axis theorem for rectangles.
+bool Occupancy::isFree(const Footprint& f) const {
+  bool free = true;
+  forCells(f, [&](std::uint64_t key) {
+    const auto found = cells_.find(key);
+    if (!free || found == cells_.end()) return;
+    free = std::none_of(found->second.begin(), found->second.end(), [&](std::uint32_t index) {
+      const Footprint& t = taken_[index];
+      return overlapOnAxes(f, t) && overlapOnAxes(t, f);
+    });
+  });
+  return free;
+}
+
+void Occupancy::add(const Footprint& f) {
+  const auto index = static_cast<std::uint32_t>(taken_.size());
+  taken_.push_back(f);
+  forCells(f, [&](std::uint64_t key) { cells_[key].push_back(index); });
+}
+
+}  // namespace scanmill::models

@@ -1,0 +1,284 @@
+// People: limbs between joints, where the elbows and knees follow from where the hands and feet are.
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+// Joints in the frame of the person: x forward, y left, z up, metres, for a height of 1.75 m.
+struct Pose {
+  Vec3d hips{0, 0, 0.93};
+  Vec3d shoulders{0, 0, 1.43};
+  Vec3d head{0.02, 0, 1.64};
+  Vec3d leftAnkle{0, 0.1, 0.09}, rightAnkle{0, -0.1, 0.09};
+  Vec3d leftHand{0.04, 0.27, 0.83}, rightHand{0.04, -0.27, 0.83};
+  double leftFoot = 0, rightFoot = 0;  // pitch of the feet, positive: heel up
+  Vec3d elbowTo{-1, 0, -0.2};          // where elbows point
+};
+
+struct Clothes {
+  const char* upper = "cloth";
+  const char* lower = "cloth_dark";
+  bool skirt = false, coat = false, hat = false, backpack = false, bag = false, helmet = false;
+  double girth = 1;
+};
+
+// The middle joint of a limb from a to b with the two given lengths, bent towards `pole`.
+Vec3d bend(const Vec3d& a, const Vec3d& b, double first, double second, const Vec3d& pole) {
+  const Vec3d d = b - a;
+  const double reach = std::min(length(d), (first + second) * 0.999);
+  const Vec3d along = normalized(d);
+  const double x = (reach * reach + first * first - second * second) / (2 * reach);
+  const double h = std::sqrt(std::max(0.0, first * first - x * x));
+  return a + along * x + normalized(pole - along * dot(pole, along)) * h;
+}
+
+class PersonMaker {
+ public:
+  PersonMaker(Shape& shape, std::string_view className, const Clothes& clothes)
+      : s_(shape),
+        c_(clothes),
+        skin_(s_.surface(className, "skin")),
+        upper_(s_.surface(className, clothes.upper)),
+        lower_(s_.surface(className, clothes.lower)),
+        dark_(s_.surface(className, "cloth_dark")),
+        plastic_(s_.surface(className, "plastic_black")) {}
+
+  void make(const Pose& p) {
+    torso(p);
+    headOf(p);
+    for (const double side : {1.0, -1.0}) {
+      const bool left = side > 0;
+      leg(p.hips + Vec3d{0, side * 0.09, 0}, left ? p.leftAnkle : p.rightAnkle, left ? p.leftFoot : p.rightFoot);
+      arm(p.shoulders + Vec3d{0, side * 0.185 * c_.girth, -0.055}, left ? p.leftHand : p.rightHand, p.elbowTo, side);
+    }
+    if (c_.bag) {
+      const Vec3d hand = p.rightHand;
+      s_.box(dark_, hand + Vec3d{0, -0.02, -0.32}, {0.3, 0.1, 0.28});
+      s_.torus(dark_, {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, hand + Vec3d{0, -0.02, -0.12}}, 0.09, 0.008, 14, 5);
+    }
+    if (c_.backpack) {
+      const Vec3d up = normalized(p.shoulders - p.hips);
+      const Vec3d back = normalized(cross(up, Vec3d{0, 1, 0}));
+      s_.ball(dark_, p.hips + up * 0.34 + back * 0.19, {0.12, 0.15, 0.23}, 14);
+    }
+  }
+
+ private:
+  // Elliptic rings from the seat to the neck.
+  void torso(const Pose& p) {
+    const Vec3d up = normalized(p.shoulders - p.hips);
+    const Vec3d left{0, 1, 0};
+    const Vec3d forward = normalized(cross(left, up));
+    const double trunk = length(p.shoulders - p.hips);
+    struct Ring {
+      double t, halfX, halfY, offset;  // t from the hips (0) to the shoulders (1)
+    };
+    const double g = c_.girth;
+    std::vector<Ring> rings{
+        {-0.17, 0.02, 0.03, -0.01},      {-0.14, 0.10 * g, 0.15 * g, -0.01}, {-0.04, 0.125 * g, 0.17 * g, -0.015},
+        {0.15, 0.115 * g, 0.16 * g, 0},  {0.38, 0.11 * g, 0.148 * g, 0.01},  {0.62, 0.122 * g, 0.165 * g, 0.015},
+        {0.82, 0.112 * g, 0.182 * g, 0}, {0.95, 0.09, 0.17, -0.01},          {1.01, 0.075, 0.125, -0.005},
+        {1.07, 0.058, 0.07, 0},          {1.12, 0.05, 0.055, 0.01}};
+    if (c_.coat) {
+      rings.front() = {-0.75, 0.02, 0.03, 0};
+      rings.insert(rings.begin() + 1, {-0.75, 0.17 * g, 0.2 * g, 0});
+    }
+    const auto place = [&](const Ring& r) {
+      std::vector<Vec3d> ring;
+      constexpr int kAround = 16;
+      const Vec3d center = p.hips + up * (r.t * trunk) + forward * r.offset;
+      for (int k = 0; k < kAround; ++k) {
+        const double angle = 2 * kPi * k / kAround;
+        ring.push_back(center + forward * (r.halfX * std::cos(angle)) + left * (r.halfY * std::sin(angle)));
+      }
+      return ring;
+    };
+    std::vector<std::vector<Vec3d>> rows;
+    rows.reserve(rings.size());
+    for (const Ring& r : rings) rows.push_back(place(r));
+    const int seat = c_.coat ? 0 : 2;  // rows of the trousers
+    s_.grid(rows, true, [&](int row, int) { return row < seat ? lower_ : upper_; });
+    if (c_.skirt) {
+      s_.grid({place({0.1, 0.12 * g, 0.165 * g, 0}), place({-0.35, 0.19, 0.22, 0}), place({-0.95, 0.26, 0.27, 0}),
+               place({-0.94, 0.02, 0.02, 0})},
+              true, [&](int, int) { return lower_; });
+    }
+    s_.tube(skin_, p.shoulders + up * 0.02, p.head - up * 0.05, 0.055, 0.052, 12);
+  }
+
+  void headOf(const Pose& p) {
+    s_.ball(skin_, p.head, {0.098, 0.078, 0.122}, 20);
+    s_.ball(skin_, p.head + Vec3d{0.096, 0, -0.015}, {0.022, 0.014, 0.024}, 8);
+    for (const double side : {-1.0, 1.0})
+      s_.ball(skin_, p.head + Vec3d{-0.005, side * 0.077, -0.01}, {0.022, 0.012, 0.032}, 8);
+    const SurfaceIndex hair = c_.helmet ? plastic_ : dark_;
+    const double thick = c_.helmet ? 0.03 : 0.006;
+    s_.ball(hair, p.head + (c_.helmet ? Vec3d{-0.012, 0, 0.05} : Vec3d{-0.03, 0, 0.034}),
+            {0.098 + thick, 0.078 + thick, 0.1 + thick}, 18);
+    if (c_.hat) {
+      s_.revolve(dark_, at(p.head + Vec3d{0, 0, 0.06}),
+                 {{0, 0}, {0.15, 0}, {0.15, 0.008}, {0.1, 0.012}, {0.09, 0.1}, {0, 0.11}}, 18);
+    }
+  }
+
+  void leg(const Vec3d& hip, const Vec3d& ankle, double pitch) {
+    const Vec3d knee = bend(hip, ankle, 0.43, 0.43, {1, 0, 0.15});
+    s_.pipe(lower_, {hip, hip + (knee - hip) * 0.35, knee, knee + (ankle - knee) * 0.35, ankle},
+            {0.088 * c_.girth, 0.084 * c_.girth, 0.06, 0.06, 0.045}, 12);
+    s_.ball(lower_, knee, {0.06, 0.06, 0.06}, 10);
+    const double c = std::cos(pitch);
+    const double s = std::sin(pitch);
+    // The shoe turns about the ankle; its sole is flat.
+    const Affine foot{{{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, ankle};
+    const Affine outer = s_.frame;
+    s_.frame = outer * foot;
+    s_.ball(plastic_, {0.05, 0, -0.035}, {0.135, 0.047, 0.045}, 12);
+    s_.box(plastic_, {0.05, 0, -0.072}, {0.24, 0.075, 0.03});
+    s_.ball(plastic_, {-0.02, 0, -0.01}, {0.055, 0.045, 0.06}, 10);
+    s_.frame = outer;
+  }
+
+  void arm(const Vec3d& shoulder, const Vec3d& hand, const Vec3d& elbowTo, double side) {
+    const Vec3d elbow = bend(shoulder, hand, 0.3, 0.27, elbowTo + Vec3d{0, side * 0.45, 0});
+    s_.ball(upper_, shoulder, {0.062, 0.058, 0.062}, 12);
+    s_.pipe(upper_, {shoulder, shoulder + (elbow - shoulder) * 0.4, elbow, elbow + (hand - elbow) * 0.3, hand},
+            {0.057, 0.054, 0.046, 0.045, 0.033}, 10);
+    const Vec3d palm = hand + normalized(hand - elbow) * 0.06;
+    s_.ball(skin_, palm, {0.045, 0.032, 0.055}, 10);
+  }
+
+  Shape& s_;
+  const Clothes& c_;
+  SurfaceIndex skin_, upper_, lower_, dark_, plastic_;
+};
+
+// One moment of a stride; the phase is 1 with the left leg in front and -1 with the right.
+Pose walking(double stride, double swing, double lean) {
+  Pose p;
+  p.hips.z = 0.905;
+  p.shoulders = {lean, 0, 1.41};
+  p.head = {lean * 1.2 + 0.02, 0, 1.62};
+  p.leftAnkle = {stride * 0.52, 0.08, 0.1};
+  p.rightAnkle = {-stride * 0.5, -0.08, 0.17};
+  p.leftFoot = -0.2;
+  p.rightFoot = 0.65;
+  p.leftHand = {-swing * 0.8, 0.26, 0.87};
+  p.rightHand = {swing, -0.25, 0.9};
+  return p;
+}
+
+void mirror(Pose& p) {
+  std::swap(p.leftAnkle, p.rightAnkle);
+  std::swap(p.leftHand, p.rightHand);
+  std::swap(p.leftFoot, p.rightFoot);
+  for (Vec3d* v : {&p.leftAnkle, &p.rightAnkle, &p.leftHand, &p.rightHand}) v->y = -v->y;
+}
+
+// A moment of a stride, by its phase (rad): the left foot touches the ground in front at 0 and leaves it behind at pi.
+Pose striding(double phase, double reach, double swing, double lean) {
+  Pose p;
+  p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);
+  p.shoulders = {lean, 0, p.hips.z + 0.505};
+  p.head = {lean * 1.2 + 0.02, 0, p.hips.z + 0.715};
+  const auto foot = [&](double at, double y, Vec3d& ankle, double& pitch) {
+    const double back = (1 - std::cos(at)) / 2;
+    const double lifted = std::sin(at) < 0 ? 0.06 * std::pow(std::sin(at), 2) : 0;
+    ankle = {reach * std::cos(at), y, 0.1 + 0.07 * back + lifted};
+    pitch = -0.2 + 0.8 * back;
+  };
+  foot(phase, 0.08, p.leftAnkle, p.leftFoot);
+  foot(phase + kPi, -0.08, p.rightAnkle, p.rightFoot);
+  p.leftHand = {-swing * std::cos(phase), 0.26, p.hips.z - 0.03};
+  p.rightHand = {swing * std::cos(phase), -0.26, p.hips.z - 0.03};
+  return p;
+}
+
+Clothes drawClothes(Draw& draw) {
+  Clothes c;
+  c.upper = draw.chance(0.5) ? "cloth" : "cloth_dark";
+  c.lower = draw.chance(0.7) ? "cloth_dark" : "cloth";
+  c.skirt = draw.chance(0.2);
+  c.coat = !c.skirt && draw.chance(0.25);
+  c.hat = draw.chance(0.2);
+  c.backpack = draw.chance(0.3);
+  c.bag = draw.chance(0.3);
+  c.girth = draw.in(0.92, 1.15);
+  return c;
+}
+
+}  // namespace
+
+Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
+  Draw draw(seed, Kind::Person, static_cast<std::uint32_t>(form));
+  Shape s(builder, "pedestrian");
+  Pose p;
+  switch (form % 5) {
+    case 0:
+    case 1:
+    case 2:
+      p = walking(draw.in(0.55, 0.75), draw.in(0.2, 0.32), draw.in(0.02, 0.07));
+      break;
+    case 3:  // standing, looking at a phone
+      p.head = {0.06, 0, 1.62};
+      p.rightHand = {0.3, -0.06, 1.24};
+      p.leftAnkle.x = draw.in(-0.06, 0.06);
+      break;
+    default:  // standing, one hand on the hip
+      p.leftHand = {0.06, 0.2, 1.02};
+      p.leftAnkle = {0.08, 0.15, 0.09};
+      break;
+  }
+  if (draw.chance(0.5)) mirror(p);
+  const Clothes c = drawClothes(draw);
+  const double height = form == 7 ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9);  // one of them is a child
+  s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (height / 1.75)), {}};
+  PersonMaker(s, "pedestrian", c).make(p);
+  return s.finish();
+}
+
+Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form) {
+  constexpr int kMoments = 8;
+  Walker walker;
+  for (int moment = 0; moment < kMoments; ++moment) {
+    Draw draw(seed, Kind::Person, 100 + static_cast<std::uint32_t>(form));
+    Shape s(builder, "pedestrian");
+    const double reach = draw.in(0.28, 0.34);
+    const Pose p = striding(2 * kPi * moment / kMoments, reach, draw.in(0.18, 0.3), draw.in(0.02, 0.07));
+    const Clothes c = drawClothes(draw);
+    const double size = (draw.chance(0.12) ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9)) / 1.75;
+    s.frame = {Mat3::scale(Vec3d{1, 1, 1} * size), {}};
+    PersonMaker(s, "pedestrian", c).make(p);
+    walker.moments.push_back(s.finish());
+    walker.stride = 4 * reach * size;
+  }
+  return walker;
+}
+
+Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit) {
+  Draw draw(seed, Kind::Cyclist, 1000 + static_cast<std::uint32_t>(form));
+  Shape s(builder, "rider");
+  Pose p;
+  p.hips = fit.saddle + Vec3d{0.02, 0, 0.1};
+  const Vec3d grips = (fit.leftGrip + fit.rightGrip) * 0.5;
+  const double low = std::clamp(1.12 - grips.z, 0.0, 0.25);  // low bars make the rider lean
+  p.shoulders = p.hips + normalized(Vec3d{0.3 + low * 1.4, 0, 1}) * 0.5;
+  p.head = p.shoulders + Vec3d{0.08, 0, 0.2};
+  p.leftAnkle = fit.leftPedal + Vec3d{-0.06, -0.02, 0.1};
+  p.rightAnkle = fit.rightPedal + Vec3d{-0.06, 0.02, 0.1};
+  p.rightFoot = 0.15;
+  p.leftHand = fit.leftGrip + Vec3d{-0.04, 0, 0.02};
+  p.rightHand = fit.rightGrip + Vec3d{-0.04, 0, 0.02};
+  p.elbowTo = {-0.4, 0, -0.8};
+  Clothes c;
+  c.upper = draw.chance(0.6) ? "cloth" : "cloth_dark";
+  c.helmet = draw.chance(0.6);
+  c.backpack = draw.chance(0.4);
+  PersonMaker(s, "rider", c).make(p);
+  return s.finish();
+}
+
+}  // namespace scanmill::models

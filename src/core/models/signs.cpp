@@ -1,0 +1,170 @@
+// Traffic signs, street lamps and traffic lights. What stands in the ground begins below it.
+
+#include <cmath>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+constexpr double kSignSunk = 0.1;  // m
+
+// Turns a drawing in x, y into a board that stands upright and looks to +x: x of the drawing becomes y, y becomes z.
+Affine facing(const Vec3d& center) {
+  return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
+}
+
+std::vector<Point2> regular(int corners, double radius, double turn) {
+  std::vector<Point2> polygon;
+  for (int k = 0; k < corners; ++k) {
+    const double angle = turn + 2 * kPi * k / corners;
+    polygon.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+  }
+  return polygon;
+}
+
+std::vector<Point2> rectangle(double width, double height) {
+  return {{-width / 2, -height / 2}, {width / 2, -height / 2}, {width / 2, height / 2}, {-width / 2, height / 2}};
+}
+
+}  // namespace
+
+Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number) {
+  Draw draw(seed, Kind::Sign, static_cast<std::uint32_t>(number));
+  Shape s(builder, "traffic sign");
+  const SurfaceIndex post = s.surface("pole", "metal_weathered");
+  const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
+  const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
+  const double z = draw.in(2.2, 2.5);
+  std::vector<Point2> board;
+  double halfHeight = 0.3;
+  switch (sign) {
+    case TrafficSign::SpeedLimit:
+      board = regular(24, 0.3, 0);
+      break;
+    case TrafficSign::Warning:
+      board = regular(3, 0.42, kPi / 2);
+      halfHeight = 0.42;
+      break;
+    case TrafficSign::Priority:
+      board = regular(4, 0.36, 0);
+      halfHeight = 0.36;
+      break;
+    case TrafficSign::Stop:
+      board = regular(8, 0.38, kPi / 8);
+      halfHeight = 0.36;
+      break;
+    case TrafficSign::Parking:
+      board = rectangle(0.6, 0.6);
+      break;
+    case TrafficSign::GiveWay:
+      board = regular(3, 0.45, -kPi / 2);
+      halfHeight = 0.45;
+      break;
+  }
+  const bool plate = draw.chance(0.4);
+  const double top = z + halfHeight * 2 + 0.05;
+  s.tube(post, {0, 0, -kSignSunk}, {0, 0, top}, 0.03, 0.03, 12);
+  const double middle = z + halfHeight;
+  s.prism(front, back, facing({0.045, 0, middle}), board, 0.004);
+  for (const double dz : {-0.12, 0.12}) s.box(back, {0.015, 0, middle + dz}, {0.06, 0.09, 0.03});
+  if (plate) {
+    s.prism(front, back, facing({0.045, 0, z - 0.2}), rectangle(0.5, 0.22), 0.004);
+    s.box(back, {0.015, 0, z - 0.2}, {0.06, 0.09, 0.03});
+  }
+  return s.finish();
+}
+
+Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
+  Draw draw(seed, Kind::Lamp, static_cast<std::uint32_t>(form));
+  Shape s(builder, "street lamp");
+  const SurfaceIndex metal = s.surface("street_lamp", "metal_weathered");
+  const SurfaceIndex paint = s.surface("street_lamp", "painted_metal");
+  const SurfaceIndex glass = s.surface("street_lamp", "glass");
+  const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
+  s.revolve(metal, {}, {{0.1, -kSignSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
+  s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the door of its fuse box
+  if (form == 0) {                                     // an arm over the road
+    const double reach = draw.in(1.2, 2.0);
+    std::vector<Vec3d> arm{{0, 0, height - 0.7}};
+    std::vector<double> radii{0.05};
+    for (int k = 0; k <= 8; ++k) {
+      const double angle = kPi / 2 * k / 8;
+      arm.push_back({0.6 * (1 - std::cos(angle)), 0, height - 0.6 + 0.6 * std::sin(angle)});
+      radii.push_back(lerp(0.05, 0.035, k / 8.0));
+    }
+    arm.push_back({reach, 0, height + 0.05});
+    radii.push_back(0.03);
+    s.pipe(metal, arm, radii, 10);
+    s.ball(paint, {reach + 0.25, 0, height + 0.06}, {0.38, 0.15, 0.075}, 16);
+    s.ball(glass, {reach + 0.28, 0, height + 0.01}, {0.28, 0.12, 0.06}, 14);
+  } else {  // a lantern on top
+    s.revolve(paint, at({0, 0, height - 0.6}), {{0.05, -0.02}, {0.07, 0.03}, {0.14, 0.08}, {0.14, 0.1}, {0, 0.1}}, 12);
+    s.revolve(glass, at({0, 0, height - 0.5}), {{0.12, 0}, {0.2, 0.36}}, 12);
+    s.revolve(paint, at({0, 0, height - 0.14}), {{0, 0}, {0.26, 0}, {0.26, 0.02}, {0.1, 0.12}, {0, 0.16}}, 14);
+  }
+  return s.finish();
+}
+
+UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
+  Draw draw(seed, Kind::Wire, 1);
+  Shape s(builder, "utility pole");
+  const SurfaceIndex wood = s.surface("pole", "wood_weathered");
+  const SurfaceIndex metal = s.surface("pole", "metal_weathered");
+  UtilityPole pole;
+  const double height = draw.in(8, 9.5);
+  s.tube(wood, {0, 0, -kSignSunk}, {0, 0, height}, 0.16, 0.1, 14);
+  const int wires = 2 + draw.below(3);
+  const double half = 0.35 + 0.22 * wires;
+  const double arm = height - 0.35;
+  s.box(wood, {0.14, 0, arm}, {0.09, 2 * half + 0.2, 0.11});
+  for (const double side : {-1.0, 1.0}) {
+    s.tube(metal, {0.14, side * 0.6 * half, arm - 0.05}, {0.1, side * 0.05, arm - 0.6}, 0.015, 0.015, 6);
+  }
+  for (int k = 0; k < wires; ++k) {
+    const double y = lerp(-half, half, static_cast<double>(k) / (wires - 1));
+    s.revolve(metal, at({0.14, y, arm + 0.05}), {{0.012, 0}, {0.05, 0.04}, {0.03, 0.08}, {0.045, 0.12}, {0, 0.15}}, 10);
+    pole.insulators.push_back({0.14, y, arm + 0.2});
+  }
+  pole.telephone = {0.13, 0, height - draw.in(1.5, 2)};
+  s.box(metal, {0.12, 0, pole.telephone.z - 0.1}, {0.06, 0.1, 0.14});
+  if (draw.chance(0.3)) {  // what feeds the houses
+    s.tube(metal, {-0.38, 0, arm - 1.5}, {-0.38, 0, arm - 0.6}, 0.24, 0.24, 14);
+    s.box(metal, {-0.14, 0, arm - 1}, {0.2, 0.12, 0.1});
+  }
+  pole.model = s.finish();
+  return pole;
+}
+
+Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
+  Draw draw(seed, Kind::Light);
+  Shape s(builder, "traffic light");
+  const SurfaceIndex post = s.surface("pole", "metal_weathered");
+  const SurfaceIndex box = s.surface("traffic_light", "plastic_black");
+  const SurfaceIndex glass = s.surface("traffic_light", "glass");
+  const double z = draw.in(2.3, 2.6);
+  s.tube(post, {0, 0, -kSignSunk}, {0, 0, z + 1.15}, 0.057, 0.057, 14);
+  s.box(box, {0.19, 0, z + 0.5}, {0.2, 0.3, 0.96});
+  s.box(box, {0.1, 0, z + 0.5}, {0.012, 0.46, 1.1});
+  for (const double dz : {0.12, 0.88}) s.box(box, {0.06, 0, z + dz}, {0.12, 0.06, 0.04});
+  for (int k = 0; k < 3; ++k) {
+    const double center = z + 0.2 + 0.3 * k;
+    s.ball(glass, {0.285, 0, center}, {0.03, 0.1, 0.1}, 16);
+    // A visor over each lens: three quarters of a thin tube.
+    std::vector<std::vector<Vec3d>> rows;
+    for (int i = 0; i <= 12; ++i) {
+      const double angle = lerp(1.25 * kPi, -0.25 * kPi, i / 12.0);
+      const auto rim = [&](double r, double x) { return Vec3d{x, r * std::cos(angle), center + r * std::sin(angle)}; };
+      rows.push_back({rim(0.125, 0.28), rim(0.125, 0.48 - 0.06 * (1 - std::sin(angle))),
+                      rim(0.115, 0.48 - 0.06 * (1 - std::sin(angle))), rim(0.115, 0.28)});
+    }
+    s.grid(rows, true, [&](int, int) { return box; });
+  }
+  // For those on foot, and the box with the button.
+  s.box(box, {0, 0.17, z - 0.15}, {0.22, 0.18, 0.5});
+  for (const double dz : {-0.12, 0.12}) s.ball(glass, {0, 0.265, z - 0.15 + dz}, {0.08, 0.02, 0.08}, 12);
+  s.box(box, {0, -0.08, 1.05}, {0.09, 0.06, 0.16});
+  return s.finish();
+}
+
+}  // namespace scanmill::models

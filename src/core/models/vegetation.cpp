@@ -1,0 +1,337 @@
+// Trees, bushes and hedges with real leaves: small folded polygons, denser towards the outside of a crown, none of them
+// alpha-tested. A leaf polygon stands for a spray of leaves: about 15 cm, so that a crown of 6000 has the leaf area of
+// a tree (leaf area index 3 to 5).
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+struct Habit {
+  const char* name;
+  bool conifer;
+  double height, crownBase, crownRadius;  // m
+  double trunkRadius;                     // m
+  int clusters;                           // lumps of the crown
+  double clusterSize;                     // radius over the crown's
+  int leaves;
+  double leaf;  // length, m
+};
+
+// Heights and radii vary by 12 % with the seed.
+constexpr std::array<Habit, kTreeForms> kHabits{{
+    {"lime", false, 9.0, 2.6, 2.7, 0.16, 22, 0.42, 6000, 0.16},
+    {"maple", false, 7.0, 2.2, 2.3, 0.12, 18, 0.45, 5600, 0.16},
+    {"oak", false, 11.0, 3.0, 4.0, 0.26, 30, 0.38, 7000, 0.20},
+    {"poplar", false, 14.0, 1.8, 1.5, 0.18, 26, 0.60, 6000, 0.15},
+    {"birch", false, 9.5, 2.4, 1.9, 0.10, 24, 0.40, 5000, 0.13},
+    {"apple", false, 4.6, 1.6, 1.9, 0.09, 14, 0.45, 4200, 0.13},
+    {"spruce", true, 12.0, 0.9, 2.4, 0.16, 0, 0, 5600, 0.32},
+    {"pine", true, 9.0, 2.4, 2.2, 0.15, 0, 0, 4800, 0.30},
+}};
+
+// A pointed leaf of two triangles, folded along its midrib, in the plane with the given normal.
+void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& tip, const Vec3d& normal,
+                double width) {
+  const Vec3d axis = tip - stem;
+  const Vec3d across = normalized(cross(normal, axis)) * (width / 2);
+  const Vec3d fold = normalized(normal) * (width * 0.12);
+  const Vec3d middle = stem + axis * 0.45 + fold;
+  s.quad(surface, stem, middle - across, tip, middle + across);
+}
+
+Vec3d crossways(const Vec3d& normal, Draw& draw) {
+  const Vec3d side = cross(normal, draw.direction());
+  return normalized(side);
+}
+
+void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, double flatness,
+                       int leaves, double leaf) {
+  for (int k = 0; k < leaves; ++k) {
+    const Vec3d out = draw.direction();
+    const double r = radius * (0.45 + 0.55 * std::pow(draw.next(), 0.4));
+    const Vec3d position = center + Vec3d{out.x * r, out.y * r, out.z * r * flatness};
+    const Vec3d normal = normalized(out * 0.6 + Vec3d{0, 0, 0.5} + draw.direction() * 0.7);
+    Vec3d axis = crossways(normal, draw);
+    if (axis.z > 0) axis = -axis;  // leaves hang
+    const double size = draw.around(leaf, 0.3);
+    appendLeaf(s, surface, position - axis * (size / 2), position + axis * (size / 2), normal,
+               size * draw.in(0.55, 0.75));
+  }
+}
+
+// Radius of the crown over its largest, at a height from 0 (base) to 1 (top).
+double crownProfile(const Habit& habit, double t) {
+  const bool column = habit.crownRadius < 0.15 * habit.height;
+  return column ? 0.55 + 0.45 * std::sin(kPi * std::min(1.0, t * 0.9 + 0.15))
+                : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
+}
+
+// What leaves hide in summer.
+void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
+                 double thick) {
+  for (int k = 0; k < count; ++k) {
+    const Vec3d from = center + draw.direction() * (radius * draw.in(0, 0.5));
+    const Vec3d out = normalized(draw.direction() + normalized(from - center + Vec3d{0, 0, 0.01}) + Vec3d{0, 0, 0.4});
+    s.tube(surface, from, from + out * (radius * draw.in(0.4, 0.8)), thick, 0.003, 3);
+  }
+}
+
+// What makes a crown its own: from draws of its own, so that round ones stay what they are.
+class Raggedness {
+ public:
+  Raggedness(std::uint64_t seed, int form, double share)
+      : share_(share), draw_(seed, Kind::Tree, 900000 + static_cast<std::uint32_t>(form)) {
+    heavy_ = draw_.in(0, 2 * kPi);
+    long_ = draw_.in(0, 2 * kPi);
+  }
+
+  // Factor on how far out a cluster of leaves lies.
+  double reach(double angle) const {
+    return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
+  }
+  double size() { return share_ > 0 ? lerp(1, draw_.in(0.45, 1.4), share_) : 1; }
+  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // by a share of the crown's height
+  bool missing() { return share_ > 0 && draw_.chance(0.22 * share_); }
+
+ private:
+  double share_;
+  Draw draw_;
+  double heavy_ = 0, long_ = 0;  // azimuths, rad
+};
+
+void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,
+                     Raggedness ragged) {
+  const SurfaceIndex bark = s.surface("trunk", "bark");
+  const SurfaceIndex branch = s.surface("tree", "bark");
+  const SurfaceIndex leaf = s.surface("tree", "leaf");
+  const double base = habit.crownBase * height / habit.height;
+  const double crown = height - base;
+
+  const double leanX = draw.in(-0.25, 0.25);
+  const double leanY = draw.in(-0.25, 0.25);
+  std::vector<Vec3d> stem;
+  std::vector<double> thickness;
+  constexpr int kStem = 7;
+  for (int i = 0; i <= kStem; ++i) {
+    const double t = double(i) / kStem;
+    const double z = -0.15 + t * (base + crown * 0.75);
+    stem.push_back({leanX * t * t + draw.in(-0.03, 0.03), leanY * t * t + draw.in(-0.03, 0.03), z});
+    thickness.push_back(habit.trunkRadius * (i == 0 ? 1.35 : lerp(1.0, 0.18, t)));
+  }
+  s.pipe(bark, stem, thickness, 12);
+  const auto trunkAt = [&](double z) {
+    const double t = std::clamp((z - stem.front().z) / (stem.back().z - stem.front().z), 0.0, 1.0) * kStem;
+    const auto i = std::min<std::size_t>(static_cast<std::size_t>(t), kStem - 1);
+    return stem[i] + (stem[i + 1] - stem[i]) * (t - double(i));
+  };
+
+  struct Cluster {
+    Vec3d center;
+    double radius;
+  };
+  std::vector<Cluster> clusters;
+  double total = 0;
+  for (int i = 0; i < habit.clusters; ++i) {
+    const double t = (i + draw.next()) / habit.clusters;
+    const double r = radius * crownProfile(habit, t);
+    const double size = radius * habit.clusterSize * draw.in(0.8, 1.25) * ragged.size();
+    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);  // the golden angle spreads them
+    const double out = std::max(0.0, r - size) * draw.in(0.75, 1.05) * ragged.reach(angle);
+    const double z = base + size * 0.5 + t * std::max(0.1, crown - size * 1.3) + ragged.raised() * crown;
+    if (ragged.missing()) continue;
+    clusters.push_back({trunkAt(z) + Vec3d{out * std::cos(angle), out * std::sin(angle), 0}, size});
+    clusters.back().center.z = z;
+    total += size * size;
+  }
+  for (const Cluster& c : clusters) {
+    const double fork = std::max(base * 0.85, c.center.z - 0.35 * crown * draw.in(0.5, 1.0) - 0.2);
+    const Vec3d from = trunkAt(fork);
+    const Vec3d middle = from + (c.center - from) * 0.55 + Vec3d{0, 0, -0.12 * length(c.center - from)};
+    const double thick = habit.trunkRadius * lerp(0.42, 0.2, (fork - base) / crown);
+    s.pipe(branch, {from, middle, c.center}, {thick, thick * 0.65, thick * 0.3}, 6);
+    for (int k = 0; k < 4; ++k) {
+      const Vec3d twig = normalized(draw.direction() + Vec3d{0, 0, 0.4});
+      s.tube(branch, c.center, c.center + twig * (c.radius * 0.8), thick * 0.25, 0.006, 4);
+    }
+    if (foliage < 0.6) appendTwigs(s, branch, draw, c.center, c.radius, 24, 0.008);
+    appendFoliageBall(s, leaf, draw, c.center, c.radius, 0.8,
+                      static_cast<int>(foliage * habit.leaves * c.radius * c.radius / total), habit.leaf);
+  }
+}
+
+// Whorls of branches, each with sprays of needles on both sides.
+void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
+  const SurfaceIndex bark = s.surface("trunk", "bark");
+  const SurfaceIndex branch = s.surface("tree", "bark");
+  const SurfaceIndex needles = s.surface("tree", "leaf_conifer");
+  const double base = habit.crownBase * height / habit.height;
+  s.pipe(bark, {{0, 0, -0.15}, {0, 0, 0.3}, {0.04, 0.02, height * 0.5}, {0, 0, height - 0.1}},
+         {habit.trunkRadius * 1.3, habit.trunkRadius, habit.trunkRadius * 0.55, 0.015}, 12);
+  struct Bough {
+    Vec3d root, tip;
+  };
+  std::vector<Bough> boughs;
+  double total = 0;
+  const double pitch = 0.42;
+  double z = base;
+  while (z < height - 0.25) {
+    const double t = (z - base) / (height - base);
+    const double reach = radius * std::pow(1 - t, 0.85) * draw.in(0.9, 1.1) + 0.12;
+    const int count = t < 0.8 ? 9 : 6;
+    const double turn = draw.in(0, 2 * kPi);
+    for (int k = 0; k < count; ++k) {
+      const double angle = turn + 2 * kPi * k / count + draw.in(-0.2, 0.2);
+      const double out = reach * draw.in(0.8, 1.08);
+      const double droop = lerp(-0.28, 0.45, t);
+      const double root = z + draw.in(-0.5, 0.5) * pitch;
+      boughs.push_back({{0, 0, root}, {out * std::cos(angle), out * std::sin(angle), root + droop * out}});
+      total += out;
+    }
+    z += pitch * draw.in(0.8, 1.2);
+  }
+  for (const Bough& b : boughs) {
+    s.tube(branch, b.root, b.tip, 0.022, 0.006, 4);
+    const Vec3d along = b.tip - b.root;
+    const double reach = length(Vec3d{along.x, along.y, 0});
+    const Vec3d side = normalized(cross(along, Vec3d{0, 0, 1}));
+    const int count = static_cast<int>(habit.leaves * reach / total);
+    for (int k = 0; k < count; ++k) {
+      const double t = 1.02 - 0.85 * std::pow(draw.next(), 1.4);  // more of them near the tip
+      const double size = draw.around(habit.leaf, 0.3) * lerp(1.25, 0.8, t);
+      const Vec3d stem = b.root + along * t + Vec3d{0, 0, draw.in(-0.05, 0.05)};
+      const Vec3d tip =
+          normalized(along) * 0.6 + side * (draw.sign() * draw.in(0.5, 1.1)) + Vec3d{0, 0, draw.in(-0.4, 0.15)};
+      const Vec3d normal = normalized(Vec3d{0, 0, 1} + draw.direction() * 0.6);
+      appendLeaf(s, needles, stem, stem + normalized(tip) * size, normal, size * 0.42);
+    }
+  }
+}
+
+}  // namespace
+
+TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail, double foliage, double ragged) {
+  Habit habit = kHabits[static_cast<std::size_t>(form)];
+  if (detail != 1) {
+    habit.leaves = static_cast<int>(habit.leaves * detail);
+    habit.leaf /= std::sqrt(detail);
+  }
+  Draw draw(seed, Kind::Tree, static_cast<std::uint32_t>(form));
+  Shape s(builder, habit.name);
+  const double height = draw.around(habit.height, 0.12);
+  const double radius = draw.around(habit.crownRadius, 0.12);
+  habit.conifer ? appendConifer(s, draw, habit, height, radius)
+                : appendBroadleaf(s, draw, habit, height, radius, foliage, {seed, form, ragged});
+  const Model model = s.finish();
+  if (ragged <= 0) return {model, radius};
+  const auto& [low, high] = model.bounds;
+  return {model, std::max({-low.x, -low.y, high.x, high.y})};
+}
+
+Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
+  Draw draw(seed, Kind::Bush, static_cast<std::uint32_t>(form));
+  Shape s(builder, "bush");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const double size = draw.in(0.5, 0.95);
+  const int lumps = 4 + draw.below(4);
+  for (int i = 0; i < lumps; ++i) {
+    const double angle = i * 2.39996 + draw.in(-0.4, 0.4);
+    const double r = size * draw.in(0.42, 0.6);
+    const double out = i == 0 ? 0 : size * draw.in(0.35, 0.55);
+    const Vec3d center{out * std::cos(angle), out * std::sin(angle), (i == 0 ? size * 1.1 : size * draw.in(0.5, 0.9))};
+    s.tube(bark, {0, 0, -0.05}, center, 0.02, 0.006, 5);
+    if (foliage < 0.6) appendTwigs(s, bark, draw, center, r, 20, 0.004);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1000 / lumps), 0.1);
+  }
+  return s.finish();
+}
+
+Model makeHedge(SceneBuilder& builder, std::uint64_t seed) {
+  Draw draw(seed, Kind::Hedge);
+  Shape s(builder, "hedge");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const double height = draw.in(0.9, 1.4);
+  const Vec3d half{1.0, 0.3, height / 2};
+  // The twigs inside, dark and dense, are a solid core.
+  s.box(s.surface("vegetation", "bark"), {0, 0, height / 2 - 0.1}, {1.9, 0.34, height - 0.04});
+  constexpr int kLeaves = 1200;
+  for (int k = 0; k < kLeaves; ++k) {
+    const double pick = draw.next() * (2 * height + 0.6 + 1.2 * height * 0.3);
+    Vec3d position{draw.in(-half.x, half.x), draw.in(-half.y, half.y), draw.in(0, height)};
+    Vec3d out;
+    if (pick < 2 * height) {
+      out = {0, pick < height ? -1.0 : 1.0, 0};
+      position.y = out.y * half.y;
+    } else if (pick < 2 * height + 0.6) {
+      out = {0, 0, 1};
+      position.z = height;
+    } else {
+      out = {draw.sign(), 0, 0};
+      position.x = out.x * half.x;
+    }
+    position += out * draw.in(-0.08, 0.03);
+    const Vec3d normal = normalized(out + draw.direction() * 0.7);
+    const Vec3d axis = crossways(normal, draw);
+    const double size = draw.in(0.08, 0.15);
+    appendLeaf(s, leaf, position - axis * (size / 2), position + axis * (size / 2), normal, size * 0.7);
+  }
+  return s.finish();
+}
+
+Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
+  Draw draw(seed, Kind::Hedgerow, 100000 + static_cast<std::uint32_t>(form));
+  Shape s(builder, "hedge");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const double height = draw.in(0.9, 2.4);
+  const double depth = draw.in(0.6, 1.3);
+  for (int k = 0; k < 6; ++k) {
+    const Vec3d root{draw.in(-0.95, 0.95), draw.in(-0.1, 0.1), -0.1};
+    s.tube(bark, root, {root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)}, 0.02,
+           0.006, 5);
+  }
+  // As many as make the leaf area index 4 across the hedge; more of them outside, where the light is.
+  const double size = draw.in(0.09, 0.14);
+  const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
+  for (int k = 0; k < std::min(leaves, 3500); ++k) {
+    const double across = draw.in(-1, 1);
+    const double outwards = std::copysign(std::pow(std::abs(across), 0.6), across);
+    const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
+    // Bulges of a decimetre, and a top that was cut long ago.
+    const double x = draw.in(-1.03, 1.03);
+    const double bulge = 1 + 0.12 * std::sin(5 * x + 3 * z) + 0.1 * std::sin(11 * x - 4 * z);
+    const Vec3d position{x, outwards * depth / 2 * bulge, z * (1 + 0.05 * std::sin(7 * x))};
+    const Vec3d out{0, across, z > 0.85 * height ? 1.0 : 0.2};
+    const Vec3d normal = normalized(out + draw.direction() * 0.8);
+    const Vec3d axis = crossways(normal, draw);
+    const double length = draw.around(size, 0.3);
+    appendLeaf(s, leaf, position - axis * (length / 2), position + axis * (length / 2), normal, length * 0.7);
+  }
+  return s.finish();
+}
+
+Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage) {
+  Draw draw(seed, Kind::Undergrowth, static_cast<std::uint32_t>(form));
+  Shape s(builder, "undergrowth");
+  const SurfaceIndex leaf = s.surface("vegetation", "leaf");
+  const SurfaceIndex bark = s.surface("vegetation", "bark");
+  const double height = draw.in(1.4, 3.2);
+  const double radius = draw.in(1.1, 1.8);
+  const int lumps = 6 + draw.below(5);
+  for (int i = 0; i < lumps; ++i) {
+    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);
+    const double r = draw.in(0.45, 0.75);
+    const double out = radius * std::sqrt(draw.next()) * 0.8;
+    const Vec3d center{out * std::cos(angle), out * std::sin(angle), lerp(0.35, height - r, draw.next())};
+    s.tube(bark, {0.3 * center.x, 0.3 * center.y, -0.1}, center, 0.025, 0.006, 5);
+    if (foliage < 0.6) appendTwigs(s, bark, draw, center, r, 30, 0.005);
+    appendFoliageBall(s, leaf, draw, center, r, 0.9, static_cast<int>(foliage * 1900 / lumps), 0.13);
+  }
+  return s.finish();
+}
+
+}  // namespace scanmill::models

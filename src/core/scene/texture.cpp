@@ -1,0 +1,129 @@
+#include "scene/texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "images/images.h"
+#include "images/srgb.h"
+
+namespace scanmill {
+
+namespace {
+
+// v = 0 is the image's bottom.
+std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& name) {
+  const std::size_t rowBytes = std::size_t{image.width} * 4;
+  std::uint8_t* const pixels = image.rgba.data();
+  for (std::size_t top = 0, bottom = image.height; top + 1 < bottom; ++top) {
+    --bottom;
+    std::swap_ranges(pixels + top * rowBytes, pixels + (top + 1) * rowBytes, pixels + bottom * rowBytes);
+  }
+  auto texture = std::make_shared<Texture>();
+  texture->file = name;
+  texture->width = image.width;
+  texture->height = image.height;
+  texture->hasAlpha = image.hasAlpha;
+  texture->rgba = std::move(image.rgba);
+  return texture;
+}
+
+struct Cached {
+  std::filesystem::file_time_type time;
+  std::weak_ptr<const Texture> texture;
+};
+
+// The index of the texel that holds `coordinate`, repeated; 0 for what is not finite.
+std::uint32_t texelIndex(float coordinate, std::uint32_t size) {
+  const float part = coordinate - std::floor(coordinate);
+  return part > 0.0f ? std::min(static_cast<std::uint32_t>(part * static_cast<float>(size)), size - 1) : 0;
+}
+
+}  // namespace
+
+const std::uint8_t* Texture::texel(float u, float v) const {
+  return rgba.data() + (std::size_t{texelIndex(v, height)} * width + texelIndex(u, width)) * 4;
+}
+
+std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
+  static std::mutex mutex;
+  static std::map<std::string, Cached> cache;
+  std::error_code error;
+  const std::string key = std::filesystem::weakly_canonical(path, error).string();
+  const auto time = std::filesystem::last_write_time(path, error);
+  const auto known = [&]() -> std::shared_ptr<const Texture> {
+    const auto found = cache.find(key);
+    return found != cache.end() && found->second.time == time ? found->second.texture.lock() : nullptr;
+  };
+  {
+    const std::scoped_lock lock(mutex);
+    if (auto texture = known()) return texture;
+  }
+  auto texture = textureOf(readImage(path), path.string());
+  const std::scoped_lock lock(mutex);
+  if (auto other = known()) return other;  // another thread was faster
+  cache[key] = {time, texture};
+  return texture;
+}
+
+std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name) {
+  return textureOf(decodeImage(bytes, name), name);
+}
+
+std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t width, std::uint32_t height,
+                                            const std::string& name) {
+  DecodedImage image;
+  image.width = width;
+  image.height = height;
+  image.rgba.assign(rgba.begin(), rgba.end());
+  for (std::size_t alpha = 3; alpha < image.rgba.size(); alpha += 4) {
+    image.hasAlpha = image.hasAlpha || image.rgba[alpha] < 255;
+  }
+  return textureOf(std::move(image), name);
+}
+
+std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity, bool inverted) {
+  auto texture = std::make_shared<Texture>();
+  texture->file = color != nullptr ? color->file : opacity.file;
+  texture->width = std::max(opacity.width, color != nullptr ? color->width : 0);
+  texture->height = std::max(opacity.height, color != nullptr ? color->height : 0);
+  texture->rgba.resize(std::size_t{texture->width} * texture->height * 4);
+  std::uint8_t* out = texture->rgba.data();
+  for (std::uint32_t row = 0; row < texture->height; ++row) {
+    const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(texture->height);
+    for (std::uint32_t column = 0; column < texture->width; ++column, out += 4) {
+      const float u = (static_cast<float>(column) + 0.5f) / static_cast<float>(texture->width);
+      const std::uint8_t* map = opacity.texel(u, v);
+      const int value = opacity.hasAlpha ? map[3] : (map[0] + map[1] + map[2] + 1) / 3;
+      out[3] = static_cast<std::uint8_t>(inverted ? 255 - value : value);
+      if (color != nullptr) {
+        std::copy_n(color->texel(u, v), 3, out);
+      } else {
+        std::fill_n(out, 3, std::uint8_t{255});
+      }
+      texture->hasAlpha = texture->hasAlpha || out[3] < 255;
+    }
+  }
+  return texture;
+}
+
+float luminance(const std::uint8_t* rgb) {
+  const std::array<float, 256>& linear = linearOfBytes();
+  return 0.2126f * linear[rgb[0]] + 0.7152f * linear[rgb[1]] + 0.0722f * linear[rgb[2]];
+}
+
+float meanLuminance(const Texture& texture, float minimumAlpha) {
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + 3 < texture.rgba.size(); i += 4) {
+    if (static_cast<float>(texture.rgba[i + 3]) < minimumAlpha * 255.0f) continue;
+    sum += static_cast<double>(luminance(&texture.rgba[i]));
+    ++count;
+  }
+  return count == 0 ? 1.0f : static_cast<float>(sum / static_cast<double>(count));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,100 @@
+#pragma once
+
+// Where the copies of an object stand that are not listed one by one: scattered over surfaces, along a path, varied at
+// random, and set on the ground.
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+#include "config/fields.h"
+#include "scene/ontology.h"
+#include "scene/surface_heights.h"
+#include "scenefile/placement.h"
+
+namespace scanmill {
+
+// YAML keys of an object besides those of its placement:
+//
+//   copies:
+//     scatter: {on: [terrain], count: 200, spacing: 3, slope_deg: 30, within: [[x, y], [x, y]], covered: false,
+//       distance_from: {road: [1, 4], building: 3}}    # m, as seen from above: least and most, or least
+//                                      # or density: 0.02 (a square metre as seen from above) in place of count
+//     along: {waypoints: [[x, y, z], ...], every: 8, left: 3}
+//   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9, material: [car_paint, car_paint_dark]}
+//   stand_on: ground                   # or classes: [terrain, road]
+//
+// The copies of the placement stand at each scattered place, which turns with a random yaw, or at each place along the
+// path, which turns with it. `vary` turns a copy about the vertical through its own place. Random numbers follow from
+// the scene's seed and the object's name.
+class Arrangement {
+ public:
+  // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
+  Arrangement(Fields& object, const Ontology& ontology);
+
+  bool random() const { return scatter_ || vary_; }
+  // Of which each copy has one at random; empty: that of the object.
+  const std::vector<std::string>& materials() const { return materials_; }
+  bool needsSurfaces() const { return scatter_ || standOn_; }
+
+  struct Copy {
+    Affine worldFromMesh;
+    std::size_t variant = 0;  // which of several shapes or materials it has
+    std::size_t number = 1;   // of all, those that are left out included, from 1
+  };
+
+  // Every copy, which has one of `variants` at random. `heights`: of `scene`, what is there before it, where
+  // needsSurfaces(). `lowest`: the height of a copy's lowest point (m). Throws InputError where there is no such
+  // surface, or no room.
+  std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
+                           std::uint64_t seed, std::uint32_t object, std::size_t variants,
+                           const std::function<double(const Copy&)>& lowest) const;
+
+ private:
+  struct Distance {
+    std::uint16_t semantic = 0;
+    double least = 0, most = 0;  // m; infinite: no most
+    Location where;
+  };
+  struct Scatter {
+    std::vector<std::uint16_t> classes;
+    std::vector<Distance> distances;
+    std::optional<std::uint64_t> count;
+    double density = 0;  // 1/m^2
+    double spacing = 0;  // m
+    double slope = 0;    // rad
+    std::optional<std::array<Vec3d, 2>> within;
+    bool covered = false;
+    Location where;
+  };
+  struct Along {
+    std::vector<Vec3d> waypoints;
+    double every = 0, left = 0;  // m
+    Location where;
+  };
+  struct Vary {
+    std::array<double, 2> yaw{}, scale{1, 1};  // rad
+    double position = 0;                       // m
+    double presence = 1;
+  };
+  struct StandOn {
+    std::vector<std::uint16_t> classes;  // empty: all that are no things
+    Location where;
+  };
+  static std::vector<Distance> readDistances(const Value& value, const Ontology& ontology);
+  std::vector<Pose> scattered(const Scene& scene, const SurfaceHeights& heights, std::uint64_t seed,
+                              std::uint32_t object) const;
+  std::vector<Pose> alongPath() const;
+
+  std::optional<Scatter> scatter_;
+  std::optional<Along> along_;
+  std::optional<Vary> vary_;
+  std::vector<std::string> materials_;
+  std::optional<StandOn> standOn_;
+};
+
+}  // namespace scanmill

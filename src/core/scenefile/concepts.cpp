@@ -1,0 +1,229 @@
+#include "scenefile/concepts.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <iterator>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "config/fields.h"
+#include "config/resources.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::size_t kInside = 5;  // letters of words that are found inside of others
+
+// Two-byte letters of UTF-8 and what stands for them.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kFolded{
+    {{"ß", "ss"}, {"ä", "a"}, {"ö", "o"}, {"ü", "u"}, {"Ä", "a"}, {"Ö", "o"}, {"Ü", "u"}, {"é", "e"}, {"è", "e"},
+     {"ê", "e"},  {"à", "a"}, {"â", "a"}, {"á", "a"}, {"ç", "c"}, {"í", "i"}, {"î", "i"}, {"ï", "i"}, {"ñ", "n"},
+     {"ó", "o"},  {"ô", "o"}, {"ò", "o"}, {"ú", "u"}, {"û", "u"}, {"ù", "u"}, {"É", "e"}, {"Ñ", "n"}}};
+
+bool isPlural(std::string_view ending) {
+  static constexpr std::array<std::string_view, 6> kEndings{"", "s", "es", "e", "n", "en"};
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+struct Match {
+  std::size_t end = 0, length = 0;
+  bool better(const Match& other) const { return end != other.end ? end > other.end : length > other.length; }
+};
+
+// Where a word ends in a folded name at last; nothing where it is not in it.
+std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
+  std::optional<Match> found;
+  for (std::size_t at = name.find(word); at != std::string_view::npos; at = name.find(word, at + 1)) {
+    const std::size_t blank = std::min(name.find(' ', at + word.size()), name.size());
+    const bool begins = at == 0 || name[at - 1] == ' ';
+    const bool whole = begins && isPlural(name.substr(at + word.size(), blank - at - word.size()));
+    if (whole || word.size() >= kInside) found = Match{blank, word.size()};
+  }
+  return found;
+}
+
+ConceptKind kindOf(const std::string& name) {
+  return name == "ground"   ? ConceptKind::Ground
+         : name == "detail" ? ConceptKind::Detail
+         : name == "drop"   ? ConceptKind::Drop
+                            : ConceptKind::Whole;
+}
+
+std::vector<std::string> textsOf(Fields& f, std::string_view key) {
+  std::vector<std::string> texts;
+  const Value* const list = f.find(key);
+  if (list == nullptr) return texts;
+  if (list->kind != Value::Kind::Sequence) {
+    throw InputError(list->where, std::string(key) + " must be a list of texts");
+  }
+  for (const Value& item : list->items) texts.push_back(readText(item, key));
+  return texts;
+}
+
+// A detail without classes of its own has those of what it is of: one for each of these.
+std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
+  std::vector<Concept> all;
+  for (const Concept& c : concepts) {
+    if (c.kind != ConceptKind::Detail || !c.classes.empty()) {
+      all.push_back(c);
+      continue;
+    }
+    for (const Concept& whole : concepts) {
+      if (std::find(c.of.begin(), c.of.end(), whole.name) == c.of.end()) continue;
+      all.push_back(c);
+      all.back().name = whole.name + " " + c.name;
+      all.back().classes = whole.classes;
+      all.back().of = {whole.name};
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<Concept> readConcepts(const std::filesystem::path& path) {
+  const Value root = readYaml(path);
+  Fields file(root, "words");
+  const Value& list = file.require("concepts");
+  file.finish();
+  if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "concepts must be a list");
+  std::vector<Concept> concepts;
+  for (const Value& item : list.items) {
+    Fields f(item, "concept");
+    Concept c;
+    c.name = f.text("name");
+    c.classes = textsOf(f, "classes");
+    c.material = f.text("material", "");
+    c.kind = kindOf(f.choice("kind", {"ground", "whole", "detail", "drop"}, "whole"));
+    c.of = textsOf(f, "of");
+    if (c.kind == ConceptKind::Detail && c.of.empty()) {
+      throw InputError(item.where, "a detail needs `of`: the names of the concepts that have it");
+    }
+    if (f.has("size")) {
+      const std::vector<double> size = f.numbers("size", {0, 1e6});
+      if (size.size() != 2) throw InputError(f.require("size").where, "size must be two lengths");
+      c.size = Between{size[0], size[1]};
+    }
+    for (const std::string& word : textsOf(f, "words")) c.words.push_back(foldedName(word));
+    f.finish();
+    concepts.push_back(std::move(c));
+  }
+  return withDetails(concepts);
+}
+
+const SemanticClass* classOf(const Concept& what, const Ontology& ontology) {
+  for (const std::string& wanted : what.classes) {
+    if (const SemanticClass* const known = ontology.find(wanted)) return known;
+  }
+  return nullptr;
+}
+
+std::string foldedName(std::string_view name) {
+  std::string out;
+  bool lower = false;  // the letter before was a lower one
+  const auto blank = [&] {
+    if (!out.empty() && out.back() != ' ') out += ' ';
+    lower = false;
+  };
+  for (std::size_t i = 0; i < name.size();) {
+    const auto folded = std::find_if(kFolded.begin(), kFolded.end(),
+                                     [&](const auto& pair) { return name.substr(i).starts_with(pair.first); });
+    if (folded != kFolded.end()) {
+      out += folded->second;
+      i += folded->first.size();
+      lower = true;
+      continue;
+    }
+    const auto c = static_cast<unsigned char>(name[i++]);
+    if (std::isalpha(c) == 0) {
+      blank();
+    } else {
+      // BusStop, but not CAR
+      if (std::isupper(c) != 0 && lower) blank();
+      out += static_cast<char>(std::tolower(c));
+      lower = std::islower(c) != 0;
+    }
+  }
+  while (!out.empty() && out.back() == ' ') out.pop_back();
+  return out;
+}
+
+const Concept* conceptOf(const std::vector<Concept>& concepts, std::string_view name) {
+  const std::string folded = foldedName(name);
+  const Concept* best = nullptr;
+  Match match;
+  for (const Concept& c : concepts) {
+    for (const std::string& word : c.words) {
+      const std::optional<Match> found = lastMatch(folded, word);
+      if (!found || (best != nullptr && !found->better(match))) continue;
+      best = &c;
+      match = *found;
+    }
+  }
+  return best;
+}
+
+std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std::string_view name) {
+  std::istringstream stream(foldedName(name));
+  const std::vector<std::string> words{std::istream_iterator<std::string>(stream), {}};
+  const auto isWord = [&](const Concept& c, const std::string& text) {
+    return std::find(c.words.begin(), c.words.end(), text) != c.words.end();
+  };
+  std::vector<const Concept*> found;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    // "street lamp" is one word, and neither a street nor a lamp.
+    if (i + 1 < words.size()) {
+      const std::string both = words[i] + " " + words[i + 1];
+      const auto c = std::find_if(concepts.begin(), concepts.end(), [&](const Concept& k) { return isWord(k, both); });
+      if (c != concepts.end()) {
+        found.push_back(&*c);
+        ++i;
+        continue;
+      }
+    }
+    if (const Concept* const c = conceptOf(concepts, words[i])) found.push_back(c);
+  }
+  return found;
+}
+
+std::map<std::uint16_t, Between> usualSizes(const std::vector<Concept>& concepts, const Ontology& ontology) {
+  std::map<std::uint16_t, Between> sizes;
+  std::set<std::uint16_t> rest;
+  for (const Concept& c : concepts) {
+    const SemanticClass* const known = classOf(c, ontology);
+    if (c.kind != ConceptKind::Whole || !c.size || known == nullptr || !known->thing) continue;
+    if (ontology.find(c.classes.front()) != known) rest.insert(known->id);
+    const auto [own, added] = sizes.emplace(known->id, *c.size);
+    if (added) continue;
+    own->second.low = std::min(own->second.low, c.size->low);
+    own->second.high = std::max(own->second.high, c.size->high);
+  }
+  std::erase_if(sizes, [&](const auto& size) { return rest.contains(size.first); });
+  return sizes;
+}
+
+std::vector<Concept> knownConcepts() {
+  const std::filesystem::path file = resourceFolder() / "labels/words.yaml";
+  std::error_code ignored;
+  return std::filesystem::exists(file, ignored) ? readConcepts(file) : std::vector<Concept>{};
+}
+
+std::set<std::uint16_t> classesWithWheels(const std::vector<Concept>& concepts, const Ontology& ontology) {
+  std::set<std::string> names;
+  for (const Concept& c : concepts) {
+    const bool isWheel = std::find(c.words.begin(), c.words.end(), "wheel") != c.words.end();
+    if (isWheel && c.kind == ConceptKind::Detail) names.insert(c.of.begin(), c.of.end());
+  }
+  std::set<std::uint16_t> ids;
+  for (const Concept& c : concepts) {
+    const SemanticClass* const known = classOf(c, ontology);
+    // One that stands in where the ontology lacks the concept's own holds other things as well.
+    const bool isOwn = known != nullptr && ontology.find(c.classes.front()) == known;
+    if (names.contains(c.name) && isOwn && known->thing) ids.insert(known->id);
+  }
+  return ids;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,203 @@
+#include "scenefile/connected_parts.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <unordered_map>
+
+#include "base/error.h"
+
+namespace scanmill {
+namespace {
+
+struct PlaceHash {
+  std::size_t operator()(const Vec3f& p) const {
+    std::uint64_t hash = 0;
+    for (const float value : {p.x, p.y, p.z}) {
+      hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // -0 is 0
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+};
+
+struct SamePlace {
+  bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
+};
+
+// How much of a box's footprint lies above, below or in another's; 0 where more than the gap is between them.
+double shareOver(const Box& box, const Box& other, double gap) {
+  const auto overlap = [&](double Vec3d::*axis) {
+    return std::min(box.high.*axis, other.high.*axis) - std::max(box.low.*axis, other.low.*axis);
+  };
+  if (overlap(&Vec3d::x) < -gap || overlap(&Vec3d::y) < -gap || overlap(&Vec3d::z) < -gap) return 0;
+  const auto share = [&](double Vec3d::*axis) {
+    const double edge = box.high.*axis - box.low.*axis;
+    return edge > 0 ? std::clamp(overlap(axis) / edge, 0.0, 1.0) : 1.0;
+  };
+  return std::max(share(&Vec3d::x) * share(&Vec3d::y), 1e-9);
+}
+
+// Boxes by the cells of a grid that they are in; very large ones apart.
+class Cells {
+ public:
+  explicit Cells(const Box& all) : low_(all.low), cells_(kSide * kSide * kSide) {
+    const Vec3d size = all.high - all.low;
+    const auto per = [](double edge) { return kSide / std::max(edge, 1e-9); };
+    perMetre_ = {per(size.x), per(size.y), per(size.z)};
+  }
+
+  void add(const Box& box, std::uint32_t number) {
+    const Cell from = cellOf(box.low);
+    const Cell to = cellOf(box.high);
+    std::size_t covered = 1;
+    for (std::size_t k = 0; k < 3; ++k) covered *= to[k] - from[k] + 1;
+    if (covered > kMostCovered) return large_.push_back(number);
+    forEachCell(box, [&](std::size_t cell) { cells_[cell].push_back(number); });
+  }
+
+  // Some are told several times.
+  template <class Use>
+  void forEachNear(const Box& box, double gap, const Use& use) const {
+    forEachCell({box.low - Vec3d{gap, gap, gap}, box.high + Vec3d{gap, gap, gap}}, [&](std::size_t cell) {
+      for (const std::uint32_t number : cells_[cell]) use(number);
+    });
+    for (const std::uint32_t number : large_) use(number);
+  }
+
+ private:
+  template <class Use>
+  void forEachCell(const Box& box, const Use& use) const {
+    const Cell from = cellOf(box.low);
+    const Cell to = cellOf(box.high);
+    for (std::size_t x = from[0]; x <= to[0]; ++x) {
+      for (std::size_t y = from[1]; y <= to[1]; ++y) {
+        for (std::size_t z = from[2]; z <= to[2]; ++z) use((x * kSide + y) * kSide + z);
+      }
+    }
+  }
+
+  static constexpr std::size_t kSide = 48;
+  static constexpr std::size_t kMostCovered = 4096;
+  using Cell = std::array<std::size_t, 3>;
+  Cell cellOf(const Vec3d& p) const {
+    const auto along = [](double d, double perMetre) {
+      return static_cast<std::size_t>(std::clamp(d * perMetre, 0.0, static_cast<double>(kSide - 1)));
+    };
+    const Vec3d at = p - low_;
+    return {along(at.x, perMetre_.x), along(at.y, perMetre_.y), along(at.z, perMetre_.z)};
+  }
+
+  Vec3d low_;
+  Vec3d perMetre_;
+  std::vector<std::vector<std::uint32_t>> cells_;
+  std::vector<std::uint32_t> large_;
+};
+
+}  // namespace
+
+ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
+  // Vertices count through all parts; each has at first as its parent the first at its place.
+  std::vector<std::uint32_t> parent;
+  std::unordered_map<Vec3f, std::uint32_t, PlaceHash, SamePlace> known;
+  std::size_t vertices = 0;
+  for (const AssetPart* part : parts) vertices += part->positions.size();
+  if (vertices > std::numeric_limits<std::uint32_t>::max()) throw Error("more than 4294967295 vertices in one file");
+  parent.reserve(vertices);
+  known.reserve(vertices);
+  for (const AssetPart* part : parts) {
+    for (const Vec3f& p : part->positions) {
+      const auto own = static_cast<std::uint32_t>(parent.size());
+      parent.push_back(isFinite(p) ? known.emplace(p, own).first->second : own);
+    }
+  }
+  const auto root = [&](std::size_t v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return static_cast<std::uint32_t>(v);
+  };
+  std::size_t first = 0;
+  for (const AssetPart* part : parts) {
+    for (const Triangle& t : part->triangles) {
+      const std::uint32_t own = root(first + t[0]);
+      for (const std::uint32_t corner : {t[1], t[2]}) parent[root(first + corner)] = own;
+    }
+    first += part->positions.size();
+  }
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> numberOf(vertices, kNone);
+  ConnectedParts found;
+  first = 0;
+  for (const AssetPart* part : parts) {
+    std::vector<std::uint32_t>& of = found.of.emplace_back();
+    of.reserve(part->triangles.size());
+    for (const Triangle& t : part->triangles) {
+      std::uint32_t& number = numberOf[root(first + t[0])];
+      if (number == kNone) {
+        number = static_cast<std::uint32_t>(found.boxes.size());
+        found.boxes.emplace_back();
+      }
+      for (const std::uint32_t corner : t) {
+        if (isFinite(part->positions[corner])) found.boxes[number].add(Vec3d(part->positions[corner]));
+      }
+      of.push_back(number);
+    }
+    first += part->positions.size();
+  }
+  return found;
+}
+
+std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
+  std::vector<std::uint32_t> order(connected.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto diagonal = [&](std::uint32_t i) {
+    const Box& box = connected[i];
+    return box.empty() ? 0 : length(box.high - box.low);
+  };
+  // Of boxes as large, the one that begins first: the order of the triangles does not matter.
+  const auto key = [&](std::uint32_t i) {
+    const Vec3d& low = connected[i].low;
+    return std::tuple(-diagonal(i), low.x, low.y, low.z);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  Box all;
+  for (const Box& box : connected) {
+    if (box.empty()) continue;
+    all.add(box.low);
+    all.add(box.high);
+  }
+  std::vector<std::uint32_t> owner(connected.size());
+  if (all.empty()) return owner;
+  constexpr double kGap = 0.05;    // m
+  constexpr double kShare = 0.25;  // of its footprint
+  constexpr double kSmall = 0.15;  // of the other's diagonal
+  Cells largest(all);
+  for (const std::uint32_t i : order) {
+    owner[i] = i;
+    if (connected[i].empty()) continue;
+    double most = 0;
+    largest.forEachNear(connected[i], kGap, [&](std::uint32_t other) {
+      const double share = shareOver(connected[i], connected[other], kGap);
+      const bool belongs = share >= kShare || (share > 0 && diagonal(i) < kSmall * diagonal(other));
+      if (!belongs || share <= most) return;
+      most = share;
+      owner[i] = other;
+    });
+    if (owner[i] == i) largest.add(connected[i], i);
+  }
+  // In the order of the connected parts.
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(connected.size(), kNone);
+  std::vector<std::uint32_t> things;
+  std::uint32_t next = 0;
+  for (const std::uint32_t o : owner) {
+    if (number[o] == kNone) number[o] = next++;
+    things.push_back(number[o]);
+  }
+  return things;
+}
+
+}  // namespace scanmill

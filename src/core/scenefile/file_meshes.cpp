@@ -1,0 +1,110 @@
+#include "scenefile/file_meshes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "assets/gltf/reader.h"
+#include "base/error.h"
+#include "formats/cloud_file.h"
+#include "scenefile/survey_options.h"
+
+namespace scanmill {
+namespace {
+
+// A clip that plays is a mesh for every so much of it.
+constexpr double kMoment = 0.05;  // s
+constexpr double kMostMoments = 48;
+
+// Objects with equal keys share a mesh.
+std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
+  std::error_code ignored;
+  const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
+  std::string key = fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", (ignored ? file : canonical).string(), labelling.file,
+                                asset.metresPerUnit, asset.up.value_or('-'), static_cast<int>(asset.alpha),
+                                asset.allowOutside, labelling.things.text());
+  key += '\n' + keyOf(asset.points, asset.heights);
+  if (asset.clip) key += fmt::format("\n{}\n{}", asset.clip->clip, asset.clip->time);
+  for (const Rule& r : labelling.rules) {
+    for (const std::string& text : {describe(r), r.className, r.materialName}) {
+      key += fmt::format("\n{}:{}", text.size(), text);
+    }
+    key += fmt::format("\n{} {}", r.within, r.drop);
+    for (const std::optional<Between>& b : {r.height, r.slope, r.size}) {
+      if (b) key += fmt::format(" {} {}", b->low, b->high);
+    }
+    if (r.box) {
+      for (const Vec3d& c : {r.box->low, r.box->high}) key += fmt::format(" {} {} {}", c.x, c.y, c.z);
+    }
+  }
+  return key;
+}
+
+}  // namespace
+
+const std::vector<PlacedMesh>& FileMeshes::read(const std::filesystem::path& file, const AssetOptions& options,
+                                                const Labelling& labelling, const Location& where) {
+  const std::string key = meshKey(file, options, labelling);
+  auto known = meshes_.find(key);
+  if (known == meshes_.end()) {
+    known = meshes_.emplace(key, addAsset(builder_, load(file, options, labelling, where), labelling, where)).first;
+  }
+  return known->second;
+}
+
+// All have the materials of the first, so that pictures are kept once.
+std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path& file, AssetOptions options,
+                                                     Labelling labelling, const std::string& clip,
+                                                     const Location& where) {
+  std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
+  if (known != nullptr) return known;
+  const auto animation = std::make_shared<Animation>();
+  std::map<std::pair<std::uint32_t, std::string>, Material> materials;  // by node and name
+  const auto addMoment = [&](double time) {
+    options.clip = {clip, time};
+    Asset moment = load(file, options, labelling, where);
+    for (AssetPart& part : moment.parts) {
+      const auto [first, isNew] = materials.emplace(std::pair{part.nodeIndex, part.material}, part.fileMaterial);
+      if (!isNew) part.fileMaterial = first->second;
+    }
+    animation->meshes.push_back(addAsset(builder_, std::move(moment), labelling, where).front().mesh);
+    options.textures = false;
+    labelling.counted = true;
+  };
+  addMoment(0);  // which is as at its first key frame
+  const auto [first, last] = gltf::clipSpan(file, clip);
+  const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
+  for (int k = 1; k < moments; ++k) addMoment(first + (last - first) * k / moments);
+  animation->period = std::max(last - first, 1e-3);
+  animation->until = std::numeric_limits<double>::infinity();
+  return known = animation;
+}
+
+// Decoding base colours can cost more than all the rest, and materials of the library seldom need them: where rules
+// name materials, the asset is read without textures first, and again only if some part shows its own.
+Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
+                       const Location& where) const {
+  try {
+    const auto any = [&](const auto& is) { return std::any_of(labelling.rules.begin(), labelling.rules.end(), is); };
+    if (any([](const Rule& rule) { return !rule.colors.empty(); })) {
+      AssetOptions colored = options;
+      colored.textures = true;
+      return readAsset(file, colored);
+    }
+    if (isCloud(file)) return readAsset(file, options);  // textures are what points have
+    const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
+    if (!options.textures || !mayDoWithout) return readAsset(file, options);
+    AssetOptions plain = options;
+    plain.textures = false;
+    Asset asset = readAsset(file, plain);
+    if (showsTextures(builder_, asset, labelling)) asset = readAsset(file, options);
+    return asset;
+  } catch (const InputError& e) {
+    throw InputError(where, e.what());
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,356 @@
+#include "scenefile/labelling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "assets/asset_parts.h"
+#include "scene/triangle_faults.h"
+#include "scenefile/part_traits.h"
+
+namespace scanmill {
+namespace {
+
+constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // of a mesh
+
+// A part that a rule gives a material keeps its own texture where that decides which beams pass: alpha cut-outs.
+Material withMaterial(const Material& material, const Material& own) {
+  Material m = material;
+  m.textured = material.textured && own.texture;
+  if (!m.textured && !own.alphaTested) return m;
+  m.texture = own.texture;
+  m.textureMean = own.textureMean;
+  m.alphaTested = own.alphaTested;
+  m.alphaCutoff = own.alphaCutoff;
+  m.name = fmt::format("{} ({})", material.name, own.name);
+  return m;
+}
+
+// Triangles of a part that the same rules decide on.
+struct LabelledPart {
+  AssetPart part;
+  const Rule* classRule = nullptr;  // null: no rule gives a class, or drops them
+  const Rule* materialRule = nullptr;
+};
+
+// Which of the rules a part's names do not rule out.
+std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labelling) {
+  std::vector<std::size_t> found;
+  for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+    if (matchesNames(labelling.rules[r], {part.node, part.material, part.texture, labelling.file})) found.push_back(r);
+  }
+  return found;
+}
+
+// Takes the decisions that are still open, and says whether it has taken one.
+bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule) {
+  const bool decides = rule.decides() && classRule == nullptr;
+  const bool covers = !rule.materialName.empty() && materialRule == nullptr;
+  if (decides) classRule = &rule;
+  if (covers) materialRule = &rule;
+  return decides || covers;
+}
+
+// What a rule gives to what it matches, in words.
+std::string gives(const Rule& rule) {
+  std::string text = rule.drop ? "nothing: it drops them" : rule.className;
+  if (!rule.materialName.empty()) text += (text.empty() ? "material " : ", material ") + rule.materialName;
+  return text;
+}
+
+// How many triangles each rule matches, and of how many it decides.
+struct RuleCounts {
+  std::vector<std::uint64_t> matched, decided;
+  explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
+};
+
+// Takes some of a part's triangles, of each as many vertices as they use. All of its calls share one table, so that
+// each costs no more than what it takes.
+class Taker {
+ public:
+  explicit Taker(const AssetPart& part) : part_(part), moved_(part.positions.size(), kNew) {}
+
+  AssetPart take(const std::vector<std::size_t>& triangles) {
+    AssetPart out;
+    out.node = part_.node;
+    out.nodeIndex = part_.nodeIndex;
+    out.material = part_.material;
+    out.texture = part_.texture;
+    out.fileMaterial = part_.fileMaterial;
+    out.color = part_.color;
+    out.ownClass = part_.ownClass;
+    std::vector<std::uint32_t> touched;
+    for (const std::size_t number : triangles) {
+      Triangle t = part_.triangles[number];
+      for (std::uint32_t& corner : t) {
+        std::uint32_t& to = moved_[corner];
+        if (to == kNew) {
+          to = static_cast<std::uint32_t>(out.positions.size());
+          touched.push_back(corner);
+          out.positions.push_back(part_.positions[corner]);
+          if (!part_.uvs.empty()) out.uvs.push_back(part_.uvs[corner]);
+        }
+        corner = to;
+      }
+      out.triangles.push_back(t);
+    }
+    for (const std::uint32_t corner : touched) moved_[corner] = kNew;
+    return out;
+  }
+
+ private:
+  static constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
+  const AssetPart& part_;
+  std::vector<std::uint32_t> moved_;  // of the vertices taken, their new numbers
+};
+
+void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
+                std::vector<LabelledPart>& out) {
+  const std::vector<std::size_t> named = rulesFor(part, labelling);
+  const auto rule = [&](std::size_t r) -> const Rule& { return labelling.rules[r]; };
+  if (std::none_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).byTriangle(); })) {
+    LabelledPart whole;
+    for (const std::size_t r : named) {
+      counts.matched[r] += part.triangles.size();
+      if (decide(rule(r), whole.classRule, whole.materialRule)) counts.decided[r] += part.triangles.size();
+    }
+    whole.part = std::move(part);
+    out.push_back(std::move(whole));
+    return;
+  }
+  const PartTraits traits(part, frame,
+                          std::any_of(named.begin(), named.end(), [&](std::size_t r) { return rule(r).size; }));
+  std::map<std::pair<const Rule*, const Rule*>, std::vector<std::size_t>> groups;
+  for (std::size_t t = 0; t < part.triangles.size(); ++t) {
+    const TriangleTraits own = traits.at(t);
+    const Rule* classRule = nullptr;
+    const Rule* materialRule = nullptr;
+    for (const std::size_t r : named) {
+      if (!matchesTriangle(rule(r), own)) continue;
+      ++counts.matched[r];
+      if (decide(rule(r), classRule, materialRule)) ++counts.decided[r];
+    }
+    groups[{classRule, materialRule}].push_back(t);
+  }
+  Taker taker(part);
+  for (const auto& [rules, triangles] : groups) out.push_back({taker.take(triangles), rules.first, rules.second});
+}
+
+double lowestOf(const std::vector<AssetPart>& parts) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const AssetPart& part : parts) {
+    for (const Triangle& t : part.triangles) {
+      for (const std::uint32_t corner : t) {
+        if (isFinite(part.positions[corner])) lowest = std::min(lowest, static_cast<double>(part.positions[corner].z));
+      }
+    }
+  }
+  return lowest;
+}
+
+void append(Mesh& mesh, AssetPart part, std::uint16_t surface, bool withUvs) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  const auto take = [](auto& to, auto& from) {
+    if (to.empty()) {
+      to = std::move(from);
+    } else {
+      to.insert(to.end(), from.begin(), from.end());
+    }
+  };
+  take(mesh.positions, part.positions);
+  if (withUvs) {
+    take(mesh.uvs, part.uvs);
+    mesh.uvs.resize(mesh.positions.size());
+  }
+  for (Triangle& t : part.triangles) t = {first + t[0], first + t[1], first + t[2]};
+  take(mesh.triangles, part.triangles);
+  mesh.surfaceOf.resize(mesh.triangles.size(), surface);
+}
+
+void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labelling, const Location& where) {
+  std::uint64_t vertices = 0;
+  for (const LabelledPart& p : parts) vertices += p.part.positions.size();
+  constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
+  if (vertices > kMostVertices || parts.size() > kMostSurfaces) {
+    throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices; at most {} and {} fit "
+                                        "one file: split it",
+                                        labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
+  }
+}
+
+// Divides parts that hold several things. Gives each part the number of its thing, 0 where it is of none.
+std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
+                                        const ThingBounds& bounds, const std::string& file) {
+  std::vector<ThingTriangles> ofThings;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (classes[i] != nullptr && classes[i]->thing) ofThings.push_back({&parts[i].part, classes[i]->id});
+  }
+  const std::vector<std::vector<std::uint32_t>> numbers = numberThings(bounds, ofThings);
+  std::uint32_t things = 0;
+  for (const std::vector<std::uint32_t>& own : numbers) {
+    if (!own.empty()) things = std::max(things, *std::max_element(own.begin(), own.end()));
+  }
+  if (bounds.by == ThingBounds::By::Part && things > kMostSurfaces) {
+    throw InputError(bounds.where, fmt::format("'{}' comes apart into {} connected things; at most {} are told apart: "
+                                               "take `instances: node` or object, or give a class of things to less of "
+                                               "it",
+                                               file, things, kMostSurfaces));
+  }
+  std::vector<LabelledPart> divided;
+  std::vector<const SemanticClass*> dividedClasses;
+  std::vector<std::uint32_t> objects;
+  const auto add = [&](LabelledPart part, const SemanticClass* semantic, std::uint32_t object) {
+    divided.push_back(std::move(part));
+    dividedClasses.push_back(semantic);
+    objects.push_back(object);
+  };
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    LabelledPart& whole = parts[i];
+    std::map<std::uint32_t, std::vector<std::size_t>> trianglesOf;
+    if (classes[i] != nullptr && classes[i]->thing) {
+      const std::vector<std::uint32_t>& own = numbers[next++];
+      for (std::size_t t = 0; t < own.size(); ++t) trianglesOf[own[t]].push_back(t);
+    }
+    if (trianglesOf.size() < 2) {
+      add(std::move(whole), classes[i], trianglesOf.empty() ? 0 : trianglesOf.begin()->first);
+      continue;
+    }
+    Taker taker(whole.part);
+    for (const auto& [object, triangles] : trianglesOf) {
+      add({taker.take(triangles), whole.classRule, whole.materialRule}, classes[i], object);
+    }
+  }
+  parts = std::move(divided);
+  classes = std::move(dividedClasses);
+  return objects;
+}
+
+// The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
+// have lost already, and in the end all.
+std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
+                                      const Labelling& labelling, const Location& where, RuleCounts& counts,
+                                      Dropped& dropped) {
+  const PartFrame frame{origin, lowestOf(assetParts)};
+  std::vector<LabelledPart> parts;
+  for (AssetPart& part : assetParts) {
+    // Slivers that hang together with nothing are no things.
+    if (labelling.things.by == ThingBounds::By::Part) {
+      std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
+    }
+    applyRules(std::move(part), labelling, frame, counts, parts);
+  }
+  std::erase_if(parts, [](const LabelledPart& p) { return p.classRule != nullptr && p.classRule->drop; });
+
+  std::vector<const SemanticClass*> classes;
+  for (const LabelledPart& p : parts) {
+    const Rule* const rule = p.classRule;
+    classes.push_back(rule == nullptr ? builder.ontology().find(p.part.ownClass)
+                                      : &builder.ontology().require(rule->className, rule->where));
+  }
+  const std::vector<std::uint32_t> objects = divideThings(parts, classes, labelling.things, labelling.file);
+  checkSize(parts, labelling, where);
+
+  Mesh mesh;
+  mesh.name = labelling.file;
+  std::vector<Material> materials;
+  bool withUvs = false;
+  for (const LabelledPart& p : parts) {
+    const Material& own = p.part.fileMaterial;
+    const Rule* const rule = p.materialRule;
+    materials.push_back(rule ? withMaterial(builder.library().require(rule->materialName, rule->where), own) : own);
+    withUvs = withUvs || materials.back().texture;
+  }
+  std::vector<UnlabeledPart> names;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    AssetPart& part = parts[i].part;
+    Surface surface;
+    surface.material = builder.addMaterial(materials[i]);
+    surface.semantic = classes[i] ? classes[i]->id : std::uint16_t{0};
+    surface.object = objects[i];
+    surface.node = part.node;
+    surface.texture = part.texture;
+    if (parts[i].classRule != nullptr) surface.labelledBy = parts[i].classRule->where;
+    mesh.surfaces.push_back(std::move(surface));
+    names.push_back({labelling.file, part.material, part.texture, part.node});
+    append(mesh, std::move(part), static_cast<std::uint16_t>(i), withUvs);
+  }
+
+  dropped += clean(mesh);
+  if (mesh.triangles.empty()) return std::nullopt;
+  std::vector<std::uint64_t> triangles(mesh.surfaces.size());
+  for (const std::uint16_t surface : mesh.surfaceOf) ++triangles[surface];
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (!classes[i] && triangles[i] > 0 && !labelling.counted) builder.addUnlabeled(names[i], triangles[i]);
+  }
+  return builder.addMesh(std::move(mesh));
+}
+
+}  // namespace
+
+bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling) {
+  const auto shows = [&](const AssetPart& part) {
+    if (part.texture.empty()) return false;
+    for (const std::size_t r : rulesFor(part, labelling)) {
+      const Rule& rule = labelling.rules[r];
+      if (!rule.colors.empty()) return true;
+      if (rule.materialName.empty()) continue;
+      const bool textured = builder.library().require(rule.materialName, rule.where).textured;
+      if (textured || !rule.byTriangle()) return textured;
+    }
+    return true;
+  };
+  return std::any_of(asset.parts.begin(), asset.parts.end(), shows) ||
+         std::any_of(asset.instanced.begin(), asset.instanced.end(), [&](const InstancedParts& instanced) {
+           return std::any_of(instanced.parts.begin(), instanced.parts.end(), shows);
+         });
+}
+
+std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
+                                 const Location& where) {
+  // Where a triangle is, is where it is in the file.
+  if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
+                  [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
+    flatten(asset);  // of assets that have an origin there are no copies
+  }
+  Dropped dropped = asset.dropped;
+  RuleCounts counts(labelling.rules.size());
+  std::vector<PlacedMesh> meshes;
+  const auto add = [&](std::vector<AssetPart> parts, const Vec3d& origin, std::vector<Affine> places) {
+    if (parts.empty()) return;
+    std::string node = parts.front().node;
+    const std::optional<std::uint32_t> mesh =
+        addParts(builder, std::move(parts), origin, labelling, where, counts, dropped);
+    if (mesh) meshes.push_back({*mesh, std::move(node), std::move(places)});
+  };
+  const bool moved = length(asset.origin) > 0;
+  add(std::move(asset.parts), asset.origin, moved ? std::vector{Affine{{}, asset.origin}} : std::vector<Affine>{});
+  for (InstancedParts& instanced : asset.instanced) {
+    add(std::move(instanced.parts), {}, std::move(instanced.assetFromParts));
+  }
+  if (!labelling.counted) {
+    builder.addDropped(dropped);
+    for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+      const Rule& rule = labelling.rules[r];
+      builder.countRule({rule.where, describe(rule), gives(rule), counts.matched[r], counts.decided[r]});
+    }
+  }
+  if (meshes.empty()) {
+    std::uint64_t byRules = 0;
+    for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
+      if (labelling.rules[r].drop) byRules += counts.decided[r];
+    }
+    throw InputError(where,
+                     fmt::format("'{}' has no triangle that can be traced and that no rule drops: {} are dropped by "
+                                 "rules (sizes and places in rules are in m, after `unit`), {} have vertices that are "
+                                 "not finite, {} no area, {} indices out of range",
+                                 labelling.file, byRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
+  }
+  return meshes;
+}
+
+}  // namespace scanmill

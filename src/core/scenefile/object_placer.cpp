@@ -1,0 +1,123 @@
+#include "scenefile/object_placer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+
+namespace scanmill {
+namespace {
+
+// FNV-1a (Fowler, Noll and Vo; RFC 9923): the same on all machines.
+std::uint32_t hash32(std::string_view text) {
+  std::uint32_t hash = 2166136261U;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return hash;
+}
+
+std::optional<double> readFacing(Fields& object) {
+  if (!object.has("facing")) return {};
+  const std::string way = object.choice("facing", {"x", "y", "-x", "-y"}, "x");
+  return way == "x" ? 0 : way == "y" ? kPi / 2 : way == "-x" ? kPi : -kPi / 2;
+}
+
+}  // namespace
+
+Copies ObjectPlacer::read(Fields& object) const {
+  Copies copies{
+      readPlacement(object), Arrangement(object, builder_.ontology()), object.text("thing", ""), nullptr, nullptr,
+      readFacing(object)};
+  const Value* const moving = object.find("moving");
+  if (moving == nullptr) return copies;
+  if (copies.arrangement.needsSurfaces()) {
+    throw InputError(moving->where,
+                     "scatter and stand_on are for what stands still: give the way of what moves its heights");
+  }
+  copies.movement = readMovement(*moving);
+  return copies;
+}
+
+// The height of the lowest point of meshes that stand so.
+double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const PlacedMesh& m : meshes) {
+    const Mesh& mesh = builder_.soFar().meshes[m.mesh];
+    const Box box = mesh.bounds();
+    const auto add = [&](const Affine& place) {
+      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // tilted: the box's corners are lower than the mesh
+        for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
+        return;
+      }
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                      corner & 4 ? box.high.z : box.low.z};
+        lowest = std::min(lowest, (place * p).z);
+      }
+    };
+    if (m.assetFromMesh.empty()) add(worldFromAsset);
+    for (const Affine& place : m.assetFromMesh) add(worldFromAsset * place);
+  }
+  return lowest;
+}
+
+// An object's random numbers follow from its name, and not from what else is in the scene; objects of one name differ,
+// but those of one thing do not.
+std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
+                                                      std::size_t variants, const Chosen& meshesOf) {
+  const std::uint32_t object =
+      copies.thing.empty() ? hash32(fmt::format("{}\n{}", name, named_[name]++)) : hash32("thing\n" + copies.thing);
+  if (copies.arrangement.needsSurfaces()) {
+    if (!heights_) heights_.emplace(builder_.soFar());
+    heights_->update();
+  }
+  return copies.arrangement.places(
+      copies.placement, builder_.soFar(), heights_ ? &*heights_ : nullptr, seed_, object, variants,
+      [&](const Arrangement::Copy& c) { return lowestOf(meshesOf(c.variant), c.worldFromMesh); });
+}
+
+void ObjectPlacer::place(const Variants& variants, const std::string& name, const Copies& copies,
+                         const Location& where) {
+  std::vector<const std::vector<PlacedMesh>*> known(variants.count, nullptr);
+  const Chosen meshesOf = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
+    if (known[k] == nullptr) known[k] = &variants.meshes(k);
+    return *known[k];
+  };
+  const std::vector<Arrangement::Copy> places = placesOf(copies, name, variants.count, meshesOf);
+  std::uint64_t count = 0;
+  for (const Arrangement::Copy& copy : places) {
+    for (const PlacedMesh& m : meshesOf(copy.variant)) count += std::max<std::size_t>(m.assetFromMesh.size(), 1);
+  }
+  placed_ += count;
+  if (placed_ > Placement::kMostCopies) {
+    throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
+                                        count, placed_, Placement::kMostCopies));
+  }
+  std::uint64_t number = 0;
+  for (const auto& [worldFromAsset, variant, copyNumber] : places) {
+    ++number;
+    const std::string own = places.size() == 1 ? name : fmt::format("{}#{}", name, number);
+    const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, copyNumber);
+    const std::vector<PlacedMesh>& meshes = meshesOf(variant);
+    for (const PlacedMesh& m : meshes) {
+      if (m.assetFromMesh.empty()) {
+        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation, thing).facing =
+            copies.facing;
+      }
+      for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
+        const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
+        builder_
+            .place(m.mesh, worldFromAsset * m.assetFromMesh[i],
+                   alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement, nullptr, thing)
+            .facing = copies.facing;
+      }
+    }
+  }
+}
+
+void ObjectPlacer::place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
+                         const Location& where) {
+  place({1, [&](std::size_t) -> const std::vector<PlacedMesh>& { return meshes; }}, name, copies, where);
+}
+
+}  // namespace scanmill

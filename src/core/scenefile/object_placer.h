@@ -1,0 +1,65 @@
+#pragma once
+
+// Puts the copies of an object into a scene.
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/fields.h"
+#include "scene/builder.h"
+#include "scene/surface_heights.h"
+#include "scenefile/arrangement.h"
+#include "scenefile/labelling.h"
+#include "scenefile/placement.h"
+
+namespace scanmill {
+
+// Where an object's copies stand.
+struct Copies {
+  Placement placement;
+  Arrangement arrangement;
+  std::string thing;                           // that the n-th copies of all objects with it are; empty: none
+  std::shared_ptr<const Movement> movement;    // null: it stands still
+  std::shared_ptr<const Animation> animation;  // null: it keeps its mesh
+  std::optional<double> facing = {};           // see Instance
+};
+
+// The meshes that a copy may have, one of several sets at random.
+struct Variants {
+  std::size_t count = 1;
+  // Called once for each set that a copy has. What it returns must last until all are placed.
+  std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
+};
+
+class ObjectPlacer {
+ public:
+  ObjectPlacer(SceneBuilder& builder, std::uint64_t seed) : builder_(builder), seed_(seed) {}
+
+  // Reads the keys of an object's places from its map. Throws InputError with the place.
+  Copies read(Fields& object) const;
+
+  // Places all copies, in order. Throws InputError, at `where` for more than Placement::kMostCopies in the scene.
+  void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
+  // The same of an object of one shape.
+  void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
+             const Location& where);
+
+ private:
+  using Chosen = std::function<const std::vector<PlacedMesh>&(std::size_t)>;
+  double lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const;
+  std::vector<Arrangement::Copy> placesOf(const Copies& copies, const std::string& name, std::size_t variants,
+                                          const Chosen& meshesOf);
+
+  SceneBuilder& builder_;
+  std::uint64_t seed_;
+  std::optional<SurfaceHeights> heights_;
+  std::uint64_t placed_ = 0;
+  std::map<std::string, std::uint32_t> named_;  // how many objects of a name there were
+};
+
+}  // namespace scanmill

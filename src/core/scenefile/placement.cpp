@@ -1,0 +1,107 @@
+#include "scenefile/placement.h"
+
+#include <fmt/format.h>
+
+namespace scanmill {
+namespace {
+
+constexpr double kFarthest = 1e9;  // m; UTM coordinates reach 1e7
+
+Vec3d readScale(const Value& value) {
+  Vec3d scale;
+  if (value.kind == Value::Kind::Sequence) {
+    scale = readVec3(value, "scale");
+  } else {
+    const double s = readNumber(value, "scale");
+    scale = {s, s, s};
+  }
+  for (const double s : {scale.x, scale.y, scale.z}) {
+    if (std::abs(s) < 1e-9 || std::abs(s) > 1e9) {
+      throw InputError(value.where,
+                       fmt::format("scale must be from 1e-9 to 1e9 in size and may not be zero, found {}", s));
+    }
+  }
+  return scale;
+}
+
+Placement::Copy readCopy(Fields& f) {
+  Placement::Copy copy;
+  copy.pose = f.pose();
+  const Vec3d& p = copy.pose.translation;
+  if (std::abs(p.x) > kFarthest || std::abs(p.y) > kFarthest || std::abs(p.z) > kFarthest) {
+    throw InputError(f.require("position").where, "position is more than 1e9 m from the origin");
+  }
+  if (const Value* scale = f.find("scale")) copy.scale = readScale(*scale);
+  return copy;
+}
+
+void readGrid(const Value& value, Placement& placement) {
+  Fields f(value, "grid");
+  const Value& count = f.require("count");
+  if (count.kind != Value::Kind::Sequence || count.items.size() != 3) {
+    throw InputError(count.where, "count must be [nx, ny, nz]");
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    placement.gridCount[i] = readInteger(count.items[i], "count", 1, 1'000'000'000);
+  }
+  placement.gridSpacing = readVec3(f.require("spacing"), "spacing");
+  f.finish();
+}
+
+void readCopies(const Value& value, Placement& placement) {
+  Fields f(value, "copies");
+  if (const Value* at = f.find("at")) {
+    if (at->kind != Value::Kind::Sequence || at->items.empty()) {
+      throw InputError(at->where, "at must be a list of places such as {position: [x, y, z]}");
+    }
+    placement.at.clear();
+    for (const Value& item : at->items) {
+      Fields place(item, "copy");
+      placement.at.push_back(readCopy(place));
+      place.finish();
+    }
+  }
+  if (const Value* grid = f.find("grid")) readGrid(*grid, placement);
+  f.also({"scatter", "along"}).finish();  // see arrangement.h
+  const auto& n = placement.gridCount;
+  const double total = double(n[0]) * double(n[1]) * double(n[2]) * double(placement.at.size());
+  if (total > double(Placement::kMostCopies)) {
+    throw InputError(value.where,
+                     fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies; at most {} are made", n[0], n[1],
+                                 n[2], placement.at.size(), total, Placement::kMostCopies));
+  }
+}
+
+}  // namespace
+
+std::uint64_t Placement::count() const {
+  return static_cast<std::uint64_t>(gridCount[0] * gridCount[1] * gridCount[2]) * at.size();
+}
+
+void Placement::forEach(const std::function<void(const Affine&)>& visit) const {
+  const auto visitCell = [&](const Vec3d& cell) {
+    for (const Copy& copy : at) {
+      const Pose worldFromCopy = object.pose * Pose{{}, cell} * copy.pose;
+      const Vec3d scale{object.scale.x * copy.scale.x, object.scale.y * copy.scale.y, object.scale.z * copy.scale.z};
+      visit(toAffine(worldFromCopy) * Affine{Mat3::scale(scale), {}});
+    }
+  };
+  for (std::int64_t k = 0; k < gridCount[2]; ++k) {
+    for (std::int64_t j = 0; j < gridCount[1]; ++j) {
+      for (std::int64_t i = 0; i < gridCount[0]; ++i) {
+        visitCell({double(i) * gridSpacing.x, double(j) * gridSpacing.y, double(k) * gridSpacing.z});
+      }
+    }
+  }
+}
+
+Placement readPlacement(Fields& object) {
+  Placement placement;
+  placement.scaled = object.has("scale");
+  placement.copied = object.has("copies");
+  placement.object = readCopy(object);
+  if (const Value* copies = object.find("copies")) readCopies(*copies, placement);
+  return placement;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,355 @@
+#include "scenefile/rules.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <map>
+#include <regex>
+
+#include "config/fields.h"
+
+namespace scanmill {
+namespace {
+
+// std::regex recurses over the text: longer names could exhaust the stack.
+constexpr std::size_t kLongestName = 4096;
+
+bool isRegex(const std::string& pattern) {
+  return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
+}
+
+// Compiling costs far more than matching, and each part of an asset meets the same few patterns.
+const std::regex& compiled(const std::string& pattern, const Location& where) {
+  thread_local std::map<std::string, std::regex> cache;
+  const auto known = cache.find(pattern);
+  if (known != cache.end()) return known->second;
+  try {
+    return cache.emplace(pattern, std::regex(pattern.substr(1, pattern.size() - 2))).first->second;
+  } catch (const std::regex_error& e) {
+    throw InputError(where, fmt::format("bad regular expression {}: {}", pattern, e.what()));
+  }
+}
+
+// Matches `c` against the set that starts at pattern[at] == '[', and moves `at` behind it. A '[' that is never closed
+// stands for itself.
+bool matchesSet(std::string_view pattern, std::size_t& at, char c) {
+  std::size_t i = at + 1;
+  const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
+  if (negated) ++i;
+  const std::size_t close = pattern.find(']', i + 1);
+  if (close == std::string_view::npos) {
+    ++at;
+    return c == '[';
+  }
+  bool found = false;
+  while (i < close) {
+    if (i + 2 < close && pattern[i + 1] == '-') {
+      found = found || (pattern[i] <= c && c <= pattern[i + 2]);
+      i += 3;
+    } else {
+      found = found || pattern[i] == c;
+      ++i;
+    }
+  }
+  at = close + 1;
+  return found != negated;
+}
+
+// On a mismatch only the latest '*' takes one more character: linear in memory, at worst quadratic in time.
+bool matchesGlob(std::string_view pattern, std::string_view text) {
+  constexpr std::size_t kNone = std::string_view::npos;
+  std::size_t p = 0;
+  std::size_t t = 0;
+  std::size_t star = kNone;
+  std::size_t starText = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      starText = t;
+      continue;
+    }
+    std::size_t next = p;
+    bool fits = false;
+    if (p < pattern.size()) {
+      if (pattern[p] == '[') {
+        fits = matchesSet(pattern, next, text[t]);
+      } else {
+        fits = pattern[p] == '?' || pattern[p] == text[t];
+        next = p + 1;
+      }
+    }
+    if (fits) {
+      p = next;
+      ++t;
+    } else if (star != kNone) {
+      p = star + 1;
+      t = ++starText;
+    } else {
+      return false;
+    }
+  }
+  while (p < pattern.size() && pattern[p] == '*') ++p;
+  return p == pattern.size();
+}
+
+constexpr std::size_t kMostAlternatives = 1000;
+
+// "a{b,c{d,e}}" means ab, acd and ace. Braces that are never closed, or hold no comma, stand for themselves.
+void expandBraces(const std::string& pattern, std::vector<std::string>& out, const Location& where) {
+  for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', open + 1)) {
+    std::vector<std::size_t> commas{open};
+    int depth = 1;
+    std::size_t close = open + 1;
+    for (; close < pattern.size(); ++close) {
+      if (pattern[close] == '{') ++depth;
+      if (pattern[close] == '}' && --depth == 0) break;
+      if (pattern[close] == ',' && depth == 1) commas.push_back(close);
+    }
+    if (close == pattern.size() || commas.size() < 2) continue;
+    commas.push_back(close);
+    for (std::size_t k = 0; k + 1 < commas.size(); ++k) {
+      expandBraces(pattern.substr(0, open) + pattern.substr(commas[k] + 1, commas[k + 1] - commas[k] - 1) +
+                       pattern.substr(close + 1),
+                   out, where);
+    }
+    return;
+  }
+  out.push_back(pattern);
+  if (out.size() > kMostAlternatives) {
+    throw InputError(where, fmt::format("the braces of a pattern mean over {} alternatives", kMostAlternatives));
+  }
+}
+
+const std::vector<std::string>& alternatives(const std::string& pattern, const Location& where) {
+  thread_local std::map<std::string, std::vector<std::string>> cache;
+  const auto known = cache.find(pattern);
+  if (known != cache.end()) return known->second;
+  std::vector<std::string> expanded;
+  expandBraces(pattern, expanded, where);
+  return cache.emplace(pattern, std::move(expanded)).first->second;
+}
+
+std::string readPattern(Fields& match, std::string_view key) {
+  const Value* value = match.find(key);
+  if (!value) return {};
+  std::string pattern = readText(*value, key);
+  if (pattern.empty()) {
+    throw InputError(value->where, fmt::format("the pattern of '{}' is empty; leave it out, or write \"*\"", key));
+  }
+  if (isRegex(pattern)) {
+    compiled(pattern, value->where);
+  } else {
+    alternatives(pattern, value->where);
+  }
+  return pattern;
+}
+
+Rgb readColor(const Value& value) {
+  const std::string text = value.kind == Value::Kind::Scalar ? value.text : std::string();
+  std::uint32_t number = 0;
+  const bool hexadecimal =
+      text.size() == 7 && text[0] == '#' &&
+      std::from_chars(text.data() + 1, text.data() + 7, number, 16).ptr == text.data() + text.size();
+  if (!hexadecimal) {
+    throw InputError(
+        value.where,
+        "a color is a text in quotes such as \"#8fb34d\", red, green and blue: `scanmill info` of the file "
+        "lists them");
+  }
+  return {static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
+          static_cast<std::uint8_t>(number)};
+}
+
+std::vector<Rgb> readColors(const Value* value) {
+  std::vector<Rgb> colors;
+  if (value == nullptr) return colors;
+  if (value->kind != Value::Kind::Sequence) return {readColor(*value)};
+  for (const Value& item : value->items) colors.push_back(readColor(item));
+  if (colors.empty()) throw InputError(value->where, "color is an empty list; leave it out");
+  return colors;
+}
+
+constexpr Range kLengths{-1e7, 1e7};  // m
+
+std::optional<Between> readBetween(Fields& match, std::string_view key) {
+  const Value* const value = match.find(key);
+  if (value == nullptr) return std::nullopt;
+  const std::vector<double> bounds = match.numbers(key, kLengths);
+  if (bounds.size() != 2 || bounds[0] > bounds[1]) {
+    throw InputError(value->where,
+                     fmt::format("{0} must be two numbers, the lesser first, such as {0}: [0, 2.5]", key));
+  }
+  return Between{bounds[0], bounds[1]};
+}
+
+std::optional<Box> readBox(const Value* value) {
+  if (value == nullptr) return std::nullopt;
+  std::vector<std::vector<double>> corners;
+  if (value->kind == Value::Kind::Sequence) {
+    for (const Value& corner : value->items) corners.push_back(readNumbers(corner, "box", kLengths));
+  }
+  const auto isCorner = [](const std::vector<double>& c) { return c.size() == 3; };
+  if (corners.size() != 2 || !std::all_of(corners.begin(), corners.end(), isCorner)) {
+    throw InputError(value->where, "box must be two corners, such as [[0, 0, 0], [9, 9, 3]]");
+  }
+  const auto point = [&](std::size_t i) { return Vec3d{corners[i][0], corners[i][1], corners[i][2]}; };
+  const Box box{point(0), point(1)};
+  if (box.low.x > box.high.x || box.low.y > box.high.y || box.low.z > box.high.z) {
+    throw InputError(value->where, "the first corner of a box has the least x, y and z, the second the greatest");
+  }
+  return box;
+}
+
+bool isInside(const Box& box, const Vec3d& p) {
+  return box.low.x <= p.x && p.x <= box.high.x && box.low.y <= p.y && p.y <= box.high.y && box.low.z <= p.z &&
+         p.z <= box.high.z;
+}
+
+Rule readRule(const Value& value) {
+  Fields f(value, "rule");
+  Rule rule;
+  rule.where = value.where;
+  const Value& match = f.require("match");
+  if (match.kind == Value::Kind::Scalar) {
+    if (match.text != "any") {
+      throw InputError(match.where, fmt::format("match must be 'any' or a map of patterns such as {{node: \"tree*\"}}, "
+                                                "found '{}'",
+                                                match.text));
+    }
+  } else {
+    Fields m(match, "match");
+    rule.node = readPattern(m, "node");
+    rule.material = readPattern(m, "material");
+    rule.texture = readPattern(m, "texture");
+    rule.file = readPattern(m, "file");
+    rule.colors = readColors(m.find("color"));
+    if (m.has("within")) {
+      if (rule.colors.empty())
+        throw InputError(m.require("within").where, "within needs a color, from which it counts");
+      rule.within = static_cast<int>(m.integer("within", 0, 255));
+    }
+    rule.box = readBox(m.find("box"));
+    rule.height = readBetween(m, "height");
+    rule.slope = readBetween(m, "slope_deg");
+    if (rule.slope) rule.slope = Between{radians(rule.slope->low), radians(rule.slope->high)};
+    rule.size = readBetween(m, "size");
+    m.finish();
+    if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
+      throw InputError(
+          match.where,
+          "match says nothing: give node, material, texture, file, color, box, height, slope_deg or size, or write "
+          "'any'");
+    }
+  }
+  rule.className = f.text("class", "");
+  rule.materialName = f.text("material", "");
+  rule.drop = f.boolean("drop", false);
+  f.finish();
+  if (rule.drop && !(rule.className.empty() && rule.materialName.empty())) {
+    throw InputError(value.where, "what a rule drops has neither class nor material");
+  }
+  if (!rule.drop && rule.className.empty() && rule.materialName.empty()) {
+    throw InputError(value.where,
+                     "the rule sets neither class nor material; `drop: true` would leave out what it "
+                     "matches");
+  }
+  return rule;
+}
+
+}  // namespace
+
+std::vector<Rule> readRules(const Value& value) {
+  if (value.kind == Value::Kind::Null) return {};
+  if (value.kind != Value::Kind::Sequence) throw InputError(value.where, "rules must be a list of rules");
+  std::vector<Rule> rules;
+  rules.reserve(value.items.size());
+  for (const Value& item : value.items) rules.push_back(readRule(item));
+  return rules;
+}
+
+bool matches(const std::string& pattern, std::string_view text, const Location& where) {
+  if (!isRegex(pattern)) {
+    const std::vector<std::string>& globs = alternatives(pattern, where);
+    return std::any_of(globs.begin(), globs.end(), [&](const std::string& glob) { return matchesGlob(glob, text); });
+  }
+  return matchedText(pattern, text, where).has_value();
+}
+
+std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where) {
+  if (text.size() > kLongestName) {
+    throw InputError(where, fmt::format("a name of {} characters is too long for a regular expression (at most {}); "
+                                        "use a glob",
+                                        text.size(), kLongestName));
+  }
+  try {
+    std::match_results<std::string_view::const_iterator> match;
+    if (!std::regex_search(text.begin(), text.end(), match, compiled(pattern, where))) return std::nullopt;
+    return match[match.size() > 1 ? 1 : 0].str();
+  } catch (const std::regex_error& e) {
+    throw InputError(where, fmt::format("regular expression {} fails on '{}': {}", pattern, text, e.what()));
+  }
+}
+
+std::string_view textureName(std::string_view path) {
+  const std::size_t last = path.find_last_of("/\\");
+  return last == std::string_view::npos ? path : path.substr(last + 1);
+}
+
+bool matchesNames(const Rule& rule, const Names& names) {
+  const auto holds = [&](const std::string& pattern, std::string_view text) {
+    return pattern.empty() || matches(pattern, text, rule.where);
+  };
+  const auto holdsTexture = [&] {
+    if (rule.texture.empty()) return true;
+    if (isRegex(rule.texture) || rule.texture.find('/') != std::string::npos) {
+      std::string path(names.texture);
+      std::replace(path.begin(), path.end(), '\\', '/');
+      return matches(rule.texture, path, rule.where);
+    }
+    return matches(rule.texture, textureName(names.texture), rule.where);
+  };
+  return holds(rule.node, names.node) && holds(rule.material, names.material) && holdsTexture() &&
+         holds(rule.file, names.file);
+}
+
+bool matchesTriangle(const Rule& rule, const TriangleTraits& traits) {
+  const auto isNear = [&](const Rgb& color) {
+    for (std::size_t c = 0; c < color.size(); ++c) {
+      if (std::abs(int{color[c]} - int{traits.color[c]}) > rule.within) return false;
+    }
+    return true;
+  };
+  return (rule.colors.empty() || std::any_of(rule.colors.begin(), rule.colors.end(), isNear)) &&
+         (!rule.box || isInside(*rule.box, traits.middle)) && (!rule.height || rule.height->holds(traits.height)) &&
+         (!rule.slope || rule.slope->holds(traits.slope)) && (!rule.size || rule.size->holds(traits.size));
+}
+
+std::string describe(const Rule& rule) {
+  std::vector<std::string> parts;
+  for (const auto& [key, pattern] : {std::pair{"node", &rule.node},
+                                     {"material", &rule.material},
+                                     {"texture", &rule.texture},
+                                     {"file", &rule.file}}) {
+    if (!pattern->empty()) parts.push_back(fmt::format("{}: {}", key, *pattern));
+  }
+  if (!rule.colors.empty()) {
+    std::vector<std::string> colors;
+    for (const Rgb& c : rule.colors) colors.push_back(fmt::format("#{:02x}{:02x}{:02x}", c[0], c[1], c[2]));
+    parts.push_back(fmt::format("color: {}", fmt::join(colors, " ")));
+  }
+  if (rule.box) {
+    const auto& [low, high] = *rule.box;
+    parts.push_back(fmt::format("box: {:g} {:g} {:g} to {:g} {:g} {:g}", low.x, low.y, low.z, high.x, high.y, high.z));
+  }
+  if (rule.height) parts.push_back(fmt::format("height: {:g} to {:g}", rule.height->low, rule.height->high));
+  if (rule.slope) {
+    parts.push_back(fmt::format("slope_deg: {:g} to {:g}", degrees(rule.slope->low), degrees(rule.slope->high)));
+  }
+  if (rule.size) parts.push_back(fmt::format("size: {:g} to {:g}", rule.size->low, rule.size->high));
+  return parts.empty() ? "any" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+}  // namespace scanmill

@@ -1,0 +1,475 @@
+// A scene file, scenes/*.yaml:
+//
+//   name: town                           # default: the file's name
+//   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths; or one of the program's own: scanmill
+//   materials: ../labels/materials.yaml
+//   assets: ${SCANMILL_ASSETS}/town      # where relative `file`s start; default: this file's folder
+//   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
+//   objects: [...]
+//
+// An object is one of
+//
+//   file: car.glb                        # an asset; or {one_of: [...]} of files and folders: each copy is one of them
+//   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
+//                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
+//                                        # OBJ, PLY, STL and all others
+//   unit: 0.01                           # metres per unit of the file; default 1; COLLADA and FBX declare theirs, and
+//                                        # this is a factor on top
+//   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
+//                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
+//                                        # where they do not, what looks like cut-outs: see AlphaUse in
+//                                        # assets/asset.h)
+//   instances: node                      # node: each node with a thing class is a thing of its own; part: what is
+//                                        # connected; /chair_[0-9]+/: nodes whose names match alike; object (default,
+//                                        # but for clouds): the placed asset is one thing. See scenefile/things.h
+//   thing: tree_1                        # what all objects with this key and name are together, copy by copy
+//   points: {...}, heights: {...}        # of clouds of points and rasters of heights: see
+//                                        # scenefile/survey_options.h
+//   animation: {clip: walk}              # of glTF: it plays over and over; with time_s it stands as it is then
+//   rules: [...]                         # see scenefile/rules.h; what match: {file: ...} sees is `file` as written
+//   here class: car, material: car_paint      # one more rule, which fits everything
+//
+//   The class of a part comes from the first that fits and names one, of: the object's rules in their order, the
+//   object's class, the scene's rules in their order. So does the material. Hence an object's class hides the classes
+//   of all the scene's rules, but not their materials, unless the object has a material too.
+//
+//   primitive: box                       # class and material are required. Centred at the origin, in metres:
+//   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
+//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (height is that of
+//                                        #   the cylinder between the half spheres)
+//
+//   street: {...}                        # see town/street/street.h
+//   town: {...}                          # see town/town.h
+//
+// and has a name, a position and copies (see scenefile/placement.h and scenefile/arrangement.h), and, but for streets
+// and towns, may move:
+//
+//   facing: -y                           # the way that the model faces: for boxes of objects
+//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to it
+
+#include "scenefile/scene_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "assets/asset.h"
+#include "assets/asset_files.h"
+#include "assets/surveys/height_asset.h"
+#include "config/distribution.h"
+#include "config/file_kind.h"
+#include "config/text.h"
+#include "formats/cloud_file.h"
+#include "scene/builder.h"
+#include "scene/primitives.h"
+#include "scenefile/file_meshes.h"
+#include "scenefile/labelling.h"
+#include "scenefile/object_placer.h"
+#include "scenefile/placement.h"
+#include "scenefile/rules.h"
+#include "scenefile/survey_options.h"
+#include "town/street/street.h"
+#include "town/town.h"
+
+namespace scanmill {
+namespace {
+
+constexpr Range kLength{1e-6, 1e6};  // m
+
+class SceneReader {
+ public:
+  SceneReader(SceneBuilder& builder, const SceneOptions& options, std::vector<Rule> rules,
+              std::filesystem::path assetFolder)
+      : builder_(builder),
+        options_(options),
+        rules_(std::move(rules)),
+        assetFolder_(std::move(assetFolder)),
+        files_(builder),
+        placer_(builder, options.seed) {
+    checkNames(rules_);
+  }
+
+  void readObject(const Value& value) {
+    Fields f(value, "object");
+    const std::string kind = kindOf(f, value.where);
+    if (kind == "file") return readFileObject(f);
+    if (kind == "primitive") return readPrimitive(f);
+    const bool street = kind == "street";
+    if (towns_ > 0 || (!street && procedural_ > 0)) {
+      throw InputError(value.where, "a town fills the ground about it: one a scene, and no street beside it");
+    }
+    towns_ += street ? 0 : 1;
+    const Affine place = proceduralPlace(f, street ? "street" : "town");
+    Fields fields(f.require(street ? "street" : "town"), street ? "street" : "town");
+    const std::uint64_t seed = seedOfNext(options_.seed, procedural_++);
+    if (street) {
+      addStreet(builder_, fields, seed, place);
+    } else {
+      addTown(builder_, fields, seed, options_.supply, place);
+    }
+  }
+
+  // Which of the four it is. Throws InputError where it is none, or several.
+  static std::string kindOf(Fields& f, const Location& where) {
+    std::string found;
+    int count = 0;
+    for (const char* kind : {"file", "primitive", "street", "town"}) {
+      if (!f.has(kind)) continue;
+      found = kind;
+      ++count;
+    }
+    if (count != 1) {
+      f.also({"file",      "primitive", "street",   "town",          "name",      "position", "yaw_deg",
+              "pitch_deg", "roll_deg",  "rotation", "scale",         "copies",    "up",       "unit",
+              "alpha",     "instances", "rules",    "class",         "material",  "size",     "cells",
+              "radius",    "height",    "segments", "moving",        "animation", "vary",     "stand_on",
+              "points",    "heights",   "thing",    "allow_outside", "facing"})
+          .finish();
+      throw InputError(where,
+                       "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
+                       "keys keep their defaults)");
+    }
+    return found;
+  }
+
+  // Some of it follows from the seed.
+  bool procedural() const { return procedural_ > 0 || random_; }
+
+  // Odd, so that the streets of one scene and those of the scenes with the next seeds all differ.
+  static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
+    return seed + 0x9E3779B97F4A7C15 * before;
+  }
+
+  // Where a street or a town stands; all of the object's own keys but the one that says what it is.
+  static Affine proceduralPlace(Fields& f, const std::string& what) {
+    f.require(what);
+    f.text("name", what);
+    const Placement placement = readPlacement(f);
+    f.finish();
+    if (placement.scaled || placement.copied) {
+      throw InputError(f.where(), fmt::format("a {0} has neither scale nor copies: give its lengths, or write another "
+                                              "{0}",
+                                              what));
+    }
+    return toAffine(placement.object.pose);
+  }
+
+ private:
+  Copies copiesOf(Fields& f) {
+    Copies copies = placer_.read(f);
+    random_ = random_ || copies.arrangement.random();
+    return copies;
+  }
+
+  // A file, or of {one_of: [...]} files and those of folders: their paths and as they are called here.
+  std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
+    const auto isFolder = [](const std::filesystem::path& path) {
+      std::error_code error;
+      return std::filesystem::is_directory(path, error);
+    };
+    if (value.kind == Value::Kind::Sequence) {
+      throw InputError(
+          value.where,
+          "file is one: write an object for each, or {one_of: [...]}, of which each copy is one at random");
+    }
+    if (value.kind != Value::Kind::Map) {
+      const std::string name = f.text("file");
+      const std::filesystem::path path = assetPath(name, value);
+      if (isFolder(path)) {
+        throw InputError(value.where,
+                         fmt::format("'{}' is a folder: name a file in it, or write {{one_of: {}}}, of which "
+                                     "each copy is one at random",
+                                     path.string(), name));
+      }
+      return {{path, name}};
+    }
+    Fields choice(value, "file");
+    choice.also({"one_of"}).finish();
+    std::vector<std::pair<std::filesystem::path, std::string>> files;
+    for (const std::string& name : choice.texts("one_of")) {
+      const std::filesystem::path path = assetPath(name, value);
+      if (!isFolder(path)) {
+        files.emplace_back(path, name);
+        continue;
+      }
+      const std::vector<std::filesystem::path> inside = assetsIn(path);
+      if (inside.empty())
+        throw InputError(value.where, fmt::format("'{}' is a folder without 3D files", path.string()));
+      for (const std::filesystem::path& file : inside) {
+        files.emplace_back(file, (std::filesystem::path(name) / file.lexically_relative(path)).string());
+      }
+    }
+    if (files.empty()) throw InputError(value.where, "one_of names no file");
+    return files;
+  }
+
+  // A shape that copies may have.
+  struct Variant {
+    std::filesystem::path file;
+    AssetOptions asset;
+    Labelling labelling;
+  };
+
+  void readFileObject(Fields& f) {
+    const Value& fileValue = f.require("file");
+    const auto files = filesOf(f, fileValue);
+    AssetOptions asset;
+    asset.textures = options_.textures;
+    asset.metresPerUnit = f.number("unit", {1e-9, 1e9}, 1.0);
+    if (f.has("up")) asset.up = f.choice("up", {"x", "y", "z"}, "")[0];
+    const std::string alpha = f.choice("alpha", {"auto", "ignore", "test"}, "auto");
+    if (alpha != "auto") asset.alpha = alpha == "test" ? AlphaUse::Test : AlphaUse::Ignore;
+    asset.allowOutside = f.boolean("allow_outside", false);
+    const std::vector<Rule> rules = rulesOf(f);
+    const std::string name = f.text("name", files.front().first.stem().string());
+    Copies copies = copiesOf(f);
+    const std::vector<std::string>& materials = copies.arrangement.materials();
+    std::vector<Variant> all;
+    for (const auto& [file, called] : files) {
+      Variant variant{file, asset, {}};
+      const bool cloud = isCloud(file);
+      variant.labelling.file = called;
+      variant.labelling.things = readThingBounds(f, cloud ? ThingBounds::By::Node : ThingBounds::By::Object);
+      variant.labelling.rules = rules;
+      readSurvey(f, file, cloud, variant.asset);
+      for (const std::string& material : materials) {
+        Rule own;
+        own.where = f.require("vary").where;
+        own.materialName = material;
+        builder_.library().require(material, own.where);
+        all.push_back(variant);
+        all.back().labelling.rules.insert(all.back().labelling.rules.begin(), std::move(own));
+      }
+      if (materials.empty()) all.push_back(std::move(variant));
+    }
+    random_ = random_ || all.size() > 1;
+    const std::optional<Clip> clip = clipOf(f);
+    f.finish();
+
+    if (clip && all.size() > 1) {
+      throw InputError(f.require("animation").where, "animation is for one file, whose clip it names");
+    }
+    if (clip && !clip->second) {
+      const Variant& one = all.front();
+      if (one.labelling.things.by == ThingBounds::By::Part) {
+        throw InputError(
+            one.labelling.things.where,
+            "connected parts may be others at every moment of a clip that plays: take node, object or a pattern");
+      }
+      const std::shared_ptr<const Animation> animation =
+          files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);
+      if (animation->meshes.size() > 1) copies.animation = animation;
+      return placer_.place(std::vector<PlacedMesh>{{animation->meshes.front(), {}, {}}}, name, copies, f.where());
+    }
+    if (clip) all.front().asset.clip = {clip->first, *clip->second};
+    const auto meshes = [&](std::size_t k) -> const std::vector<PlacedMesh>& {
+      return files_.read(all[k].file, all[k].asset, all[k].labelling, fileValue.where);
+    };
+    placer_.place(Variants{all.size(), meshes}, name, copies, f.where());
+  }
+
+  static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
+    if (const Value* points = f.find("points")) {
+      if (!cloud) throw InputError(points->where, "points is for files of points: .las, .pcd and .ply without faces");
+      asset.points = readPointOptions(*points);
+    }
+    if (const Value* heights = f.find("heights")) {
+      if (!isHeights(lowerExtension(file))) throw InputError(heights->where, "heights is for rasters, such as .tif");
+      asset.heights = readHeightOptions(*heights);
+    }
+  }
+
+  // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.
+  using Clip = std::pair<std::string, std::optional<double>>;
+  static std::optional<Clip> clipOf(Fields& f) {
+    const Value* const value = f.find("animation");
+    if (value == nullptr) return std::nullopt;
+    Fields fields(*value, "animation");
+    fields.also({"clip", "time_s"});
+    Clip clip{fields.text("clip"), std::nullopt};
+    if (fields.has("time_s")) clip.second = fields.number("time_s", {0, 1e6});
+    fields.finish();
+    return clip;
+  }
+
+  // The object's own rules, its shorthand, the scene's rules.
+  std::vector<Rule> rulesOf(Fields& f) {
+    std::vector<Rule> rules;
+    if (const Value* own = f.find("rules")) rules = readRules(*own);
+    Rule shorthand;
+    if (const Value* value = f.find("class")) {
+      shorthand.where = value->where;
+      shorthand.className = f.text("class");
+    }
+    if (const Value* value = f.find("material")) {
+      if (shorthand.className.empty()) shorthand.where = value->where;
+      shorthand.materialName = f.text("material");
+    }
+    if (!shorthand.className.empty() || !shorthand.materialName.empty()) rules.push_back(std::move(shorthand));
+    checkNames(rules);
+    rules.insert(rules.end(), rules_.begin(), rules_.end());
+    return rules;
+  }
+
+  // A typing error is found even where the rule matches nothing.
+  void checkNames(const std::vector<Rule>& rules) const {
+    for (const Rule& rule : rules) {
+      if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
+      if (!rule.materialName.empty()) builder_.library().require(rule.materialName, rule.where);
+    }
+  }
+
+  std::filesystem::path assetPath(const std::string& name, const Value& value) const {
+    if (name.empty()) throw InputError(value.where, "file is empty");
+    if (assetFolder_.empty() || std::filesystem::path(name).is_absolute()) return resolvePath(value, name);
+    return assetFolder_ / name;
+  }
+
+  // The shape of a primitive: reads its keys, and appends it to a mesh with the key that equal shapes share.
+  static std::string appendPrimitive(Fields& f, const std::string& kind, Mesh& mesh) {
+    if (kind == "box") {
+      const Vec3d size = readSize(f.require("size"), 3);
+      appendBox(mesh, 0, {}, size);
+      return fmt::format("box {} {} {}", size.x, size.y, size.z);
+    }
+    if (kind == "plane") {
+      const Vec3d size = readSize(f.require("size"), 2);
+      const auto cells = static_cast<int>(f.integer("cells", 1, 2048, 1));
+      appendPlane(mesh, 0, {}, size.x, size.y, cells);
+      return fmt::format("plane {} {} {}", size.x, size.y, cells);
+    }
+    const double radius = f.number("radius", kLength);
+    const double height = kind == "sphere" ? 0 : f.number("height", kLength);
+    const auto segments = static_cast<int>(f.integer("segments", 3, 4096, 32));
+    if (kind == "sphere") appendSphere(mesh, 0, {}, radius, segments);
+    if (kind == "cylinder") appendCylinder(mesh, 0, {}, radius, radius, height, segments);
+    if (kind == "cone") appendCylinder(mesh, 0, {}, radius, 0, height, segments);
+    if (kind == "capsule") appendCapsule(mesh, 0, {}, radius, height, segments);
+    return fmt::format("{} {} {} {}", kind, radius, height, segments);
+  }
+
+  static Vec3d readSize(const Value& value, std::size_t count) {
+    std::vector<double> size = readNumbers(value, "size", kLength);
+    if (size.size() != count) {
+      throw InputError(value.where, fmt::format("size must be {}, found {} numbers",
+                                                count == 3 ? "[x, y, z]" : "[x, y]", size.size()));
+    }
+    size.resize(3);
+    return {size[0], size[1], size[2]};
+  }
+
+  void readPrimitive(Fields& f) {
+    const std::string kind = f.choice("primitive", {"box", "sphere", "cylinder", "cone", "plane", "capsule"}, "");
+    Mesh mesh;
+    mesh.name = kind;
+    const std::string shape = appendPrimitive(f, kind, mesh);
+    const Value& className = f.require("class");
+    const Value& materialName = f.require("material");
+    Surface surface;
+    const SemanticClass& semantic = builder_.ontology().require(f.text("class"), className.where);
+    surface.semantic = semantic.id;
+    surface.object = semantic.thing ? 1 : 0;
+    surface.material = builder_.material(f.text("material"), materialName.where);
+    surface.labelledBy = className.where;
+    const std::string name = f.text("name", kind);
+    const Copies copies = copiesOf(f);
+    if (!copies.arrangement.materials().empty()) {
+      throw InputError(f.require("vary").where, "material of vary is for objects that are files");
+    }
+    f.finish();
+
+    const std::string key = fmt::format("primitive {} {} {}", shape, surface.semantic, surface.material);
+    mesh.surfaces.push_back(std::move(surface));
+    auto shared = meshes_.find(key);
+    if (shared == meshes_.end()) shared = meshes_.emplace(key, builder_.addMesh(std::move(mesh))).first;
+    placer_.place(std::vector<PlacedMesh>{{shared->second, {}, {}}}, name, copies, f.where());
+  }
+
+  SceneBuilder& builder_;
+  const SceneOptions& options_;
+  std::vector<Rule> rules_;
+  std::filesystem::path assetFolder_;
+  std::map<std::string, std::uint32_t> meshes_;
+  FileMeshes files_;
+  ObjectPlacer placer_;
+  std::uint64_t procedural_ = 0;
+  std::uint64_t towns_ = 0;
+  bool random_ = false;
+};
+
+// The scene's objects with what the seed draws for their keys.
+Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
+  const Value* objects = root.find("objects");
+  if (objects == nullptr) return {};
+  if (const Value* perFrame = findDrawnPerFrame(*objects)) {
+    throw InputError(perFrame->where,
+                     "`per: frame`: a scene's objects are the same in all frames, leave it out to draw for each seed");
+  }
+  return withDraws(*objects, "objects", {.seed = seed}, draws);
+}
+
+}  // namespace
+
+std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed) {
+  const Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
+  std::vector<DrawnValue> draws;
+  const Value objects = objectsOf(root, seed, draws);
+  std::uint64_t before = 0;
+  for (const Value& object : objects.items) {
+    Fields f(object, "object");
+    const std::string kind = SceneReader::kindOf(f, object.where);
+    if (kind == "town") {
+      const Affine place = SceneReader::proceduralPlace(f, "town");
+      Fields fields(f.require("town"), "town");
+      SceneLanes lanes = townLanes(fields, SceneReader::seedOfNext(seed, before));
+      for (std::vector<Vec3d>* way : {&lanes.lane, &lanes.turns}) {
+        for (Vec3d& p : *way) p = place * p;
+      }
+      return lanes;
+    }
+    before += kind == "street" ? 1 : 0;
+  }
+  return std::nullopt;
+}
+
+Ontology readSceneOntology(const std::filesystem::path& path) {
+  const Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
+  Fields f(root, "scene");
+  f.also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
+  return readOntology(f.resource("ontology", "labels"));
+}
+
+Scene readScene(const std::filesystem::path& path, const SceneOptions& options) {
+  const Value root = readYaml(path);
+  expectKind(root, FileKind::Scene);
+  Fields f(root, "scene");
+  f.also({"name", "ontology", "materials", "assets", "rules", "objects"}).finish();
+  const std::string name = f.text("name", path.stem().string());
+  f.text("ontology");
+  const std::filesystem::path ontology = options.ontology.empty() ? f.resource("ontology", "labels") : options.ontology;
+  const std::filesystem::path materials = f.resource("materials", "labels");
+  const std::filesystem::path assets = f.optionalPath("assets").value_or(std::filesystem::path());
+  std::vector<Rule> rules;
+  if (const Value* value = f.find("rules")) rules = readRules(*value);
+  const Value& listed = f.require("objects");
+  if (listed.kind != Value::Kind::Sequence || listed.items.empty()) {
+    throw InputError(listed.where, "objects must be a list of at least one object");
+  }
+  std::vector<DrawnValue> draws;
+  const Value objects = objectsOf(root, options.seed, draws);
+
+  SceneBuilder builder(name, options.seed, readOntology(ontology), readMaterials(materials, options.wavelengthNm));
+  SceneReader reader(builder, options, std::move(rules), assets);
+  for (const Value& object : objects.items) reader.readObject(object);
+  Scene scene = builder.finish();
+  scene.file = path;
+  scene.procedural = reader.procedural() || !draws.empty();
+  scene.draws = std::move(draws);
+  return scene;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,279 @@
+// What makes a place lived in: roadworks, crossings with lights, things in gardens and on squares, animals.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/placer.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Clutter;
+using models::Kind;
+using models::Shape;
+
+// Things of each kind, made when they are first needed, in a few forms.
+class Store {
+ public:
+  explicit Store(Placer& placer) : placer_(placer), made_(kForms * static_cast<std::size_t>(Clutter::Count)) {}
+
+  const Model& any(Clutter what, Draw& draw) {
+    const int form = draw.below(static_cast<int>(kForms));
+    std::optional<Model>& m = made_[static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form)];
+    if (!m) m = models::makeClutter(placer_.builder, placer_.layout.seed(), what, form);
+    return *m;
+  }
+
+ private:
+  static constexpr std::size_t kForms = 3;
+  Placer& placer_;
+  std::vector<std::optional<Model>> made_;
+};
+
+// A place of the main road without a crossing, for what is so long; none where chance finds none.
+std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
+  const Road& road = l.roads().roads().front();
+  for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
+    const double at = draw.in(l.mainFrom() + 25, l.mainTo() - 25 - length);
+    bool clear = true;
+    for (const double along : models::steps(at, at + length + 2, 2)) {
+      const Point2 p = road.point(along);
+      clear = clear && l.roads().at(p.x, p.y).edge > -road.section.half - 0.2;
+    }
+    if (clear) return at;
+  }
+  return std::nullopt;
+}
+
+// Lights for those who drive with the road's line and against it.
+void putLights(Placer& placer, const Model& light, const Road& road, double first, double last, bool marked,
+               const std::string& name) {
+  const double out = road.section.half + road.section.curb + 0.45;
+  Spot with = besideRoad(road, first, -out);
+  with.yaw += kPi;
+  placer.tryPut(light, with, name + ", with the line");
+  placer.tryPut(light, besideRoad(road, last, out), name + ", against the line");
+  Draw draw(placer.layout.seed(), Kind::Light, 700000 + static_cast<std::uint32_t>(placer.lights.size()));
+  placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod), marked});
+}
+
+// What is wide and flat stands on level ground.
+bool isLevel(const Layout& l, const Point2& p) {
+  double low = 1e9;
+  double high = -1e9;
+  for (const double dx : {-1.2, 1.2}) {
+    for (const double dy : {-1.2, 1.2}) {
+      const double z = l.heightAt({p.x + dx, p.y + dy});
+      low = std::min(low, z);
+      high = std::max(high, z);
+    }
+  }
+  return high - low < 0.35;
+}
+
+// In the lane that is not the sensor's own.
+void placeRoadworks(Placer& placer, Store& store, const Model& light) {
+  const Layout& l = placer.layout;
+  Draw draw(l.seed(), Kind::Roadworks);
+  const bool rural = l.character().district == District::Rural;
+  // On a one-way road there is no other lane.
+  if (l.roads().roads().front().oneWay() || (!rural && !draw.chance(0.6))) return;
+  const double length = draw.in(9, 18);
+  const std::optional<double> at = freeStretch(l, draw, length);
+  if (!at) return;
+  const Road& road = l.roads().roads().front();
+  const double edge = road.section.half - road.section.parking;
+  const auto put = [&](const Model& m, double along, double lateral, double turn, const std::string& name) {
+    Spot spot = besideRoad(road, *at + along, lateral);
+    spot.yaw += turn;
+    placer.tryPark(m, spot, name);
+  };
+  if (l.parameters().vehicles > 0) {
+    const Model excavator = models::makeWorkVehicle(placer.builder, l.seed(), models::WorkVehicle::Excavator, 0);
+    put(excavator, 0.4 * length, std::max(edge - 1.3, 1.6), draw.chance(0.5) ? 0 : kPi, "excavator");
+  }
+  put(store.any(Clutter::Heap, draw), 0.8 * length, std::max(edge - 1.1, 2.0), 0, "heap");
+  put(store.any(draw.chance(0.5) ? Clutter::Pallets : Clutter::Skip, draw), 1.5, edge - 1.1, 0, "roadworks' goods");
+  const Model& barrier = store.any(Clutter::Barrier, draw);
+  const double across = std::max(edge - 1.2, 1.4);
+  put(barrier, -0.6, across, kPi / 2, "barrier 1");
+  put(barrier, length + 0.6, across, kPi / 2, "barrier 2");
+  int number = 0;
+  for (const double along : models::steps(0, length, draw.in(2, 3))) {
+    put(store.any(Clutter::Cone, draw), along, std::max(edge - 2.6, 0.45) + draw.in(-0.1, 0.1), draw.in(0, 1),
+        fmt::format("cone {}", ++number));
+  }
+  if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, false, "roadworks' light");
+}
+
+// Stripes across the main road, and lights.
+void placeCrossing(Placer& placer, const Model& light) {
+  const Layout& l = placer.layout;
+  Draw draw(l.seed(), Kind::Light, 7000);
+  constexpr double kLength = 3;
+  const std::optional<double> at = freeStretch(l, draw, kLength);
+  if (!at) return;
+  const Road& road = l.roads().roads().front();
+  // Nobody parks on it, or close before it.
+  const Spot middle = besideRoad(road, *at + kLength / 2, 0);
+  const Footprint place{middle.at, kLength / 2 + 4, road.section.half, middle.yaw};
+  if (!placer.isFree(place)) return;
+  placer.noParking.add(place);
+  Shape s(placer.builder, "crossing");
+  const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
+  const double half = road.section.half - 0.3;
+  for (const double lateral : models::steps(-half, half - 0.5, 1)) {
+    constexpr int kPieces = 3;
+    for (int piece = 0; piece < kPieces; ++piece) {
+      const auto corner = [&](int k, double side) {
+        const Point2 p = besideRoad(road, *at + kLength * k / kPieces, lateral + side).at;
+        return Vec3d{p.x, p.y, l.heightAt(p) + 0.004};
+      };
+      s.quad(paint, corner(piece, 0), corner(piece + 1, 0), corner(piece + 1, 0.5), corner(piece, 0.5));
+    }
+  }
+  placer.builder.place(s.finish().mesh, placer.worldFromTown, "crossing");
+  putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
+}
+
+// Where a side road comes in, one in three has lights.
+void placeSignals(Placer& placer, const Model& light) {
+  const Layout& l = placer.layout;
+  const Road& main = l.roads().roads().front();
+  for (std::size_t r = 1; r < l.roads().roads().size(); ++r) {
+    Draw draw(l.seed(), Kind::Light, 7100 + static_cast<std::uint32_t>(r));
+    if (!draw.chance(0.35) || !l.roads().roads()[r].joins) continue;
+    const double at = *l.roads().roads()[r].joins;
+    const double away = l.roads().roads()[r].section.half + 5;
+    putLights(placer, light, main, at - away, at + away, true, fmt::format("light {}", r));
+  }
+}
+
+// In front gardens, behind houses and on plots where no house stands.
+void placeGardenThings(Placer& placer, Store& store) {
+  const Layout& l = placer.layout;
+  int number = 0;
+  int water = 0;
+  const auto tryAt = [&](const Plot& plot, Draw& draw, Clutter what, double depth) {
+    const Road& road = l.roads().roads()[plot.road];
+    const double along = draw.in(plot.from + 2, std::max(plot.from + 2.1, plot.to - 2));
+    Spot spot = besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth));
+    spot.yaw += (plot.side > 0 ? 0 : kPi) + draw.in(-0.4, 0.4);
+    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    if (b.known && b.edge < b.section.outer() + 1) return false;
+    if (!isLevel(l, spot.at)) return false;
+    return placer.tryPut(store.any(what, draw), spot, fmt::format("clutter {}", ++number));
+  };
+  for (const Plot& plot : l.plots()) {
+    Draw draw(l.seed(), Kind::Clutter, plot.number);
+    if (plot.built) {
+      const double behind = plot.setback + plot.depth;
+      if (draw.chance(0.35)) tryAt(plot, draw, Clutter::Shed, behind + draw.in(3, 9));
+      if (draw.chance(0.25)) tryAt(plot, draw, draw.chance(0.5) ? Clutter::Swing : Clutter::WoodPile, behind + 4);
+      if (plot.setback < 4) continue;
+      if (draw.chance(0.1)) water += tryAt(plot, draw, Clutter::Pond, draw.in(2, plot.setback - 1)) ? 1 : 0;
+      if (draw.chance(0.12)) {
+        const Clutter what = draw.chance(0.4) ? Clutter::Heap : draw.chance(0.5) ? Clutter::WoodPile : Clutter::Pallets;
+        tryAt(plot, draw, what, draw.in(2, plot.setback - 1));
+      }
+      continue;
+    }
+    if (!draw.chance(0.4)) continue;
+    const bool square = l.character().district != District::Rural && !plot.bare && draw.chance(0.5);
+    water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
+  }
+  // A place without water is rare.
+  Draw draw(l.seed(), Kind::Clutter, 900000);
+  for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
+    const Plot& plot = l.plots()[static_cast<std::size_t>(draw.below(static_cast<int>(l.plots().size())))];
+    if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
+  }
+}
+
+// In the middle of squares a fountain, about it benches and planters.
+void placeSquares(Placer& placer, Store& store) {
+  const Layout& l = placer.layout;
+  std::uint32_t square = 0;
+  int number = 0;
+  const bool any = std::any_of(l.areas().all().begin(), l.areas().all().end(),
+                               [](const MapArea& area) { return area.land == Land::Paved; });
+  if (!any) return;
+  const Model bench = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Bench);
+  const Model planter = models::makeFurnishing(placer.builder, l.seed(), models::Furnishing::Planter);
+  for (const MapArea& area : l.areas().all()) {
+    Draw draw(l.seed(), Kind::Furniture, 9000 + ++square);
+    if (area.land != Land::Paved) continue;
+    const Footprint about = rectangleAbout(area.outline);
+    const auto put = [&](const Model& m, const Point2& p, double yaw) {
+      if (l.areas().outsideHard(p) > -1.5 || l.areas().at(p) != Land::Paved) return;
+      if (placer.tryPut(m, {p, yaw, 1, 0}, fmt::format("square's {}", number + 1))) ++number;
+    };
+    if (draw.chance(0.5)) put(store.any(Clutter::Fountain, draw), about.center, 0);
+    const int count = 3 + draw.below(8);
+    for (int k = 0; k < count; ++k) {
+      const Model& what = draw.chance(0.6) ? bench : planter;
+      const double angle = 2 * kPi * k / count;
+      const double away = draw.in(0.4, 0.8);
+      const Point2 p = about.at(away * about.halfX * std::cos(angle), away * about.halfY * std::sin(angle));
+      put(what, p, about.yaw + angle + kPi / 2);
+    }
+  }
+}
+
+}  // namespace
+
+void placeClutter(Placer& placer) {
+  const Model light = models::makeTrafficLight(placer.builder, placer.layout.seed());
+  Store store(placer);
+  placeRoadworks(placer, store, light);
+  if (placer.layout.character().district != District::Rural) {
+    placeCrossing(placer, light);
+    placeSignals(placer, light);
+  }
+  placeGardenThings(placer, store);
+  placeSquares(placer, store);
+}
+
+// Dogs and cats on pavements and in front gardens; in the country also cattle beyond them.
+void placeAnimals(Placer& placer) {
+  const Layout& l = placer.layout;
+  if (l.parameters().people <= 0) return;
+  Draw draw(l.seed(), Kind::Animal);
+  const Road& road = l.roads().roads().front();
+  int number = 0;
+  const auto put = [&](const Model& m, double along, double lateral) {
+    Spot spot = besideRoad(road, along, lateral);
+    spot.yaw = draw.in(0, 2 * kPi);
+    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    if (b.known && b.edge < 0.2) return false;
+    if (!placer.tryPut(m, spot, fmt::format("animal {}", number + 1))) return false;
+    ++number;
+    return true;
+  };
+  const double curb = road.section.half + road.section.curb;
+  const int pets = 1 + draw.below(1 + static_cast<int>(0.4 * l.character().people * l.parameters().length / 100));
+  for (int k = 0; k < pets; ++k) {
+    const Model pet = models::makeAnimal(placer.builder, l.seed(), draw.below(models::kPetForms), k % 6);
+    for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
+      const double lateral = (draw.chance(0.5) ? 1 : -1) * (curb + draw.in(0.3, 3));
+      if (put(pet, draw.in(l.mainFrom() + 20, l.mainTo() - 20), lateral)) break;
+    }
+  }
+  if (l.character().district != District::Rural) return;
+  const int herds = 1 + draw.below(3);
+  for (int herd = 0; herd < herds; ++herd) {
+    const int form = models::kPetForms + draw.below(models::kAnimalForms - models::kPetForms);
+    const auto forms =
+        models::makeForms(3, [&](int f) { return models::makeAnimal(placer.builder, l.seed(), form, 10 * herd + f); });
+    const double at = draw.in(l.mainFrom() + 30, l.mainTo() - 30);
+    const double lateral = (draw.chance(0.5) ? 1 : -1) * (curb + draw.in(7, 22));
+    const int count = 3 + draw.below(8);
+    for (int k = 0; k < count; ++k) {
+      put(forms[static_cast<std::size_t>(draw.below(3))], at + draw.in(-12, 12), lateral + draw.in(-6, 6));
+    }
+  }
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,138 @@
+// What stands beside roads: lamps, signs, furniture, shelters.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "town/lanes.h"
+#include "town/placer.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Furnishing;
+using models::Kind;
+using models::TrafficSign;
+
+// Where along the built part of a road something may stand, by a share of it.
+struct Stretch {
+  std::uint32_t road;
+  double from, to;
+};
+
+std::vector<Stretch> stretches(const Layout& l) {
+  std::vector<Stretch> found;
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    if (road.minor) continue;
+    found.push_back(road.main ? Stretch{r, l.mainFrom(), l.mainTo()} : Stretch{r, 10, road.length() - 3});
+  }
+  return found;
+}
+
+// On the pavement or the verge at so much from the curb's outer edge; not where another road comes in.
+template <class Place>
+void along(const Layout& l, Kind kind, double per100m, const Place& place) {
+  std::uint32_t number = 0;
+  for (const Stretch& s : stretches(l)) {
+    const Road& road = l.roads().roads()[s.road];
+    Draw draw(l.seed(), kind, 5000 + s.road);
+    const int count = static_cast<int>(per100m * std::max(0.0, s.to - s.from) / 100 + draw.next());
+    for (int k = 0; k < count; ++k) {
+      for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
+        if (place(draw, road, draw.in(s.from, s.to), draw.chance(0.5) ? 1 : -1, number + 1)) {
+          ++number;
+          break;
+        }
+      }
+    }
+  }
+}
+
+// The place `out` metres beyond the road's edge, or none where that is on another road.
+bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
+  spot = besideRoad(road, distance, side * (road.section.half + out));
+  const Beside b = l.roads().at(spot.at.x, spot.at.y);
+  return b.edge > out - 0.25 && l.areas().outsideHard(spot.at) > 0.3;
+}
+
+}  // namespace
+
+std::optional<TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad) {
+  const Road& road = l.roads().roads()[sideRoad];
+  Draw draw(l.seed(), Kind::Sign, 9000 + sideRoad);
+  const TrafficSign sign = draw.chance(0.3) ? TrafficSign::Stop : TrafficSign::GiveWay;
+  if (!road.joins || road.minor || !road.against || draw.chance(0.3)) return std::nullopt;
+  return sign;
+}
+
+void placeFixtures(Placer& placer) {
+  const Layout& l = placer.layout;
+  const Character& c = l.character();
+  const std::uint64_t seed = l.seed();
+  const auto lamps = models::makeForms(2, [&](int f) { return models::makeLamp(placer.builder, seed, f); });
+  const auto signs = models::makeForms(
+      models::kSigns, [&](int f) { return models::makeSign(placer.builder, seed, static_cast<TrafficSign>(f), f); });
+  const auto furnishings = models::makeForms(static_cast<int>(Furnishing::Count), [&](int f) {
+    return models::makeFurnishing(placer.builder, seed, static_cast<Furnishing>(f));
+  });
+  const bool rural = c.district == District::Rural;
+  for (const Stretch& s : stretches(l)) {
+    const Road& road = l.roads().roads()[s.road];
+    Draw draw(seed, Kind::Lamp, 5000 + s.road);
+    const double spacing = rural ? draw.in(60, 120) : draw.in(22, 40);
+    const int side = draw.chance(0.5) ? 1 : -1;
+    const Model& lamp = lamps[static_cast<std::size_t>(draw.below(2))];
+    int number = 0;
+    for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
+      Spot spot;
+      if (!beyondEdge(l, road, at, side, road.section.curb + 0.45, spot)) continue;
+      spot.yaw += -side * kPi / 2;  // its arm reaches over the road
+      if (placer.tryPut(lamp, spot, fmt::format("lamp {}.{}", s.road + 1, ++number))) continue;
+    }
+  }
+  const auto sign = [&](TrafficSign s) { return signs[static_cast<std::size_t>(s)]; };
+  constexpr std::array<TrafficSign, 4> kOnTheWay{TrafficSign::SpeedLimit, TrafficSign::Warning, TrafficSign::Priority,
+                                                 TrafficSign::Parking};
+  along(l, Kind::Sign, rural ? 1.5 : 5, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
+    Spot spot;
+    if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
+    // It faces those who drive on its side: on the right of the line they come from behind.
+    spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
+    return placer.tryPut(sign(kOnTheWay[static_cast<std::size_t>(draw.below(4))]), spot,
+                         fmt::format("sign {}", number));
+  });
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    const std::optional<TrafficSign> rule = signAtMouth(l, r);
+    if (!rule) continue;
+    for (const double back : {1.0, 2.5, 4.0, 6.0}) {
+      Spot spot;
+      if (!beyondEdge(l, road, mouthOf(l) + back, 1, road.section.curb + 0.5, spot)) continue;
+      if (placer.tryPut(sign(*rule), spot, fmt::format("sign at a mouth {}", r))) break;
+    }
+  }
+  if (!rural) {
+    const Model shelter = models::makeShelter(placer.builder, seed);
+    along(l, Kind::Shelter, 0.5, [&](Draw&, const Road& road, double at, int side, std::uint32_t number) {
+      Spot spot;
+      if (road.section.verge + road.section.sidewalk < 2.4) return false;
+      if (!beyondEdge(l, road, at, side, road.section.outer() - 0.9, spot)) return false;
+      spot.yaw += side > 0 ? 0 : kPi;
+      return placer.tryPut(shelter, spot, fmt::format("shelter {}", number));
+    });
+  }
+  along(l, Kind::Furniture, c.clutter, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
+    Spot spot;
+    const bool inside = draw.chance(0.5);
+    const double out = inside ? road.section.curb + draw.in(0.3, 0.6) : road.section.outer() + draw.in(-0.5, 1.5);
+    if (!beyondEdge(l, road, at, side, out, spot)) return false;
+    spot.yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
+    const Model& m = furnishings[static_cast<std::size_t>(draw.below(static_cast<int>(furnishings.size())))];
+    return placer.tryPut(m, spot, fmt::format("furniture {}", number));
+  });
+}
+
+}  // namespace scanmill::town

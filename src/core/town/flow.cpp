@@ -1,0 +1,156 @@
+#include "town/flow.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scanmill::town {
+namespace {
+
+constexpr double kSideways = 2;     // m/s^2, in bends
+constexpr double kSlowing = 1.2;    // m/s^2, before bends
+constexpr double kHardest = 8;      // m/s^2, of braking
+constexpr double kRunsAmber = 3.5;  // m/s^2: who would have to brake harder drives on
+constexpr double kSight = 120;      // m
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+constexpr DriverModel kModel;
+
+struct State {
+  double at = 0;
+  double speed = 0;
+};
+
+class Flow {
+ public:
+  Flow(const std::vector<Route>& routes, const std::vector<Driver>& drivers, double begin)
+      : routes_(routes), drivers_(drivers) {
+    for (const Driver& d : drivers) states_.push_back({d.at, d.starts <= begin ? firstSpeed(d) : 0});
+  }
+
+  void step(double time, double dt) {
+    std::vector<double> pushes;
+    for (std::size_t i = 0; i < drivers_.size(); ++i) pushes.push_back(acceleration(i, time));
+    for (std::size_t i = 0; i < drivers_.size(); ++i) {
+      State& s = states_[i];
+      s.speed = std::max(0.0, s.speed + pushes[i] * dt);
+      s.at = std::min(s.at + s.speed * dt, routeOf(i).length);
+    }
+  }
+
+  double at(std::size_t driver) const { return states_[driver].at; }
+
+ private:
+  const Route& routeOf(std::size_t i) const { return routes_[drivers_[i].route]; }
+  bool gone(std::size_t i) const { return states_[i].at >= routeOf(i).length; }
+
+  double limitAt(const Driver& d, double at) const {
+    const std::vector<double>& limit = routes_[d.route].limit;
+    if (limit.empty()) return d.speed;
+    const double cell = std::clamp(at / kLimitStep, 0.0, static_cast<double>(limit.size() - 1));
+    return std::min(d.speed, limit[static_cast<std::size_t>(cell)]);
+  }
+
+  // One that lets the driver stop where it must.
+  double firstSpeed(const Driver& d) const {
+    double speed = limitAt(d, d.at);
+    for (const StopLine& stop : routes_[d.route].stops) {
+      const double gap = stop.at - d.at - d.length / 2;
+      if (stop.period <= 0 && gap >= 0) speed = std::min(speed, std::sqrt(2 * kModel.braking * gap));
+    }
+    return speed;
+  }
+
+  // Equation (3), with the gap of equation (4).
+  double following(double speed, double wanted, double gap, double slower) const {
+    const double free = std::pow(speed / wanted, 4);
+    if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - free));
+    const double dynamic =
+        speed * kModel.headway + speed * slower / (2 * std::sqrt(kModel.acceleration * kModel.braking));
+    const double desired = kModel.gap + std::max(0.0, dynamic);
+    const double near = desired / std::max(gap, 0.01);
+    return std::max(-kHardest, kModel.acceleration * (1 - free - near * near));
+  }
+
+  double acceleration(std::size_t i, double time) const {
+    const Driver& d = drivers_[i];
+    const State& s = states_[i];
+    if (gone(i) || time < d.starts) return 0;
+    const double wanted = limitAt(d, s.at);
+    double least = following(s.speed, wanted, kNone, 0);
+    for (const Leg& leg : routeOf(i).legs) {
+      if (leg.to < s.at || leg.from > s.at + kSight) continue;
+      for (std::size_t j = 0; j < drivers_.size(); ++j) {
+        if (j == i || gone(j)) continue;
+        for (const Leg& other : routeOf(j).legs) {
+          if (other.lane != leg.lane || states_[j].at < other.from || states_[j].at > other.to) continue;
+          const double there = states_[j].at + other.shift - leg.shift;  // along this route
+          const bool ahead = there > s.at || (there == s.at && j < i);
+          if (!ahead || there > s.at + kSight || there < leg.from || there > leg.to) continue;
+          const double gap = there - s.at - (d.length + drivers_[j].length) / 2;
+          least = std::min(least, following(s.speed, wanted, gap, s.speed - states_[j].speed));
+        }
+      }
+    }
+    for (const StopLine& stop : routeOf(i).stops) {
+      const double gap = stop.at - s.at - d.length / 2;
+      if (gap < 0 || gap > kSight || !closed(stop, time)) continue;
+      if (stop.period > 0 && s.speed * s.speed > 2 * kRunsAmber * gap) continue;
+      // Its front comes to stand at the line, or a little before it.
+      least = std::min(least, following(s.speed, wanted, gap + kModel.gap - 0.5, s.speed));
+    }
+    return least;
+  }
+
+  bool closed(const StopLine& stop, double time) const {
+    if (!stop.givesWay) {
+      if (stop.period <= 0) return true;
+      const double phase = (time - stop.offset) / stop.period;
+      return (phase - std::floor(phase)) * stop.period < stop.red;
+    }
+    for (std::size_t j = 0; j < drivers_.size(); ++j) {
+      if (gone(j)) continue;
+      for (const Leg& leg : routeOf(j).legs) {
+        if (leg.lane != stop.lane || states_[j].at < leg.from || states_[j].at > leg.to) continue;
+        const double there = states_[j].at + leg.shift;
+        if (there > stop.from && there < stop.to) return true;
+      }
+    }
+    return false;
+  }
+
+  const std::vector<Route>& routes_;
+  const std::vector<Driver>& drivers_;
+  std::vector<State> states_;
+};
+
+}  // namespace
+
+std::vector<double> inBends(const std::vector<double>& curvature, double fastest) {
+  std::vector<double> limit;
+  limit.reserve(curvature.size());
+  for (const double c : curvature) {
+    limit.push_back(std::min(fastest, std::sqrt(kSideways / std::max(std::abs(c), 1e-6))));
+  }
+  for (std::size_t i = limit.size(); i-- > 1;) {
+    limit[i - 1] = std::min(limit[i - 1], std::sqrt(limit[i] * limit[i] + 2 * kSlowing * kLimitStep));
+  }
+  return limit;
+}
+
+std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
+                                       double warmUp, double duration, double interval) {
+  Flow flow(routes, drivers, -warmUp);
+  const auto before = static_cast<int>(std::ceil(warmUp / interval));
+  const auto steps = static_cast<int>(std::ceil(duration / interval));
+  std::vector<std::vector<double>> travelled(drivers.size());
+  for (int k = -before; k <= steps; ++k) {
+    if (k >= 0) {
+      for (std::size_t i = 0; i < drivers.size(); ++i) travelled[i].push_back(flow.at(i));
+    }
+    flow.step(k * interval, interval);
+  }
+  return travelled;
+}
+
+}  // namespace scanmill::town

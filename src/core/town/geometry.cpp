@@ -1,0 +1,198 @@
+#include "town/geometry.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill::town {
+
+double distance(const Point2& a, const Point2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+double lengthOf(const Line& line) {
+  double length = 0;
+  for (std::size_t i = 1; i < line.size(); ++i) length += distance(line[i - 1], line[i]);
+  return length;
+}
+
+Point2 pointAt(const Line& line, double along) {
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double size = distance(line[i - 1], line[i]);
+    if (along <= size && size > 0) {
+      return {models::lerp(line[i - 1].x, line[i].x, along / size),
+              models::lerp(line[i - 1].y, line[i].y, along / size)};
+    }
+    along -= size;
+  }
+  return line.back();
+}
+
+Nearest nearestOn(const Line& line, const Point2& p) {
+  Nearest nearest;
+  double before = 0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double size = distance(line[i - 1], line[i]);
+    const Point2 h{(line[i].x - line[i - 1].x) / size, (line[i].y - line[i - 1].y) / size};
+    const double t = std::clamp((p.x - line[i - 1].x) * h.x + (p.y - line[i - 1].y) * h.y, 0.0, size);
+    const double d = distance(p, {line[i - 1].x + h.x * t, line[i - 1].y + h.y * t});
+    if (d < nearest.distance) nearest = {d, before + t, h};
+    before += size;
+  }
+  return nearest;
+}
+
+Line evenLine(const Line& line, double step) {
+  const double length = lengthOf(line);
+  const auto count = std::max(1, static_cast<int>(std::lround(length / step)));
+  Line points;
+  std::size_t segment = 1;
+  double before = 0;
+  for (int k = 0; k <= count; ++k) {
+    const double at = length * k / count;
+    while (segment + 1 < line.size() && before + distance(line[segment - 1], line[segment]) < at) {
+      before += distance(line[segment - 1], line[segment]);
+      ++segment;
+    }
+    const double size = distance(line[segment - 1], line[segment]);
+    const double part = size > 0 ? std::clamp((at - before) / size, 0.0, 1.0) : 0;
+    points.push_back({models::lerp(line[segment - 1].x, line[segment].x, part),
+                      models::lerp(line[segment - 1].y, line[segment].y, part)});
+  }
+  return points;
+}
+
+Line smoothLine(const Line& line, double step) {
+  Line points = evenLine(line, step);
+  constexpr int kPasses = 8;  // spread over about two points to both sides
+  for (int pass = 0; pass < kPasses; ++pass) {
+    Line next = points;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+      next[i] = {(points[i - 1].x + 2 * points[i].x + points[i + 1].x) / 4,
+                 (points[i - 1].y + 2 * points[i].y + points[i + 1].y) / 4};
+    }
+    points = std::move(next);
+  }
+  // Where a line turns back its points meet.
+  Line apart;
+  for (const Point2& p : points) {
+    if (apart.empty() || distance(apart.back(), p) > 0.1) apart.push_back(p);
+  }
+  if (apart.size() > 1) apart.back() = points.back();
+  return apart;
+}
+
+std::vector<Line> runsWithin(const Line& line, double half) {
+  std::vector<Line> runs(1);
+  for (const Point2& p : line) {
+    if (std::max(std::abs(p.x), std::abs(p.y)) < half) {
+      runs.back().push_back(p);
+    } else if (!runs.back().empty()) {
+      runs.emplace_back();
+    }
+  }
+  if (runs.back().empty()) runs.pop_back();
+  return runs;
+}
+
+bool isInside(const std::vector<const Polygon*>& rings, const Point2& p) {
+  bool inside = false;
+  for (const Polygon* ring : rings) {
+    for (std::size_t i = 0; i < ring->size(); ++i) {
+      const Point2& a = (*ring)[i];
+      const Point2& b = (*ring)[(i + 1) % ring->size()];
+      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) inside = !inside;
+    }
+  }
+  return inside;
+}
+
+double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p) {
+  double least = 1e9;
+  for (const Polygon* ring : rings) {
+    for (std::size_t i = 0; i < ring->size(); ++i) {
+      const Point2& a = (*ring)[i];
+      const Point2& b = (*ring)[(i + 1) % ring->size()];
+      const double dx = b.x - a.x;
+      const double dy = b.y - a.y;
+      const double square = dx * dx + dy * dy;
+      const double t = square > 0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0;
+      least = std::min(least, std::hypot(p.x - a.x - t * dx, p.y - a.y - t * dy));
+    }
+  }
+  return least;
+}
+
+std::vector<Point2> pointsAlong(const Polygon& ring, double step) {
+  std::vector<Point2> points;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& a = ring[i];
+    const Point2& b = ring[(i + 1) % ring.size()];
+    const auto count = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step)));
+    for (int k = 0; k < count; ++k) {
+      const double t = static_cast<double>(k) / count;
+      points.push_back({a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t});
+    }
+  }
+  return points;
+}
+
+double sizeOf(const Polygon& ring) {
+  double area = 0;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& p = ring[i];
+    const Point2& q = ring[(i + 1) % ring.size()];
+    area += (p.x * q.y - q.x * p.y) / 2;
+  }
+  return area;
+}
+
+models::Footprint rectangleAbout(const Polygon& ring) {
+  models::Footprint best;
+  double smallest = 1e18;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& a = ring[i];
+    const Point2& b = ring[(i + 1) % ring.size()];
+    const double yaw = std::atan2(b.y - a.y, b.x - a.x);
+    const double c = std::cos(yaw);
+    const double s = std::sin(yaw);
+    double lowU = 1e18, highU = -1e18, lowV = 1e18, highV = -1e18;
+    for (const Point2& p : ring) {
+      const double u = p.x * c + p.y * s;
+      const double v = p.y * c - p.x * s;
+      lowU = std::min(lowU, u);
+      highU = std::max(highU, u);
+      lowV = std::min(lowV, v);
+      highV = std::max(highV, v);
+    }
+    if ((highU - lowU) * (highV - lowV) >= smallest) continue;
+    smallest = (highU - lowU) * (highV - lowV);
+    const double u = (lowU + highU) / 2;
+    const double v = (lowV + highV) / 2;
+    best = {{u * c - v * s, u * s + v * c}, (highU - lowU) / 2, (highV - lowV) / 2, yaw};
+  }
+  return best;
+}
+
+Polygon clipped(Polygon ring, double half) {
+  for (int side = 0; side < 4; ++side) {
+    const auto inside = [&](const Point2& p) {
+      return (side == 0 ? p.x : side == 1 ? -p.x : side == 2 ? p.y : -p.y) + half;
+    };
+    Polygon cut;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Point2& a = ring[i];
+      const Point2& b = ring[(i + 1) % ring.size()];
+      const double of = inside(a);
+      const double next = inside(b);
+      if (of >= 0) cut.push_back(a);
+      if ((of >= 0) != (next >= 0)) {
+        const double t = of / (of - next);
+        cut.push_back({models::lerp(a.x, b.x, t), models::lerp(a.y, b.y, t)});
+      }
+    }
+    ring = std::move(cut);
+  }
+  return ring;
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,169 @@
+// The ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of carriageway,
+// curb, verge, sidewalk and plots' patches, with a height at each corner and walls where the curb steps.
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include "town/layout.h"
+#include "town/tiling.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Shape;
+using models::SurfaceIndex;
+
+constexpr double kSmallest = 0.5;  // m, a cell's side
+
+class GroundMaker {
+ public:
+  GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
+    const bool paved = Draw(layout.seed(), models::Kind::Terrain).chance(0.5);
+    const bool dry = Draw(layout.seed(), models::Kind::Terrain, 1).chance(0.2);
+    const auto set = [&](GroundKind kind, const char* className, const char* material) {
+      surfaces_[static_cast<std::size_t>(kind)] = shape_.surface(className, material);
+    };
+    set(GroundKind::Road, "road", "asphalt");
+    set(GroundKind::Parking, "parking", paved ? "paving" : "asphalt");
+    set(GroundKind::Curb, "curb", "concrete");
+    const Season season = layout.character().season;
+    const char* const lawn = season == Season::Winter ? "snow" : dry ? "grass_dry" : "grass";
+    const char* const verge = season == Season::Winter ? "snow" : season == Season::Autumn ? "leaf_litter" : "grass";
+    set(GroundKind::Verge, "terrain", verge);
+    set(GroundKind::Shoulder, "terrain", dry && season != Season::Winter ? "soil" : verge);
+    set(GroundKind::Sidewalk, "sidewalk", "paving");
+    set(GroundKind::Driveway, "parking", "paving");
+    set(GroundKind::Path, "ground", "concrete");
+    set(GroundKind::Lawn, "terrain", lawn);
+    if (layout.areas().all().empty()) return;
+    set(GroundKind::Water, "water", "water");
+    set(GroundKind::Lot, "parking", paved ? "paving" : "asphalt");
+    set(GroundKind::Paved, "sidewalk", "paving");
+  }
+
+  models::Model make() {
+    tile();
+    for (std::size_t border = 0; border < 5; ++border) {
+      cutAlong(tiling_, [&](std::uint32_t p) {
+        const Beside& b = beside(p);
+        return b.known ? layout_.borders(b)[border] : 1e3;
+      });
+    }
+    cutAlong(tiling_, [&](std::uint32_t p) { return layout_.outsidePatches(tiling_.points[p]); });
+    if (!layout_.areas().all().empty()) {
+      cutAlong(tiling_, [&](std::uint32_t p) { return layout_.areas().outsideHard(tiling_.points[p]); });
+    }
+    addTriangles();
+    return shape_.finish();
+  }
+
+ private:
+  void tile() {
+    tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
+      if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
+      // Lots, ponds and paths have sharp edges.
+      const double reach = std::min(0.71 * size, 3.9);
+      if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < reach) return true;
+      if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;
+      const Beside b = layout_.roads().at(x, y);
+      // Beyond the roads' reach nothing is known but that they are far.
+      const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;
+      const double wanted = nearest < 9 ? kSmallest : nearest < 20 ? 1 : nearest < 34 ? 2 : 8;
+      const bool road = b.known && b.edge + 0.71 * size < -0.5;
+      return size > (road ? 1 : wanted) * 1.0001;
+    });
+  }
+
+  const Beside& beside(std::uint32_t point) {
+    while (besides_.size() <= point) {
+      const Point2& p = tiling_.points[besides_.size()];
+      besides_.push_back(layout_.roads().at(p.x, p.y));
+    }
+    return besides_[point];
+  }
+
+  static bool isLow(GroundKind kind) { return kind == GroundKind::Road || kind == GroundKind::Parking; }
+
+  // No border goes through the triangle, so that its middle stands for it.
+  GroundKind kindOf(const std::array<std::uint32_t, 3>& t) {
+    Beside middle = beside(t[0]);
+    Point2 p{0, 0};
+    middle.edge = 0;
+    for (const std::uint32_t v : t) {
+      if (!beside(v).known) middle.known = false;
+      middle.edge += beside(v).edge / 3;
+      p.x += tiling_.points[v].x / 3;
+      p.y += tiling_.points[v].y / 3;
+    }
+    return layout_.kindAt(middle, p);
+  }
+
+  // Corners of one floor are shared: above the curb, or below it.
+  std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
+    std::vector<std::uint32_t>& made = isLow(kind) ? low_ : high_;
+    if (made[point] == 0) {
+      const Point2& p = tiling_.points[point];
+      const double z = layout_.heightAt(kind, beside(point), p);
+      shape_.mesh.positions.push_back(Vec3f(Vec3d{p.x, p.y, z}));
+      made[point] = static_cast<std::uint32_t>(shape_.mesh.positions.size());
+    }
+    return made[point] - 1;
+  }
+
+  void addTriangles() {
+    low_.assign(tiling_.points.size(), 0);
+    high_.assign(tiling_.points.size(), 0);
+    std::vector<bool> low;
+    low.reserve(tiling_.triangles.size());
+    for (const std::array<std::uint32_t, 3>& t : tiling_.triangles) {
+      const GroundKind kind = kindOf(t);
+      low.push_back(isLow(kind));
+      add(surfaces_[static_cast<std::size_t>(kind)], vertex(t[0], kind), vertex(t[1], kind), vertex(t[2], kind));
+    }
+    addWalls(low);
+  }
+
+  // Where the carriageway and what lies higher share an edge, the curb stands between them.
+  void addWalls(const std::vector<bool>& low) {
+    const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
+    std::unordered_set<std::uint64_t> ofHigh;
+    const auto forSteps = [&](bool ofLow, const auto& visit) {
+      for (std::size_t i = 0; i < low.size(); ++i) {
+        if (low[i] != ofLow) continue;
+        const std::array<std::uint32_t, 3>& t = tiling_.triangles[i];
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t a = t[k];
+          const std::uint32_t b = t[(k + 1) % 3];
+          if (low_[a] > 0 && high_[a] > 0 && low_[b] > 0 && high_[b] > 0) visit(a, b);
+        }
+      }
+    };
+    forSteps(false, [&](std::uint32_t a, std::uint32_t b) { ofHigh.insert(std::uint64_t{a} << 32 | b); });
+    forSteps(true, [&](std::uint32_t a, std::uint32_t b) {
+      if (!ofHigh.contains(std::uint64_t{b} << 32 | a)) return;
+      add(curb, low_[b] - 1, low_[a] - 1, high_[a] - 1);
+      add(curb, low_[b] - 1, high_[a] - 1, high_[b] - 1);
+    });
+  }
+
+  void add(SurfaceIndex surface, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    shape_.mesh.triangles.push_back({a, b, c});
+    shape_.mesh.surfaceOf.push_back(surface);
+  }
+
+  const Layout& layout_;
+  Shape shape_;
+  std::array<SurfaceIndex, 12> surfaces_{};
+  Tiling tiling_;
+  std::vector<Beside> besides_;
+  std::vector<std::uint32_t> low_, high_;  // index + 1 of each point's vertex; 0: none yet
+};
+
+}  // namespace
+
+models::Model makeGround(SceneBuilder& builder, const Layout& layout) {
+  return GroundMaker(builder, layout).make();
+}
+
+}  // namespace scanmill::town

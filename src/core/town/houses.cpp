@@ -1,0 +1,123 @@
+// Houses, and what parts their plots from the road and from each other.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "town/placer.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Fencing;
+using models::Kind;
+using models::Shape;
+
+constexpr double kPanel = 2;        // m
+constexpr double kPlinthDepth = 3;  // m below the door's ground, on slopes
+
+Model makePlinth(SceneBuilder& builder, const models::House& house) {
+  Shape s(builder, "plinth");
+  s.box(s.surface("building", "concrete"), {house.width / 2, house.depth / 2, -kPlinthDepth / 2},
+        {house.width - 0.04, house.depth - 0.04, kPlinthDepth});
+  return s.finish();
+}
+
+class Boundaries {
+ public:
+  explicit Boundaries(Placer& placer) : placer_(placer) {}
+
+  // Panels from a to b, each at the ground's height at its middle. Left out where something stands, or a path goes.
+  void row(Fencing what, int form, const Point2& a, const Point2& b) {
+    const double length = std::hypot(b.x - a.x, b.y - a.y);
+    const int count = static_cast<int>(std::lround(length / kPanel));
+    if (count == 0) return;
+    const double yaw = std::atan2(b.y - a.y, b.x - a.x);
+    const Model& m = panel(what, form);
+    const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
+    for (int k = 0; k < count; ++k) {
+      const double t = (k + 0.5) / count;
+      const Point2 p{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
+      const double width = length / count;
+      if (!placer_.isFree({p, width / 2 - 0.1, half, yaw}) || placer_.layout.areas().outsideHard(p) < half) continue;
+      const Beside beside = placer_.layout.roads().at(p.x, p.y);
+      if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
+      Affine place = models::at({p.x, p.y, placer_.layout.heightAt(p) - 0.05}, yaw);
+      place.linear = place.linear * Mat3::scale({width / kPanel, 1, 1});
+      placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
+      taken_.push_back({p, width / 2 - 0.1, half, yaw});
+    }
+    // Only now: a row's own panels touch each other.
+    for (const Footprint& f : taken_) placer_.occupancy.add(f);
+    taken_.clear();
+  }
+
+ private:
+  const Model& panel(Fencing what, int form) {
+    const auto index = static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form);
+    if (!made_[index]) {
+      const std::uint64_t seed = placer_.layout.seed();
+      panels_[index] = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
+                                              : models::makeFencePanel(placer_.builder, seed + form * 104729u, what);
+      made_[index] = true;
+    }
+    return panels_[index];
+  }
+
+  static constexpr std::size_t kForms = 4;
+  Placer& placer_;
+  std::array<Model, 5 * kForms> panels_{};
+  std::array<bool, 5 * kForms> made_{};
+  std::vector<Footprint> taken_;
+  int number_ = 0;
+};
+
+}  // namespace
+
+void placeHouses(Placer& placer) {
+  int number = 0;
+  for (const models::House& house : placer.layout.houses()) {
+    const Affine place = placer.worldFromTown * house.place;
+    const std::string name = fmt::format("house {}", ++number);
+    placer.builder.place(models::makeHouse(placer.builder, placer.layout.seed(), house).mesh, place, name);
+    placer.builder.place(makePlinth(placer.builder, house).mesh, place, name + " plinth");
+  }
+  for (const PlacedBlock& b : placer.layout.blocks()) {
+    const Affine place = placer.worldFromTown * models::at({b.about.center.x, b.about.center.y, b.height});
+    placer.builder.place(models::makeBlock(placer.builder, placer.layout.seed(), b.block).mesh, place,
+                         fmt::format("block {}", b.block.number + 1));
+  }
+}
+
+void placeBoundaries(Placer& placer) {
+  const Layout& l = placer.layout;
+  Boundaries boundaries(placer);
+  for (const Plot& plot : l.plots()) {
+    Draw draw(l.seed(), Kind::Hedgerow, plot.number);
+    const Road& road = l.roads().roads()[plot.road];
+    const int form = draw.below(4);
+    const auto at = [&](double along, double depth) {
+      return besideRoad(road, along, plot.side * (road.section.half + road.section.outer() + depth)).at;
+    };
+    const double front = draw.in(0.5, 0.9);
+    if (plot.fencing != Fencing::None) boundaries.row(plot.fencing, form, at(plot.from, front), at(plot.to, front));
+    if (plot.bare) continue;
+    const bool hedged = draw.chance(0.8 * l.character().hedges);
+    if (!hedged && !draw.chance(l.character().fences)) continue;
+    const Fencing between = hedged ? Fencing::Hedge : Fencing::Pickets;
+    boundaries.row(between, form, at(plot.to - 0.4, front + 1), at(plot.to - 0.4, draw.in(14, 28)));
+    if (draw.chance(0.6)) {
+      const double back = draw.in(22, 30);
+      boundaries.row(between, form, at(plot.from, back), at(plot.to, back));
+    }
+  }
+  for (const MapBarrier& barrier : l.barriers()) {
+    for (std::size_t i = 1; i < barrier.line.size(); ++i) {
+      boundaries.row(barrier.kind, 0, barrier.line[i - 1], barrier.line[i]);
+    }
+  }
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,101 @@
+#include "town/lanes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/placer.h"
+
+namespace scanmill::town {
+
+namespace {
+
+constexpr double kPoints = 6;  // m between them
+
+// The way on beyond the end of a road: down, round, and back far below the ground, where nobody sees those who are
+// still to come or have gone.
+std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
+  std::vector<Vec3d> more;
+  if (reach <= 0) return more;
+  Vec3d ahead = end - next;
+  ahead.z = 0;
+  ahead = normalized(ahead);
+  const Vec3d aside{-ahead.y, ahead.x, 0};
+  constexpr double kRamp = 130;  // m
+  constexpr double kDepth = 70;
+  constexpr double kTurn = 20;  // radius
+  for (const double d : models::steps(10, kRamp, 10)) {
+    more.push_back(end + ahead * d + Vec3d{0, 0, -kDepth * models::smooth(d / kRamp)});
+  }
+  const Vec3d bottom = end + ahead * kRamp + Vec3d{0, 0, -kDepth};
+  for (int k = 0; k <= 6; ++k) {
+    const double angle = kPi * k / 6;
+    more.push_back(bottom + ahead * (kTurn * std::sin(angle)) + aside * (kTurn * (1 - std::cos(angle))));
+  }
+  for (const double d : models::steps(15, reach - kRamp, 40)) more.push_back(bottom + aside * (2 * kTurn) - ahead * d);
+  return more;
+}
+
+}  // namespace
+
+LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
+  LaidOut laid;
+  std::vector<Vec3d> points;
+  for (const Way::Stretch& s : way.stretches) {
+    const Road& road = l.roads().roads()[s.road];
+    const double direction = s.to >= s.from ? 1 : -1;
+    const double lateral = road.oneWay() ? out : std::max(road.laneMiddle() + out, least);
+    const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
+    for (int k = 0; k <= count; ++k) {
+      const double along = s.from + (s.to - s.from) * k / count;
+      const Point2 p = besideRoad(road, along, -direction * lateral).at;
+      points.push_back({p.x, p.y, l.heightAt(p)});
+      laid.places.push_back({s.road, along});
+    }
+  }
+  const std::vector<Vec3d> behind = wayBelow(points[points.size() - 1], points[points.size() - 2], way.after);
+  const std::vector<Vec3d> before = wayBelow(points[0], points[1], way.before);
+  laid.first = before.size();
+  laid.points.assign(before.rbegin(), before.rend());
+  laid.points.insert(laid.points.end(), points.begin(), points.end());
+  laid.points.insert(laid.points.end(), behind.begin(), behind.end());
+  return laid;
+}
+
+double mouthOf(const Layout& l) {
+  return l.roads().roads().front().section.half + 7;
+}
+
+double stopAtMouth(const Layout& l) {
+  return mouthOf(l) - 4;
+}
+
+double endOf(const Layout& l, std::uint32_t sideRoad) {
+  return l.roads().roads()[sideRoad].length() - 6;
+}
+
+double cornerOf(const Layout& l, std::uint32_t sideRoad) {
+  return l.roads().roads()[sideRoad].section.half + 6;
+}
+
+Tour tourOf(const Layout& l) {
+  constexpr double kLeast = 30;  // m of the main road between two bends, or beyond the one
+  const std::vector<Road>& roads = l.roads().roads();
+  const auto joins = [&](std::uint32_t r) { return *roads[r].joins; };
+  Tour tour;
+  for (std::uint32_t r = 1; r < roads.size(); ++r) {
+    if (!roads[r].joins || roads[r].joinsLeft || endOf(l, r) < mouthOf(l) + 20) continue;
+    if (roads[r].along && (!tour.into || *roads[r].joins > joins(*tour.into))) tour.into = r;
+    if (roads[r].against && (!tour.from || *roads[r].joins < joins(*tour.from))) tour.from = r;
+  }
+  if (tour.into && tour.from &&
+      joins(*tour.into) - joins(*tour.from) < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) {
+    tour.from.reset();
+  }
+  // A way that has hardly begun goes straight on.
+  if (tour.into && !tour.from && joins(*tour.into) - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) {
+    tour.into.reset();
+  }
+  return tour;
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,231 @@
+#include "town/layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/relief.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Footprint;
+using models::smooth;
+
+constexpr double kPatchCell = 8;   // m
+constexpr double kPatchReach = 4;  // m
+
+std::uint64_t keyAt(double x, double y) {
+  const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kPatchCell)); };
+  return models::cellKey(cell(x), cell(y));
+}
+
+// How far outside of a rectangle a point lies, along its axes (m).
+double outside(const Footprint& f, const Point2& p) {
+  const double c = std::cos(f.yaw);
+  const double s = std::sin(f.yaw);
+  const double dx = p.x - f.center.x;
+  const double dy = p.y - f.center.y;
+  return std::max(std::abs(dx * c + dy * s) - f.halfX, std::abs(dy * c - dx * s) - f.halfY);
+}
+
+}  // namespace
+
+Layout::Layout(const Parameters& parameters, std::uint64_t seed)
+    : parameters_(parameters), seed_(seed), character_(parameters, seed), half_(reachOf(parameters)) {
+  about_ = character_.inWords();
+  drawRoads();
+  drawRoundabout();
+  drawPotholes();
+  drawLand();
+  drawPlots();
+  settle();
+}
+
+double Layout::reachOf(const Parameters& parameters) {
+  return parameters.length / 2 + kBeyond + kEdge;
+}
+
+bool Layout::nearPothole(const Point2& p, double reach) const {
+  const auto cell = potholeCells_.find(keyAt(p.x, p.y));
+  if (cell == potholeCells_.end()) return false;
+  return std::any_of(cell->second.begin(), cell->second.end(), [&](std::uint32_t i) {
+    const Pothole& hole = potholes_[i];
+    return std::hypot(p.x - hole.center.x, p.y - hole.center.y) < hole.radius + reach;
+  });
+}
+
+// Into all cells that lie within kPatchReach of the rectangle.
+void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
+  const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
+  for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
+    for (const double x : models::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
+      std::vector<std::uint32_t>& cell = cells[keyAt(x, y)];
+      if (std::find(cell.begin(), cell.end(), index) == cell.end()) cell.push_back(index);
+    }
+  }
+}
+
+double Layout::outsidePatches(const Point2& p) const {
+  double least = kPatchReach;
+  const auto cell = patchCells_.find(keyAt(p.x, p.y));
+  if (cell == patchCells_.end()) return least;
+  for (const std::uint32_t i : cell->second) least = std::min(least, outside(patches_[i].place, p));
+  return least;
+}
+
+const Patch* Layout::patchAt(const Point2& p) const {
+  const auto cell = patchCells_.find(keyAt(p.x, p.y));
+  if (cell == patchCells_.end()) return nullptr;
+  for (const std::uint32_t i : cell->second) {
+    if (outside(patches_[i].place, p) < 0) return &patches_[i];
+  }
+  return nullptr;
+}
+
+std::array<double, 5> Layout::borders(const Beside& b) const {
+  const CrossSection& s = b.section;
+  return {b.edge + s.parking, b.edge, b.edge - s.curb, b.edge - s.curb - s.verge, b.edge - s.outer()};
+}
+
+GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
+  if (!b.known) {
+    const Patch* patch = patchAt(p);
+    return patch != nullptr ? patch->kind : landAt(p);
+  }
+  const CrossSection& s = b.section;
+  if (b.edge < 0) {
+    const bool bays = s.parking > 1.5 && b.edge > -s.parking;
+    return bays ? GroundKind::Parking : GroundKind::Road;
+  }
+  if (b.edge < s.curb) return GroundKind::Curb;
+  if (const Patch* patch = patchAt(p)) {
+    // The pavement goes on across driveways.
+    if (b.edge < s.curb + s.verge || b.edge > s.outer()) return patch->kind;
+  }
+  if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
+  if (b.edge < s.outer()) return GroundKind::Sidewalk;
+  return landAt(p);
+}
+
+GroundKind Layout::landAt(const Point2& p) const {
+  if (areas_.all().empty() || areas_.outsideHard(p) >= 0) return GroundKind::Lawn;
+  const std::optional<Land> land = areas_.at(p);
+  if (land == Land::Water) return GroundKind::Water;
+  if (land == Land::Lot) return GroundKind::Lot;
+  return land == Land::Paved ? GroundKind::Paved : GroundKind::Lawn;
+}
+
+double Layout::base(const Point2& p) const {
+  return character_.hills * (relief(seed_ * 4 + 1, p.x, p.y, 260) + 0.25 * relief(seed_ * 4 + 2, p.x, p.y, 110) +
+                             0.11 * relief(seed_ * 4 + 4, p.x, p.y, 45));
+}
+
+// Curbs are lowered where a driveway meets the road.
+double Layout::lowering(const Beside& b, const Point2& p) const {
+  if (b.section.step <= 0 || b.edge > 3) return 1;
+  double factor = 1;
+  const auto cell = patchCells_.find(keyAt(p.x, p.y));
+  if (cell == patchCells_.end()) return 1;
+  for (const std::uint32_t i : cell->second) {
+    if (patches_[i].kind != GroundKind::Driveway) continue;
+    const Footprint& f = patches_[i].place;
+    const double across = std::abs((p.x - f.center.x) * std::cos(f.yaw) + (p.y - f.center.y) * std::sin(f.yaw));
+    const double beside = smooth((across - f.halfX) / 0.8);
+    factor = std::min(factor, std::max(beside, smooth(b.edge / 1.5)));
+  }
+  return std::max(factor, 0.25);
+}
+
+double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const {
+  const double ground = base(p);
+  const double edge = b.known ? b.edge : 1e3;
+  const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
+  if (low) {
+    // A crown, a gutter, and what years of lorries leave.
+    const double crown = 0.02 * std::min(-edge, 5.0);
+    const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
+    double hole = 0;
+    if (const auto cell = potholeCells_.find(keyAt(p.x, p.y)); cell != potholeCells_.end()) {
+      for (const std::uint32_t i : cell->second) {
+        const Pothole& h = potholes_[i];
+        const double inwards = 1 - std::hypot(p.x - h.center.x, p.y - h.center.y) / h.radius;
+        hole = std::max(hole, h.depth * smooth(2 * inwards));
+      }
+    }
+    return ground + crown + worn - hole;
+  }
+  const double outer = b.known ? b.section.outer() : 0;
+  // Far from roads nothing is left of their height, so that the ground has no step where their reach ends.
+  const double near = b.known ? 1 - smooth((edge - 18) / 15) : 0;
+  const double step = near * b.section.step * lowering(b, p);
+  const double rise = near * 0.015 * std::clamp(edge, 0.0, outer);
+  const double beyond = std::max(0.0, edge - outer);
+  const double paved = kind == GroundKind::Driveway || kind == GroundKind::Path ? 0.3 : 1.0;
+  const double hard = areas_.all().empty() ? Areas::kReach : areas_.outsideHard(p);
+  const double soft = smooth(hard / 1.5);
+  const double wild = character_.undulation * smooth(beyond / 9) * soft;
+  const double rolling = 1.6 * wild * relief(seed_ + 11, p.x, p.y, 16) + 0.6 * wild * relief(seed_ + 12, p.x, p.y, 5);
+  // Lots and squares are flatter than what is about them.
+  const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
+  const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
+  // Of lawns the finest cells' corners, in some places more than in others.
+  const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
+  const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
+                       smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
+  double natural = ground + step + rise + rolling + bank;
+  if (kind == GroundKind::Water) {
+    // Level but for its banks.
+    constexpr double kBanks = 2;  // m
+    const std::optional<std::uint32_t> area = areas_.indexAt(p);
+    if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
+  }
+  return natural + smooth(beyond / 1.5) * levelling(p, natural) + soft * (grain + snowOn(b, p));
+}
+
+// None on what is cleared, which it slopes down to: pavements, driveways and paths. Ploughs leave a bank on verges, and
+// beside roads that have no pavement.
+double Layout::snowOn(const Beside& b, const Point2& p) const {
+  if (character_.snow <= 0) return 0;
+  constexpr double kSlope = 0.3;  // m
+  constexpr double kBank = 1.3;   // m wide
+  const CrossSection& s = b.section;
+  const double edge = b.known ? b.edge : 1e3;
+  const double outer = b.known ? s.outer() : 0;
+  const double verge = edge - (b.known ? s.curb : 0);  // m beyond the curb
+  const double cleared = smooth(outsidePatches(p) / 0.5);
+  const bool pavement = b.known && s.sidewalk > 0.3;
+  double depth = character_.snow * smooth((edge - outer) / kSlope);
+  if (b.known && verge > 0 && verge < s.verge) {
+    depth = character_.snow * smooth(verge / kSlope) * (pavement ? smooth((s.verge - verge) / kSlope) : 1);
+  }
+  const double width = std::min(kBank, s.verge);
+  if (b.known && width > 0.6 && verge > 0 && verge < width) {
+    const double across = std::sin(kPi * verge / width);
+    const double along = 0.6 + 1.2 * relief(seed_ + 17, p.x, p.y, 3) + 0.6 * relief(seed_ + 18, p.x, p.y, 0.8);
+    depth += character_.snowBanks * across * across * std::max(along, 0.1);
+  }
+  return depth * cleared;
+}
+
+// What brings the ground to the height of the house beside it.
+double Layout::levelling(const Point2& p, double natural) const {
+  const auto cell = terraceCells_.find(keyAt(p.x, p.y));
+  if (cell == terraceCells_.end()) return 0;
+  double sum = 0;
+  double weights = 0;
+  double most = 0;
+  for (const std::uint32_t i : cell->second) {
+    const double weight = 1 - smooth(outside(terraces_[i].place, p) / kPatchReach);
+    sum += weight * (terraces_[i].height - natural);
+    weights += weight;
+    most = std::max(most, weight);
+  }
+  return weights > 0 ? most * sum / weights : 0;
+}
+
+double Layout::heightAt(const Point2& p) const {
+  const Beside b = roads_.at(p.x, p.y);
+  return heightAt(kindAt(b, p), b, p);
+}
+
+}  // namespace scanmill::town

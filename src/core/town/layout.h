@@ -1,0 +1,168 @@
+#pragma once
+
+// The plan of a town: what kind of place the seed has drawn, its roads, its plots, and the ground under all of it. In
+// the town's frame, metres; the main road passes the origin along +x. Nothing outside this folder and town.cpp includes
+// this header.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "models/models.h"
+#include "models/occupancy.h"
+#include "town/areas.h"
+#include "town/character.h"
+#include "town/map_place.h"
+#include "town/roads.h"
+
+namespace scanmill::town {
+
+enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
+
+// A rectangle of other ground within a plot, from the road's edge inwards.
+struct Patch {
+  models::Footprint place;
+  GroundKind kind = GroundKind::Driveway;
+  bool parks = false;  // a car may stand on it
+};
+
+struct Plot {
+  std::uint32_t number = 0;
+  std::uint32_t road = 0;
+  int side = 1;             // 1: to the left of the road's line
+  double from = 0, to = 0;  // m along the road
+  bool built = false;
+  bool bare = false;  // open land: only a hedge or fence along the road
+  double depth = 9;   // m, of what is built
+  models::Fencing fencing = models::Fencing::None;
+  double setback = 0;
+};
+
+// A building over any outline.
+struct PlacedBlock {
+  models::Block block;      // about the middle
+  models::Footprint about;  // the rectangle about it
+  Point2 entrance;          // before its wall towards the road
+  double height = 0;        // of the ground there, m
+};
+
+// Ground that is made level, for a house or a garage and half a metre about it.
+struct Terrace {
+  models::Footprint place;
+  double height = 0;
+};
+
+// A hole in a road's surface.
+struct Pothole {
+  Point2 center;
+  double radius = 0.3, depth = 0.04;  // m
+};
+
+constexpr double kPathHalf = 0.9;  // m, half of a path's width
+
+class Layout {
+ public:
+  static constexpr double kBeyond = 130;  // m, that the main road goes on beyond its plots
+  static constexpr double kEdge = 20;     // m, that the ground goes on beyond the roads
+
+  Layout(const Parameters& parameters, std::uint64_t seed);
+  Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
+
+  // In words: the district, the season, and on a map the main road and where on the earth the frame's origin lies.
+  const std::string& about() const { return about_; }
+  // Half of the side of the square of ground (m).
+  static double reachOf(const Parameters& parameters);
+
+  const Parameters& parameters() const { return parameters_; }
+  const Character& character() const { return character_; }
+  std::uint64_t seed() const { return seed_; }
+  const RoadNetwork& roads() const { return roads_; }
+  const std::vector<Plot>& plots() const { return plots_; }
+  // Their places have the ground's height at the door.
+  const std::vector<models::House>& houses() const { return houses_; }
+  const std::vector<PlacedBlock>& blocks() const { return blocks_; }
+  // Rectangles that houses and blocks stand on.
+  const std::vector<models::Footprint>& covers() const { return covers_; }
+  const Areas& areas() const { return areas_; }
+  // Of a map.
+  const std::vector<MapBarrier>& barriers() const { return barriers_; }
+  const std::vector<Point2>& trees() const { return trees_; }
+  const std::vector<Patch>& patches() const { return patches_; }
+  const std::vector<Pothole>& potholes() const { return potholes_; }
+  // A pothole is nearer than its radius and so many metres.
+  bool nearPothole(const Point2& p, double reach) const;
+  // The part of the main road that is built on: distances along its line (m).
+  double mainFrom() const { return mainFrom_; }
+  double mainTo() const { return mainTo_; }
+  double half() const { return half_; }  // of the square of ground, m
+
+  // The kind of ground at a point, and its height, which is that of the kind at its border.
+  GroundKind kindAt(const Beside& beside, const Point2& p) const;
+  double heightAt(GroundKind kind, const Beside& beside, const Point2& p) const;
+  double heightAt(const Point2& p) const;
+
+  // Where the ground changes from kind to kind: zero on each of these lines.
+  std::array<double, 5> borders(const Beside& beside) const;
+  // How far outside of the nearest patch (m, negative inside; far ones count as 4 m).
+  double outsidePatches(const Point2& p) const;
+
+ private:
+  using Cells = std::unordered_map<std::uint64_t, std::vector<std::uint32_t>>;
+  void drawRoads();
+  void drawPlots();
+  void drawPotholes();
+  void drawRoundabout();
+  void drawLand();
+  bool addLand(Land land, std::uint32_t road, int side, double along, double width, double depth);
+  void addPlots(std::uint32_t road, int side, double from, double to);
+  models::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
+  models::Fencing drawFencing(Draw& draw, double setback) const;
+  // From a house with that yaw towards its road.
+  void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
+  // Below the lowest point of the land about each water.
+  void findWaterLevels();
+  // Once all is in place: the ground is made level about houses, which get its height.
+  void settle();
+  void takeRoads(const MapPlace& map);
+  void takeBuildings(const MapPlace& map);
+  void cover(const MapBuilding& building, const models::Footprint& about);
+  void arrangePlots();
+  bool fits(const models::Footprint& f, double gap) const;
+  const Patch* patchAt(const Point2& p) const;
+  GroundKind landAt(const Point2& p) const;
+  double base(const Point2& p) const;
+  double lowering(const Beside& beside, const Point2& p) const;
+  double levelling(const Point2& p, double natural) const;
+  double snowOn(const Beside& beside, const Point2& p) const;
+  static void enter(const models::Footprint& f, std::uint32_t index, Cells& cells);
+
+  Parameters parameters_;
+  std::uint64_t seed_;
+  Character character_;
+  std::string about_;
+  RoadNetwork roads_;
+  std::vector<Plot> plots_;
+  std::vector<Patch> patches_;
+  Cells patchCells_;
+  std::vector<Terrace> terraces_;
+  Cells terraceCells_;
+  std::vector<Pothole> potholes_;
+  Cells potholeCells_;
+  std::vector<models::House> houses_;
+  std::vector<PlacedBlock> blocks_;
+  std::vector<models::Footprint> covers_;
+  models::Occupancy taken_;  // by houses
+  double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
+  Areas areas_;
+  std::vector<double> waterLevels_;  // m, of each area that is water
+  std::vector<MapBarrier> barriers_;
+  std::vector<Point2> trees_;
+};
+
+models::Model makeGround(SceneBuilder& builder, const Layout& layout);
+// Places houses, plants, vehicles, people and all else.
+void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
+
+}  // namespace scanmill::town

@@ -1,0 +1,141 @@
+// Land beside the roads that is neither garden nor wood: parks, parking lots, squares; and roundabouts at the end of
+// side roads.
+
+#include <cmath>
+
+#include "town/layout.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Footprint;
+using models::Kind;
+
+Polygon cornersOf(const Footprint& f) {
+  return {f.at(-f.halfX, -f.halfY), f.at(f.halfX, -f.halfY), f.at(f.halfX, f.halfY), f.at(-f.halfX, f.halfY)};
+}
+
+}  // namespace
+
+// Beside a road, `width` along it, beyond the pavement; false where other roads or other land are there.
+bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double width, double depth) {
+  const Road& road = roads_.roads()[r];
+  const Point2 p = road.point(along);
+  const Point2 h = road.heading(along);
+  const double yaw = std::atan2(h.y, h.x) + (side > 0 ? 0 : kPi);
+  constexpr double kBend = 1.5;  // m, between the pavement and the edge of the land
+  const double out = side * (road.section.half + road.section.outer() + kBend + depth / 2);
+  const Footprint place{{p.x - h.y * out, p.y + h.x * out}, width / 2, depth / 2, yaw};
+  for (const double u : models::steps(-1, 1.1, 0.25)) {
+    for (const double v : models::steps(-1, 1.1, 0.25)) {
+      const Point2 at = place.at(u * place.halfX, v * place.halfY);
+      const Beside beside = roads_.at(at.x, at.y);
+      if (beside.known && beside.edge < beside.section.outer()) return false;
+    }
+  }
+  if (!taken_.isFree({place.center, place.halfX + 2, place.halfY + 2, yaw})) return false;
+  taken_.add(place);
+  areas_.add({land, cornersOf(place), {}});
+  // The way in.
+  const double front = depth / 2 - 1;
+  const Point2 inner{place.center.x + std::sin(yaw) * front, place.center.y - std::cos(yaw) * front};
+  const double way = kBend + 1.5 + road.section.outer();
+  if (land == Land::Lot) addStrip(inner, yaw, 3, way, GroundKind::Driveway);
+  if (land != Land::Park) return true;
+  // Two paths that cross.
+  addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
+  patches_.push_back({{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
+  patches_.push_back({{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});
+  return true;
+}
+
+void Layout::drawLand() {
+  const bool dense = character_.district == District::Dense;
+  if (character_.district == District::Rural) return;
+  struct Wish {
+    Land land;
+    double chance;
+    double widthLow, widthHigh, depthLow, depthHigh;
+  };
+  const Wish wishes[] = {{Land::Park, 0.5, 40, 80, 30, 60},
+                         {Land::Lot, 0.6, 28, 60, 17.5, 40},
+                         {Land::Paved, dense ? 0.5 : 0.2, 22, 40, 16, 30}};
+  std::uint32_t number = 0;
+  for (const Wish& wish : wishes) {
+    Draw draw(seed_, Kind::Lot, 5000 + number++);
+    if (!draw.chance(wish.chance)) continue;
+    constexpr int kTries = 12;
+    for (int attempt = 0; attempt < kTries; ++attempt) {
+      const bool onMain = draw.chance(0.6);
+      const auto roads = static_cast<int>(roads_.roads().size());
+      const auto r = static_cast<std::uint32_t>(onMain || roads == 1 ? 0 : 1 + draw.below(roads - 1));
+      const Road& road = roads_.roads()[r];
+      const double low = road.main ? mainFrom_ + 20 : 30;
+      const double high = road.main ? mainTo_ - 20 : road.length() - 20;
+      const double along = draw.in(low, std::max(low, high));
+      const double width = draw.in(wish.widthLow, wish.widthHigh);
+      const double depth = draw.in(wish.depthLow, wish.depthHigh);
+      if (addLand(wish.land, r, draw.chance(0.5) ? 1 : -1, along, width, depth)) break;
+    }
+  }
+}
+
+// Where a side road ends, as the map of many a suburb has it: a ring with an island, and a road that goes on.
+void Layout::drawRoundabout() {
+  Draw draw(seed_, Kind::SideRoad, 9000);
+  if (character_.district == District::Rural || roads_.roads().size() < 2 || !draw.chance(0.35)) return;
+  const auto pick = static_cast<std::uint32_t>(1 + draw.below(static_cast<int>(roads_.roads().size()) - 1));
+  const Road from = roads_.roads()[pick];
+  const Point2 end = from.line.back();
+  const Point2 heading = from.heading(from.length());
+  const double radius = draw.in(11, 16);
+  const Point2 center{end.x + radius * heading.x, end.y + radius * heading.y};
+  const auto clear = [&](const Point2& p, double reach) {
+    for (std::uint32_t k = 0; k < 16; ++k) {
+      const Point2 q{p.x + reach * std::cos(kPi * k / 8), p.y + reach * std::sin(kPi * k / 8)};
+      const Beside b = roads_.at(q.x, q.y);
+      if (b.known && b.edge < b.section.outer() && b.road != pick) return false;
+    }
+    return true;
+  };
+  if (std::max(std::abs(center.x), std::abs(center.y)) > half_ - 70 || !clear(center, radius + 12)) return;
+  Road ring;
+  const double start = std::atan2(end.y - center.y, end.x - center.x);
+  const auto count = static_cast<int>(std::ceil(2 * kPi * radius / kRoadStep));
+  for (int k = 0; k <= count; ++k) {
+    const double angle = start + 2 * kPi * k / count;
+    ring.line.push_back({center.x + radius * std::cos(angle), center.y + radius * std::sin(angle)});
+  }
+  ring.section = from.section;
+  ring.section.parking = 0;
+  ring.section.half = 3;
+  ring.section.verge = 1;
+  ring.section.sidewalk = 0;
+  ring.section.curb = 0.15;
+  ring.section.step = std::max(ring.section.step, 0.08);
+  ring.against = false;
+  ring.ring = true;
+  roads_.add(std::move(ring));
+  roads_.addJoint(end);
+  for (const double turn : {draw.in(-2, -0.8), draw.in(-0.4, 0.4), draw.in(0.8, 2)}) {
+    const double angle = std::atan2(heading.y, heading.x) + turn;
+    const double length = draw.in(35, 80);
+    const Point2 begin{center.x + radius * std::cos(angle), center.y + radius * std::sin(angle)};
+    if (draw.chance(0.3)) continue;
+    bool free = true;
+    for (const double d : models::steps(25, length, 5)) {
+      free = free && clear({begin.x + d * std::cos(angle), begin.y + d * std::sin(angle)}, 9);
+    }
+    const Point2 last{begin.x + length * std::cos(angle), begin.y + length * std::sin(angle)};
+    if (!free || std::max(std::abs(last.x), std::abs(last.y)) > half_ - 30) continue;
+    Road exit;
+    for (const double d : models::steps(0, length, kRoadStep)) {
+      exit.line.push_back({begin.x + d * std::cos(angle), begin.y + d * std::sin(angle)});
+    }
+    exit.section = from.section;
+    roads_.add(std::move(exit));
+    roads_.addJoint(begin);
+  }
+}
+
+}  // namespace scanmill::town

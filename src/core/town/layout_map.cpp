@@ -1,0 +1,158 @@
+// What a map says, in place of what the seed would draw: roads, buildings, land.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "config/text.h"
+#include "town/layout.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+
+constexpr double kOnRoad = 1.6;  // m from the middle of a road: what stands nearer stands on it
+
+Parameters inDistrict(Parameters parameters, District district) {
+  if (parameters.district != "any") return parameters;
+  parameters.district = district == District::Rural ? "rural" : district == District::Dense ? "dense" : "suburban";
+  return parameters;
+}
+
+// Where the map is silent: usual widths by the road's class, and the place's own.
+CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
+  const bool small = road.kind >= RoadClass::Service;
+  const double lane = c.main.half - c.main.parking;
+  // m, by class; residential roads are as wide as the place's own.
+  constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};
+  double width = road.kind == RoadClass::Residential ? 2 * lane * draw.in(0.85, 1.05)
+                                                     : kWidths[static_cast<std::size_t>(road.kind)];
+  if (road.oneWay && !small) width = road.ring ? 6.5 : 0.65 * width;
+  CrossSection s = small ? CrossSection{} : c.main;
+  const bool parked = draw.chance(0.4);
+  const double bay = draw.in(1.9, 2.3);
+  s.parking = small || road.ring || !road.parking.value_or(parked && c.main.parking > 0) ? 0 : bay;
+  s.half = road.width.value_or(width) / 2 + s.parking;
+  if (small || road.ring) {
+    s.sidewalk = 0;
+    s.verge = road.ring ? 1 : 0;
+  } else if (road.sidewalk) {
+    s.sidewalk = *road.sidewalk ? std::max(s.sidewalk, 1.5) : 0;
+  }
+  s.curb = s.sidewalk > 0 || road.ring ? 0.15 : 0;
+  s.step = s.curb > 0 ? std::max(s.step, 0.1) : 0;
+  return s;
+}
+
+// Carriageways end before walls; pavements give way to most of them.
+void makeRoom(CrossSection& s, std::vector<double>& walls) {
+  constexpr double kGap = 0.4;      // m
+  constexpr double kLeast = 1.6;    // m, half of the narrowest road
+  constexpr double kBehind = 0.15;  // share of the walls that may stand on the pavement
+  constexpr double kIgnored = 0.02;
+  if (walls.empty()) return;
+  std::sort(walls.begin(), walls.end());
+  const auto at = [&](double share) {
+    return walls[static_cast<std::size_t>(share * static_cast<double>(walls.size() - 1))];
+  };
+  const double most = at(kBehind);
+  const double nearest = at(kIgnored);
+  const auto lack = [&] { return s.half + s.outer() - most; };
+  s.verge -= std::clamp(lack(), 0.0, s.verge);
+  if (s.sidewalk > 0.6) s.sidewalk -= std::clamp(lack(), 0.0, s.sidewalk - 0.6);
+  if (s.half + kGap > nearest && s.parking > 0) {
+    s.half -= s.parking;
+    s.parking = 0;
+  }
+  s.half = std::max(kLeast, std::min(s.half, nearest - kGap));
+}
+
+}  // namespace
+
+Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map)
+    : parameters_(inDistrict(parameters, map.district)),
+      seed_(seed),
+      character_(parameters_, seed),
+      half_(reachOf(parameters)),
+      barriers_(map.barriers),
+      trees_(map.trees) {
+  const std::string& road = map.roads.front().road.name;
+  about_ = fmt::format("{}; {} at {:.6f}, {:.6f}", character_.inWords(),
+                       road.empty() ? "a road without a name" : quotedForMessage(road), map.origin.latitude,
+                       map.origin.longitude);
+  takeRoads(map);
+  drawPotholes();
+  for (const MapArea& area : map.areas) areas_.add(area);
+  findWaterLevels();
+  takeBuildings(map);
+  for (const std::vector<Point2>& path : map.paths) {
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Point2& a = path[i - 1];
+      const Point2& b = path[i];
+      const Point2 middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
+      patches_.push_back(
+          {{middle, std::hypot(b.x - a.x, b.y - a.y) / 2 + 0.2, kPathHalf, std::atan2(b.y - a.y, b.x - a.x)},
+           GroundKind::Path});
+    }
+  }
+  settle();
+}
+
+void Layout::findWaterLevels() {
+  constexpr double kBelow = 0.3;  // m
+  for (const MapArea& area : areas_.all()) {
+    double level = 0;
+    if (area.land == Land::Water) {
+      level = 1e9;
+      for (const Point2& p : pointsAlong(area.outline, 4)) {
+        level = std::min(level, heightAt(GroundKind::Lawn, roads_.at(p.x, p.y), p) - kBelow);
+      }
+    }
+    waterLevels_.push_back(level);
+  }
+}
+
+void Layout::takeRoads(const MapPlace& map) {
+  mainFrom_ = map.mainFrom;
+  mainTo_ = map.mainTo;
+  std::vector<Road> roads;
+  RoadNetwork wide;
+  for (const MapPlace::PlacedRoad& placed : map.roads) {
+    Road road;
+    road.line = placed.road.line;
+    road.section = sectionOf(placed.road, character_,
+                             Draw(seed_, Kind::SideRoad, 1000 + static_cast<std::uint32_t>(roads.size())));
+    road.main = roads.empty();
+    road.minor = placed.road.kind >= RoadClass::Service;
+    road.ring = placed.road.ring;
+    road.joins = placed.joins;
+    road.joinsLeft = placed.joinsLeft;
+    road.against = !placed.road.oneWay || placed.road.against;
+    road.along = !placed.road.oneWay || !placed.road.against;
+    wide.add(road);
+    roads.push_back(std::move(road));
+  }
+  std::vector<std::vector<double>> walls(roads.size());
+  for (const MapBuilding& b : map.buildings) {
+    std::vector<std::pair<std::uint32_t, double>> near;
+    double least = 1e9;
+    for (const Point2& p : pointsAlong(b.outline, 1.5)) {
+      const Beside beside = wide.at(p.x, p.y);
+      const double lateral = std::abs(beside.lateral);
+      if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
+      if (beside.known) least = std::min(least, lateral);
+    }
+    // What stands across a road is left out later.
+    if (least < kOnRoad) continue;
+    for (const auto& [road, lateral] : near) walls[road].push_back(lateral);
+  }
+  for (std::size_t r = 0; r < roads.size(); ++r) {
+    makeRoom(roads[r].section, walls[r]);
+    roads_.add(std::move(roads[r]));
+  }
+  for (const Point2& joint : map.joints) roads_.addJoint(joint);
+}
+
+}  // namespace scanmill::town

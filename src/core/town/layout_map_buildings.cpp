@@ -1,0 +1,200 @@
+// The buildings of a map, and the plots that they stand on.
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "town/layout.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Footprint;
+using models::House;
+using models::Kind;
+
+// How a building stands to the road that it is nearest to.
+struct Frontage {
+  Footprint about;   // the rectangle about it, its x axis towards the road
+  double gap = 1e9;  // m, between the road's outer edge and the building; none is near: large
+  Beside before;     // the middle of its front
+
+  Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
+};
+
+Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
+  Frontage best;
+  Frontage turned;
+  turned.about = rectangleAbout(outline);
+  for (int side = 0; side < 4; ++side) {
+    const Point2 front = turned.inFront(0);
+    turned.before = roads.at(front.x, front.y);
+    turned.gap = turned.before.known ? turned.before.edge - turned.before.section.outer() : 1e9;
+    if (side == 0 || turned.gap < best.gap) best = turned;
+    std::swap(turned.about.halfX, turned.about.halfY);
+    turned.about.yaw += kPi / 2;
+  }
+  return best;
+}
+
+// Maps draw houses over roads where one drives through them, or amiss.
+bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
+  constexpr double kSlip = 0.3;  // m
+  for (const Point2& p : pointsAlong(b.outline, 1)) {
+    const Beside beside = roads.at(p.x, p.y);
+    if (beside.known && beside.edge < -kSlip) return true;
+  }
+  return false;
+}
+
+bool isHouse(const MapBuilding& b, const Footprint& about) {
+  const bool rectangular = sizeOf(b.outline) > 0.9 * 4 * about.halfX * about.halfY && b.courts.empty();
+  return rectangular && !b.shed && about.halfY > 2.4 && about.halfY < 20 && about.halfX > 2.2 && about.halfX < 9;
+}
+
+PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, std::uint32_t number) {
+  const Point2& middle = frontage.about.center;
+  const auto relative = [&](const Polygon& ring) {
+    Polygon made;
+    made.reserve(ring.size());
+    for (const Point2& p : ring) made.push_back({p.x - middle.x, p.y - middle.y});
+    return made;
+  };
+  PlacedBlock placed;
+  placed.about = frontage.about;
+  placed.entrance = frontage.inFront(0.6);
+  models::Block& block = placed.block;
+  block.number = number;
+  block.floors = b.shed ? 0 : floors;
+  block.height = b.shed ? std::min(b.top.value_or(2.6), 8.0) : b.top.value_or(0);
+  block.shop = b.shop;
+  block.entrance = {placed.entrance.x - middle.x, placed.entrance.y - middle.y};
+  block.outline = relative(b.outline);
+  for (const Polygon& court : b.courts) block.courts.push_back(relative(court));
+  return placed;
+}
+
+}  // namespace
+
+// Houses over rectangles; blocks over all other outlines. What faces a road has a plot there.
+void Layout::takeBuildings(const MapPlace& map) {
+  for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
+    const MapBuilding& b = map.buildings[number];
+    if (isOnRoad(b, roads_)) continue;
+    Draw draw(seed_, Kind::Plot, 500000 + number);
+    const int drawn = character_.floorsLow + draw.below(character_.floorsHigh - character_.floorsLow + 1);
+    const int floors = b.floorsSaid().value_or(drawn);
+    const Frontage frontage = frontageOf(b.outline, roads_);
+    const Footprint& about = frontage.about;
+    const double yaw = about.yaw + kPi / 2;  // of a house
+    const bool house = isHouse(b, about);
+    if (house) {
+      House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
+      made.shop = b.shop;
+      made.top = b.top;
+      if (b.roof) made.roof = *b.roof;
+      made.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
+      const double c = std::cos(yaw);
+      const double s = std::sin(yaw);
+      made.place = models::at(
+          {about.center.x - c * about.halfY + s * about.halfX, about.center.y - s * about.halfY - c * about.halfX, 0},
+          yaw);
+      houses_.push_back(made);
+    } else {
+      blocks_.push_back(blockOf(b, frontage, floors, number));
+      cover(b, about);
+    }
+    constexpr double kFacing = 30;  // m
+    if (b.shed || frontage.gap > kFacing) continue;
+    const Beside& before = frontage.before;
+    Plot plot;
+    plot.road = before.road;
+    plot.side = before.lateral > 0 ? 1 : -1;
+    plot.from = before.along - about.halfY - 1;
+    plot.to = before.along + about.halfY + 1;
+    plot.setback = std::max(frontage.gap, 0.0);
+    plot.depth = 2 * about.halfX;
+    plot.built = true;
+    plots_.push_back(plot);
+    if (house && plot.setback > 0.6) {
+      const Vec3d door = houses_.back().place * Vec3d{houses_.back().doorX(), -0.6, 0};
+      addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
+    }
+  }
+  arrangePlots();
+}
+
+// Rectangles that cover what is built, walls and all within them.
+void Layout::cover(const MapBuilding& b, const Footprint& about) {
+  constexpr double kCell = 1.6;  // m
+  std::vector<const Polygon*> rings{&b.outline};
+  for (const Polygon& court : b.courts) rings.push_back(&court);
+  for (const double v : models::steps(-about.halfY + kCell / 2, about.halfY + kCell / 2, kCell)) {
+    for (const double u : models::steps(-about.halfX + kCell / 2, about.halfX + kCell / 2, kCell)) {
+      const Point2 p = about.at(u, v);
+      if (isInside(rings, p) || distanceToRings(rings, p) < kCell) {
+        covers_.push_back({p, kCell / 2, kCell / 2, about.yaw});
+      }
+    }
+  }
+}
+
+// In their order along the roads, without overlaps, with plots where nobody has built between them.
+void Layout::arrangePlots() {
+  std::stable_sort(plots_.begin(), plots_.end(), [](const Plot& a, const Plot& b) {
+    return std::tie(a.road, a.side, a.from) < std::tie(b.road, b.side, b.from);
+  });
+  std::vector<Plot> built = std::move(plots_);
+  plots_.clear();
+  std::size_t next = 0;
+  for (std::uint32_t r = 0; r < roads_.roads().size(); ++r) {
+    const Road& road = roads_.roads()[r];
+    for (const int side : {-1, 1}) {
+      double done = 4;
+      const auto addFree = [&](double to) {
+        while (to - done > 8) {
+          Plot plot;
+          plot.road = r;
+          plot.side = side;
+          plot.bare = true;
+          plot.from = done;
+          Draw draw(seed_, Kind::Plot, 800000 + static_cast<std::uint32_t>(plots_.size()));
+          plot.to = std::min(to, done + draw.around(character_.plotWidth, 0.3));
+          plot.setback = character_.setback;
+          done = plot.to;
+          plots_.push_back(plot);
+        }
+      };
+      for (; next < built.size() && built[next].road == r && built[next].side == side; ++next) {
+        Plot plot = built[next];
+        plot.from = std::max(plot.from, done);
+        plot.to = std::min(plot.to, road.length() - 2);
+        if (plot.to - plot.from < 2) continue;  // behind another
+        addFree(plot.from);
+        plot.from = std::max(done, 4.0);
+        done = plot.to;
+        plots_.push_back(plot);
+      }
+      addFree(road.length() - 4);
+    }
+  }
+  std::erase_if(plots_, [&](const Plot& plot) {
+    // Not on lots, squares and water, nor where another road goes.
+    const Road& road = roads_.roads()[plot.road];
+    const double middle = (plot.from + plot.to) / 2;
+    const Point2 p = road.point(middle);
+    const Point2 h = road.heading(middle);
+    const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
+    const Point2 front{p.x - h.y * out, p.y + h.x * out};
+    const Beside b = roads_.at(front.x, front.y);
+    return areas_.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
+  });
+  for (std::uint32_t i = 0; i < plots_.size(); ++i) {
+    Plot& plot = plots_[i];
+    plot.number = i;
+    Draw draw(seed_, Kind::Plot, 900000 + i);
+    plot.fencing = drawFencing(draw, plot.setback);
+  }
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,170 @@
+// Plots along the roads, with their houses, driveways and paths.
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/layout.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Fencing;
+using models::Footprint;
+using models::House;
+using models::Kind;
+using models::Roof;
+
+constexpr double kDriveway = 3;   // m wide
+constexpr double kWalkway = 1.4;  // m wide
+
+}  // namespace
+
+void Layout::drawPlots() {
+  for (std::uint32_t r = 0; r < roads_.roads().size(); ++r) {
+    const Road& road = roads_.roads()[r];
+    for (const int side : {-1, 1}) {
+      addPlots(r, side, road.main ? mainFrom_ : 12, road.main ? mainTo_ : road.length() - 4);
+    }
+  }
+}
+
+void Layout::settle() {
+  for (std::uint32_t i = 0; i < patches_.size(); ++i) enter(patches_[i].place, i, patchCells_);
+  // Before anything is level: what stands close together would lift each other else.
+  std::vector<Terrace> terraces;
+  for (models::House& house : houses_) {
+    const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
+    house.place.translation.z = heightAt({door.x, door.y});
+    const double yaw = std::atan2(house.place.linear.x.y, house.place.linear.x.x);
+    const auto level = [&](const Vec3d& middle, double width, double depth) {
+      const Vec3d at = house.place * middle;
+      terraces.push_back({{{at.x, at.y}, width / 2 + 0.5, depth / 2 + 0.5, yaw}, house.place.translation.z});
+      covers_.push_back(terraces.back().place);
+    };
+    level({house.width / 2, house.depth / 2, 0}, house.width, house.depth);
+    if (house.garage) level(house.garageMiddle(), models::kGarageWidth, models::kGarageDepth);
+  }
+  for (PlacedBlock& b : blocks_) {
+    b.height = heightAt(b.entrance);
+    terraces.push_back({{b.about.center, b.about.halfX + 0.5, b.about.halfY + 0.5, b.about.yaw}, b.height});
+  }
+  terraces_ = std::move(terraces);
+  for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
+}
+
+// Whether the rectangle stays clear of roads and sidewalks, and of other houses.
+bool Layout::fits(const Footprint& f, double gap) const {
+  for (const double u : {-1.0, 0.0, 1.0}) {
+    for (const double v : {-1.0, 0.0, 1.0}) {
+      const Point2 at = f.at(u * f.halfX, v * f.halfY);
+      const Beside beside = roads_.at(at.x, at.y);
+      if (beside.known && beside.edge < beside.section.outer() + gap) return false;
+    }
+  }
+  return taken_.isFree(f);
+}
+
+models::House Layout::drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const {
+  House house;
+  house.number = number;
+  house.width = width;
+  house.depth = depth;
+  house.floors = floors;
+  house.columns = std::max(2, static_cast<int>(width / draw.in(2.2, 3.1)));
+  house.doorColumn = draw.below(house.columns);
+  house.roof =
+      std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat}[static_cast<std::size_t>(
+          draw.below(6))];
+  if (floors >= 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
+  return house;
+}
+
+Fencing Layout::drawFencing(Draw& draw, double setback) const {
+  const Character& c = character_;
+  Fencing fencing = Fencing::None;
+  const double pick = draw.next();
+  if (pick < c.hedges) {
+    fencing = Fencing::Hedge;
+  } else if (pick < c.hedges + c.fences) {
+    fencing = std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick}[static_cast<std::size_t>(draw.below(3))];
+  }
+  return setback < 1.5 ? Fencing::None : fencing;
+}
+
+void Layout::addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind) {
+  const Vec3d out{std::sin(yaw), -std::cos(yaw), 0};  // towards the road
+  patches_.push_back({{{inner.x + out.x * length / 2, inner.y + out.y * length / 2}, half, length / 2, yaw}, kind});
+}
+
+void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
+  const Road& road = roads_.roads()[r];
+  const Character& c = character_;
+  const bool dense = c.district == District::Dense;
+  double start = from;
+  while (to - start > 8) {
+    Plot plot;
+    plot.number = static_cast<std::uint32_t>(plots_.size());
+    Draw draw(seed_, Kind::Plot, plot.number + 1000);
+    plot.road = r;
+    plot.side = side;
+    plot.from = start;
+    plot.to = std::min(to, start + draw.around(c.plotWidth, 0.3));
+    plot.setback = std::max(dense ? 0.02 : 1.0, c.setback + draw.in(-1, 1) * c.setbackSpread);
+    const double width = plot.to - plot.from;
+    const bool attached = dense && draw.chance(0.75);
+    const double gap = attached ? 0 : draw.in(1.2, std::max(1.5, 0.35 * width));
+    const double depth = draw.in(7.5, 12.5);
+    const int floors = c.floorsLow + draw.below(c.floorsHigh - c.floorsLow + 1);
+    House house = drawHouse(draw, plot.number, std::clamp(width - gap, 6.0, 18.0), depth, floors);
+    house.shop = dense && draw.chance(0.4);
+    plot.depth = depth;
+    plot.fencing = drawFencing(draw, plot.setback);
+    const bool wanted = draw.chance(c.built) && width >= 6.5;
+    const bool hasDriveway = !attached && draw.chance(0.6) && gap > kDriveway - 0.5;
+    const double middle = (plot.from + plot.to) / 2;
+    const double outer = road.section.half + road.section.outer();
+    const Point2 heading = road.heading(middle);
+    const double yaw = std::atan2(heading.y, heading.x) + (side > 0 ? 0 : kPi);
+    const auto spot = [&](double along, double lateral) {
+      const Point2 p = road.point(along);
+      const Point2 h = road.heading(along);
+      return Point2{p.x - h.y * side * lateral, p.y + h.x * side * lateral};
+    };
+    // Beside a driveway the house stands at the other end of the plot.
+    const double shift = hasDriveway ? -side * (gap / 2 - 0.2) : 0;
+    const Footprint body{spot(middle + shift, outer + plot.setback + house.depth / 2), house.width / 2, house.depth / 2,
+                         yaw};
+    const Footprint roomy{body.center, body.halfX + (attached ? -0.05 : 0.4), body.halfY + 0.4, yaw};
+    if (wanted && fits({body.center, body.halfX, body.halfY, yaw}, 0.0) && taken_.isFree(roomy)) {
+      taken_.add(body);
+      plot.built = true;
+      house.forecourt = plot.setback;
+      house.ivy = draw.chance(0.2 * parameters_.greenery);
+      // The house's frame: x along its front to its right as seen from inside, the front wall in y = 0 facing -y.
+      const double cy = std::cos(yaw);
+      const double sy = std::sin(yaw);
+      const Point2 corner{body.center.x - cy * body.halfX + sy * body.halfY,
+                          body.center.y - sy * body.halfX - cy * body.halfY};
+      house.place = models::at({corner.x, corner.y, 0}, yaw);
+      const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
+      const double out = road.section.outer();
+      if (plot.setback > 0.6) addStrip({door.x, door.y}, yaw, kWalkway / 2, plot.setback - 0.6 + out, GroundKind::Path);
+      if (hasDriveway) {
+        const Vec3d beside = house.place * Vec3d{house.width + kDriveway / 2 + 0.3, 6, 0};
+        addStrip({beside.x, beside.y}, yaw, kDriveway / 2, plot.setback + 6 + out, GroundKind::Driveway);
+        patches_.back().parks = true;
+        const Vec3d inside = house.place * house.garageMiddle();
+        const Footprint garage{{inside.x, inside.y}, models::kGarageWidth / 2 - 0.05, models::kGarageDepth / 2, yaw};
+        house.garage = draw.chance(0.55) && fits(garage, 1);
+        if (house.garage) taken_.add(garage);
+      }
+      houses_.push_back(house);
+    }
+    start = plot.to;
+    // Parks, lots and squares have no gardens.
+    if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
+    plots_.push_back(plot);
+  }
+}
+
+}  // namespace scanmill::town

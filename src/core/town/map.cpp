@@ -1,0 +1,300 @@
+#include "town/map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+#include "town/osm_interface.h"
+#include "town/tangent_plane.h"
+
+namespace scanmill::town {
+namespace {
+
+bool isOneOf(std::string_view value, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), value) != words.end();
+}
+
+std::optional<RoadClass> classOf(const OsmTags& tags) {
+  std::string_view value = tags["highway"];
+  if (value.ends_with("_link")) value.remove_suffix(5);
+  if (isOneOf(value, {"motorway", "trunk", "primary"})) return RoadClass::Primary;
+  if (value == "secondary") return RoadClass::Secondary;
+  if (value == "tertiary") return RoadClass::Tertiary;
+  if (isOneOf(value, {"residential", "unclassified", "living_street", "road"})) return RoadClass::Residential;
+  if (value == "service") return RoadClass::Service;
+  if (value == "track") return RoadClass::Track;
+  return std::nullopt;
+}
+
+bool isPath(const OsmTags& tags) {
+  // Pavements are part of their roads.
+  return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"}) &&
+         !isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) && tags["path"] != "sidewalk" &&
+         tags["is_sidepath"] != "yes";
+}
+
+// What lies above or below the ground is left out.
+bool onGround(const OsmTags& tags) {
+  return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
+         isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
+         !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"});
+}
+
+// By the keys `sidewalk`, `parking:lane:both`, `parking:left` and the like.
+std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char*> keys,
+                           std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
+  std::optional<bool> said;
+  for (const char* key : keys) {
+    if (isOneOf(tags[key], yes)) return true;
+    if (isOneOf(tags[key], no)) said = false;
+  }
+  return said;
+}
+
+MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
+  constexpr double kLane = 3.1;  // m, where the map counts lanes
+  MapRoad road;
+  road.kind = kind;
+  road.name = way.tags["name"];
+  for (const OsmNode& n : way.nodes) {
+    const Point2 p = plane(n);
+    if (!road.line.empty() && std::hypot(p.x - road.line.back().x, p.y - road.line.back().y) < 0.1) continue;
+    road.line.push_back(p);
+    road.nodes.push_back(n.id);
+  }
+  road.ring = isOneOf(way.tags["junction"], {"roundabout", "circular"});
+  const std::string& oneWay = way.tags["oneway"];
+  road.oneWay = road.ring || isOneOf(oneWay, {"yes", "true", "1", "-1"}) || way.tags["highway"] == "motorway";
+  if (oneWay == "-1") {
+    std::reverse(road.line.begin(), road.line.end());
+    std::reverse(road.nodes.begin(), road.nodes.end());
+  }
+  road.sidewalk = saidOf(way.tags, {"sidewalk", "sidewalk:both", "sidewalk:left", "sidewalk:right"},
+                         {"both", "left", "right", "yes", "separate"}, {"no", "none"});
+  road.parking = saidOf(
+      way.tags,
+      {"parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"},
+      {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
+  road.width = metresOf(way.tags["width"]);
+  if (const auto lanes = metresOf(way.tags["lanes"]); !road.width && lanes) road.width = kLane * *lanes;
+  constexpr double kNarrowest = 2, kWidest = 24;  // m
+  if (road.width && (*road.width < kNarrowest || *road.width > kWidest)) road.width.reset();
+  return road;
+}
+
+// Outer rings go round counter-clockwise, inner ones clockwise, in the mirror image too.
+Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
+  constexpr double kShortest = 0.25;  // m, of a wall
+  Polygon ring;
+  for (const OsmNode& n : nodes) {
+    const Point2 p = plane(n);
+    if (!ring.empty() && std::hypot(p.x - ring.back().x, p.y - ring.back().y) < kShortest) continue;
+    ring.push_back(p);
+  }
+  while (ring.size() > 1 && std::hypot(ring.front().x - ring.back().x, ring.front().y - ring.back().y) < kShortest) {
+    ring.pop_back();
+  }
+  // Without points on straight walls.
+  Polygon corners;
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const Point2& a = corners.empty() ? ring.back() : corners.back();
+    const Point2& b = ring[i];
+    const Point2& c = ring[(i + 1) % ring.size()];
+    const double turn = (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x);
+    if (std::abs(turn) >= 0.05 * std::hypot(c.x - a.x, c.y - a.y)) corners.push_back(b);
+  }
+  if (plane.mirrored()) std::reverse(corners.begin(), corners.end());
+  return corners;
+}
+
+std::optional<Land> landOf(const OsmTags& tags) {
+  if (isOneOf(tags["landuse"], {"forest", "orchard"}) || isOneOf(tags["natural"], {"wood", "scrub"})) return Land::Wood;
+  if (isOneOf(tags["natural"], {"water"}) || isOneOf(tags["landuse"], {"basin", "reservoir"})) return Land::Water;
+  if (tags["amenity"] == "parking" && isOneOf(tags["parking"], {"", "surface"})) return Land::Lot;
+  if (isOneOf(tags["leisure"], {"park", "garden"}) ||
+      isOneOf(tags["landuse"], {"village_green", "recreation_ground", "cemetery"})) {
+    return Land::Park;
+  }
+  if (isOneOf(tags["leisure"], {"pitch", "playground", "golf_course"}) ||
+      isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"})) {
+    return Land::Grass;
+  }
+  // Squares come as areas of roads for walkers.
+  const bool square = tags["area"] == "yes";
+  if ((square && isOneOf(tags["highway"], {"pedestrian", "footway", "service"})) || tags["amenity"] == "marketplace") {
+    return Land::Paved;
+  }
+  return std::nullopt;
+}
+
+std::optional<models::Fencing> fencingOf(const std::string& barrier) {
+  if (barrier == "hedge") return models::Fencing::Hedge;
+  if (isOneOf(barrier, {"wall", "retaining_wall"})) return models::Fencing::Brick;
+  if (barrier == "fence") return models::Fencing::Pickets;
+  return std::nullopt;
+}
+
+std::optional<models::Roof> roofOf(const std::string& shape) {
+  static const std::map<std::string_view, models::Roof> kShapes = {
+      {"flat", models::Roof::Flat},         {"gabled", models::Roof::Gable},
+      {"half-hipped", models::Roof::Gable}, {"cross_gabled", models::Roof::CrossGable},
+      {"hipped", models::Roof::Hip},        {"pyramidal", models::Roof::Hip},
+  };
+  const auto found = kShapes.find(shape);
+  return found == kShapes.end() ? std::nullopt : std::optional(found->second);
+}
+
+// How high a pitched roof usually is over a rectangle; none over other outlines, which have flat ones.
+double usualRise(const Polygon& outline, const std::optional<models::Roof>& roof) {
+  constexpr double kSlope = 0.75;
+  constexpr double kWidest = 18;  // m, of what has pitched roofs
+  const models::Footprint about = rectangleAbout(outline);
+  const double narrow = std::min(about.halfX, about.halfY);
+  const bool pitched = roof != models::Roof::Flat && sizeOf(outline) > 0.9 * 4 * about.halfX * about.halfY;
+  return pitched && 2 * narrow < kWidest ? kSlope * narrow : 0;
+}
+
+MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
+  MapBuilding building;
+  building.outline = ringOf(area.outer, plane);
+  for (const std::vector<OsmNode>& inner : area.inner) {
+    Polygon court = ringOf(inner, plane);
+    if (court.size() > 2) building.courts.push_back(std::move(court));
+  }
+  const OsmTags& tags = area.tags;
+  constexpr double kMostFloors = 120;
+  if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
+    building.floors = static_cast<int>(std::lround(*floors));
+  }
+  constexpr double kLowest = 2, kHighest = 400;  // m; what is said beyond them is a slip
+  building.top = metresOf(tags["height"]);
+  if (building.top && (*building.top < kLowest || *building.top > kHighest)) building.top.reset();
+  building.roof = roofOf(tags["roof:shape"]);
+  if (building.top) {
+    const double rise = metresOf(tags["roof:height"]).value_or(usualRise(building.outline, building.roof));
+    building.height = std::max(*building.top - rise, std::min(*building.top, kLowest));
+  }
+  building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
+  building.shed = isOneOf(tags["building"],
+                          {"garage", "garages", "shed", "hut", "greenhouse", "service", "barn", "farm_auxiliary"});
+  return building;
+}
+
+}  // namespace
+
+std::optional<int> MapBuilding::floorsSaid() const {
+  constexpr double kStorey = 2.9;  // m
+  constexpr double kLeast = 2.4;
+  if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
+  if (floors) return floors;
+  return height ? std::optional(std::max(1, static_cast<int>(std::lround(*height / kStorey)))) : std::nullopt;
+}
+
+std::optional<double> metresOf(const std::string& value) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (error != std::errc() || !std::isfinite(number) || number < 0) return std::nullopt;
+  std::string_view unit(end, static_cast<std::size_t>(value.data() + value.size() - end));
+  while (unit.starts_with(' ')) unit.remove_prefix(1);
+  if (unit.empty() || unit == "m") return number;
+  if (unit == "ft" || unit == "'") return 0.3048 * number;
+  return std::nullopt;
+}
+
+OsmNode degreesAt(const Map& map, const Point2& p) {
+  return TangentPlane(map.latitude, map.longitude, map.mirrored).degreesAt(p);
+}
+
+Map makeMap(const OsmExtract& extract, bool mirrored) {
+  // In the middle of what the roads reach.
+  double south = 90, north = -90, west = 180, east = -180;
+  for (const OsmWay& way : extract.ways) {
+    if (!classOf(way.tags)) continue;
+    for (const OsmNode& n : way.nodes) {
+      south = std::min(south, n.latitude);
+      north = std::max(north, n.latitude);
+      west = std::min(west, n.longitude);
+      east = std::max(east, n.longitude);
+    }
+  }
+  Map map;
+  map.latitude = (south + north) / 2;
+  map.longitude = (west + east) / 2;
+  map.mirrored = mirrored;
+  const TangentPlane plane(map.latitude, map.longitude, mirrored);
+  std::vector<MapRoad> ways;
+  for (const OsmWay& way : extract.ways) {
+    if (!onGround(way.tags) || way.tags["area"] == "yes") continue;
+    const std::optional<RoadClass> kind = classOf(way.tags);
+    if (kind) {
+      MapRoad road = roadOf(way, *kind, plane);
+      if (road.line.size() > 1) ways.push_back(std::move(road));
+      continue;
+    }
+    std::vector<Point2> line;
+    for (const OsmNode& n : way.nodes) line.push_back(plane(n));
+    if (line.size() < 2) continue;
+    const std::optional<models::Fencing> fencing = fencingOf(way.tags["barrier"]);
+    if (fencing) {
+      map.barriers.push_back({*fencing, std::move(line)});
+    } else if (isPath(way.tags)) {
+      map.paths.push_back(std::move(line));
+    }
+  }
+  map.roads = joinRoads(ways);
+  for (const OsmArea& area : extract.areas) {
+    if (!onGround(area.tags)) continue;
+    // Roofs that stand open would be walled.
+    if (isOneOf(area.tags["building"], {"roof", "carport"})) continue;
+    const bool built = !isOneOf(area.tags["building"], {"", "no"});
+    if (built) {
+      MapBuilding building = buildingOf(area, plane);
+      if (building.outline.size() > 2) map.buildings.push_back(std::move(building));
+      continue;
+    }
+    const std::optional<Land> land = landOf(area.tags);
+    if (!land) continue;
+    MapArea made{*land, ringOf(area.outer, plane), {}};
+    if (made.outline.size() < 3) continue;
+    for (const std::vector<OsmNode>& inner : area.inner) made.holes.push_back(ringOf(inner, plane));
+    map.areas.push_back(std::move(made));
+  }
+  for (const OsmPoint& point : extract.points) {
+    if (point.tags["natural"] == "tree") map.trees.push_back(plane(point.node));
+  }
+  return map;
+}
+
+Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
+  // libosmium takes names that begin like an address for one, and would fetch it.
+  const std::filesystem::path absolute = std::filesystem::absolute(file);
+  if (!std::filesystem::is_regular_file(absolute)) {
+    throw InputError(where, fmt::format("{} is no file: a map is an OpenStreetMap extract", file.string()));
+  }
+  OsmExtract extract;
+  try {
+    extract = moduleOf<OsmModule>().read(absolute.string());
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& e) {
+    throw InputError(where, fmt::format("{} cannot be read as an OpenStreetMap extract (.osm, .osm.bz2, .osm.gz, "
+                                        ".osm.pbf): {}",
+                                        file.string(), e.what()));
+  }
+  Map map = makeMap(extract, mirrored);
+  map.file = file;
+  if (map.roads.empty()) {
+    throw InputError(
+        where,
+        fmt::format("{} has no road that cars may drive on: no way of some length with the tag highway=residential "
+                    "or the like",
+                    file.string()));
+  }
+  return map;
+}
+
+}  // namespace scanmill::town

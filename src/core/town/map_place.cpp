@@ -1,0 +1,269 @@
+#include "town/map_place.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "config/text.h"
+#include "town/geometry.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+
+constexpr double kLeastLength = 100;  // m, of a main road
+constexpr double kAroundLand = 30;    // m, that land goes on beyond the roads
+
+std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
+  std::vector<std::size_t> fit;
+  std::vector<std::string> names;
+  double sum = 0;
+  double longest = 0;
+  for (std::size_t i = 0; i < map.roads.size(); ++i) {
+    const MapRoad& road = map.roads[i];
+    if (!road.name.empty()) names.push_back(road.name);
+    const bool wanted = parameters.road.empty() ? road.kind <= RoadClass::Residential : road.name == parameters.road;
+    if (!wanted || road.ring) continue;
+    longest = std::max(longest, road.length());
+    if (road.length() < kLeastLength) continue;
+    fit.push_back(i);
+    sum += road.length();
+  }
+  if (fit.empty()) {
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    const bool known = std::find(names.begin(), names.end(), parameters.road) != names.end();
+    const std::string file = map.file.string();
+    if (!parameters.road.empty() && !known) {
+      throw InputError(where, fmt::format("{} has no road with the name {}{}", file, quotedForMessage(parameters.road),
+                                          suggestion(parameters.road, names)));
+    }
+    const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
+    throw InputError(
+        where, fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeastLength));
+  }
+  // The longer the more likely.
+  double pick = draw.next() * sum;
+  for (const std::size_t i : fit) {
+    pick -= map.roads[i].length();
+    if (pick <= 0) return i;
+  }
+  return fit.back();
+}
+
+// By how much of the land beside the main road is built on, and how high.
+District districtAbout(const MapPlace& place) {
+  constexpr double kBeside = 40;  // m
+  const std::vector<Point2>& main = place.roads.front().road.line;
+  double built = 0;
+  double floors = 0;
+  for (const MapBuilding& b : place.buildings) {
+    const Nearest n = nearestOn(main, b.outline.front());
+    if (n.distance > kBeside || n.along < place.mainFrom || n.along > place.mainTo) continue;
+    const double size = sizeOf(b.outline);
+    built += size;
+    floors += size * b.floorsSaid().value_or(2);
+  }
+  const double share = built / (2 * kBeside * (place.mainTo - place.mainFrom));
+  if (share < 0.03) return District::Rural;
+  return share > 0.3 || (share > 0.2 && floors > 2.6 * built) ? District::Dense : District::Suburban;
+}
+
+class Cutter {
+ public:
+  Cutter(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where)
+      : map_(map), parameters_(parameters), reach_(reach), where_(where), draw_(seed, Kind::Map) {
+    main_ = drawRoad(map, parameters, draw_, where);
+  }
+
+  MapPlace cut() {
+    const MapRoad& main = map_.roads[main_];
+    const double half = std::min(parameters_.length, main.length()) / 2;
+    const double middle = draw_.in(half, std::max(half, main.length() - half));
+    origin_ = pointAt(main.line, middle);
+    place_.origin = degreesAt(map_, origin_);
+    addMain(main, half);
+    for (std::size_t i = 0; i < map_.roads.size(); ++i) {
+      if (i != main_) addOther(map_.roads[i]);
+    }
+    addJoints();
+    addRest();
+    place_.district = districtAbout(place_);
+    return std::move(place_);
+  }
+
+ private:
+  Point2 moved(const Point2& p) const { return {p.x - origin_.x, p.y - origin_.y}; }
+  std::vector<Point2> moved(const std::vector<Point2>& line) const {
+    std::vector<Point2> made;
+    made.reserve(line.size());
+    for (const Point2& p : line) made.push_back(moved(p));
+    return made;
+  }
+  // Whether the box about a moved line reaches into the square: most of a large map does not.
+  bool mayReach(const std::vector<Point2>& line) const {
+    const auto [left, right] =
+        std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.x < b.x; });
+    const auto [low, high] = std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.y < b.y; });
+    return left->x < reach_ && right->x > -reach_ && low->y < reach_ && high->y > -reach_;
+  }
+
+  void addMain(const MapRoad& main, double half) {
+    // The run through the origin.
+    std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line), kRoadStep), reach_);
+    std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
+    std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
+      return nearestOn(a, {0, 0}).distance < nearestOn(b, {0, 0}).distance;
+    });
+    // What leaves the square and comes back is another road there.
+    for (std::vector<Point2>& run : runs) {
+      MapPlace::PlacedRoad placed{main, {}, false};
+      placed.road.nodes.clear();
+      placed.road.line = std::move(run);
+      place_.roads.push_back(std::move(placed));
+    }
+    const double length = runs.empty() ? 0 : place_.roads.front().road.length();
+    if (length < 0.8 * kLeastLength) {
+      throw InputError(
+          where_, fmt::format("{} in {} is too winding for a main road: rounded it is {:.0f} m long",
+                              main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
+    }
+    for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
+    const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;
+    constexpr double kEnd = 8;  // m
+    place_.mainFrom = std::max(kEnd, at - half);
+    place_.mainTo = std::min(length - kEnd, at + half);
+  }
+
+  // Cut where it crosses the main road, and turned so that it begins there.
+  void addOther(const MapRoad& road) {
+    std::size_t from = 0;
+    const auto meets = [&](std::size_t i) { return mainNodes_.contains(road.nodes[i]); };
+    for (std::size_t i = 1; i < road.line.size(); ++i) {
+      if (i + 1 < road.line.size() && !meets(i)) continue;
+      std::vector<Point2> line(road.line.begin() + static_cast<std::ptrdiff_t>(from),
+                               road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      line = moved(line);
+      if (!mayReach(line)) {
+        from = i;
+        continue;
+      }
+      MapRoad piece = road;
+      piece.nodes.clear();
+      const bool begins = meets(from);
+      const bool ends = !begins && meets(i);
+      from = i;
+      if (ends) {
+        std::reverse(line.begin(), line.end());
+        piece.against = piece.oneWay;
+      }
+      addPiece(piece, line, begins || ends);
+    }
+  }
+
+  void addPiece(const MapRoad& piece, const std::vector<Point2>& line, bool joined) {
+    const std::vector<Point2> smooth = piece.ring ? evenLine(line, kRoadStep) : smoothLine(line, kRoadStep);
+    bool first = true;
+    for (std::vector<Point2>& run : runsWithin(smooth, reach_)) {
+      const bool atMain = joined && first && distance(run.front(), smooth.front()) < 0.01;
+      first = false;
+      if (run.size() < 3) continue;
+      MapPlace::PlacedRoad placed{piece, {}, false};
+      if (atMain) {
+        const std::vector<Point2>& main = place_.roads.front().road.line;
+        const Nearest n = nearestOn(main, run.front());
+        const Point2& on = run[std::min<std::size_t>(run.size() - 1, 6)];
+        const double x = on.x - run.front().x;
+        const double y = on.y - run.front().y;
+        const double left = (n.heading.x * y - n.heading.y * x) / std::hypot(x, y);
+        // Not where roads part at a flat angle: nobody turns there.
+        if (n.distance < 3 && std::abs(left) > 0.5 && n.along > place_.mainFrom && n.along < place_.mainTo) {
+          placed.joins = n.along;
+          placed.joinsLeft = left > 0;
+        }
+      }
+      placed.road.line = std::move(run);
+      place_.roads.push_back(std::move(placed));
+    }
+  }
+
+  void addJoints() {
+    std::map<std::int64_t, std::pair<Point2, int>> uses;
+    for (const MapRoad& road : map_.roads) {
+      for (std::size_t i = 0; i < road.nodes.size(); ++i) {
+        std::pair<Point2, int>& use = uses[road.nodes[i]];
+        use.first = road.line[i];
+        ++use.second;
+      }
+    }
+    for (const auto& [node, use] : uses) {
+      constexpr double kAround = 40;  // m, as far as corners are rounded
+      const Point2 at = moved(use.first);
+      if (use.second > 1 && std::max(std::abs(at.x), std::abs(at.y)) < reach_ + kAround) place_.joints.push_back(at);
+    }
+  }
+
+  void addRest() {
+    for (const std::vector<Point2>& path : map_.paths) {
+      const std::vector<Point2> line = moved(path);
+      if (!mayReach(line)) continue;
+      for (std::vector<Point2>& run : runsWithin(smoothLine(line, kRoadStep), reach_)) {
+        if (run.size() > 1) place_.paths.push_back(std::move(run));
+      }
+    }
+    for (const MapBuilding& b : map_.buildings) {
+      MapBuilding kept = b;
+      kept.outline = moved(b.outline);
+      // Whole, or not at all.
+      const bool whole = std::all_of(kept.outline.begin(), kept.outline.end(),
+                                     [&](const Point2& p) { return std::max(std::abs(p.x), std::abs(p.y)) < reach_; });
+      if (!whole) continue;
+      for (Polygon& court : kept.courts) court = moved(court);
+      place_.buildings.push_back(std::move(kept));
+    }
+    for (const MapArea& a : map_.areas) {
+      MapArea kept{a.land, moved(a.outline), {}};
+      if (!mayReach(kept.outline)) continue;
+      kept.outline = clipped(kept.outline, reach_ + kAroundLand);
+      if (kept.outline.size() < 3) continue;
+      for (const Polygon& hole : a.holes) {
+        Polygon cut = clipped(moved(hole), reach_ + kAroundLand);
+        if (cut.size() > 2) kept.holes.push_back(std::move(cut));
+      }
+      place_.areas.push_back(std::move(kept));
+    }
+    for (const MapBarrier& b : map_.barriers) {
+      const std::vector<Point2> line = moved(b.line);
+      if (!mayReach(line)) continue;
+      for (std::vector<Point2>& run : runsWithin(evenLine(line, kRoadStep), reach_)) {
+        if (run.size() > 1) place_.barriers.push_back({b.kind, std::move(run)});
+      }
+    }
+    for (const Point2& tree : map_.trees) {
+      const Point2 at = moved(tree);
+      if (std::max(std::abs(at.x), std::abs(at.y)) < reach_) place_.trees.push_back(at);
+    }
+  }
+
+  const Map& map_;
+  const Parameters& parameters_;
+  double reach_;
+  const Location& where_;
+  Draw draw_;
+  std::size_t main_ = 0;
+  Point2 origin_;
+  std::set<std::int64_t> mainNodes_;
+  MapPlace place_;
+};
+
+}  // namespace
+
+MapPlace cutOut(const Map& map, const Parameters& parameters, std::uint64_t seed, double reach, const Location& where) {
+  return Cutter(map, parameters, seed, reach, where).cut();
+}
+
+}  // namespace scanmill::town

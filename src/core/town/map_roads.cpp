@@ -1,0 +1,174 @@
+// Roads of a map: its ways are short pieces, which are joined to roads as drivers see them.
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/vec.h"
+#include "town/map.h"
+
+namespace scanmill::town {
+namespace {
+
+constexpr double kSharpest = 2.4;  // rad, of a corner that a road goes round
+
+struct Piece {
+  MapRoad road;
+  // What goes on at its start and at its end: piece and end of it; -1: nothing.
+  struct Joint {
+    int piece = -1;
+    int end = 0;
+  };
+  Joint joints[2];
+};
+
+double turnAt(const MapRoad& road, std::size_t i) {
+  const Point2& a = road.line[i - 1];
+  const Point2& b = road.line[i];
+  const Point2& c = road.line[i + 1];
+  return std::abs(std::remainder(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x), 2 * kPi));
+}
+
+// From one crossing to the next, and from one end to the next of what turns back on itself.
+std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
+  std::map<std::int64_t, int> uses;
+  for (const MapRoad& road : roads) {
+    for (const std::int64_t node : road.nodes) ++uses[node];
+  }
+  std::vector<Piece> pieces;
+  for (const MapRoad& road : roads) {
+    std::size_t from = 0;
+    for (std::size_t i = 1; i < road.line.size(); ++i) {
+      if (i + 1 < road.line.size() && uses[road.nodes[i]] < 2 && turnAt(road, i) < kSharpest) continue;
+      Piece piece{road, {}};
+      piece.road.line.assign(road.line.begin() + static_cast<std::ptrdiff_t>(from),
+                             road.line.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      piece.road.nodes.assign(road.nodes.begin() + static_cast<std::ptrdiff_t>(from),
+                              road.nodes.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+      pieces.push_back(std::move(piece));
+      from = i;
+    }
+  }
+  return pieces;
+}
+
+// The direction away from an end, as its first metres tell.
+double headingFrom(const MapRoad& road, int end) {
+  constexpr double kReach = 12;  // m
+  const std::size_t count = road.line.size();
+  const auto at = [&](std::size_t i) { return road.line[end == 0 ? i : count - 1 - i]; };
+  const Point2 start = at(0);
+  std::size_t i = 1;
+  while (i + 1 < count && std::hypot(at(i).x - start.x, at(i).y - start.y) < kReach) ++i;
+  return std::atan2(at(i).y - start.y, at(i).x - start.x);
+}
+
+struct End {
+  int piece, end;
+};
+
+// How little two pieces that meet look like one road; none where they cannot be one.
+std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
+  const MapRoad& p = pieces[static_cast<std::size_t>(a.piece)].road;
+  const MapRoad& q = pieces[static_cast<std::size_t>(b.piece)].road;
+  if (p.ring != q.ring || p.oneWay != q.oneWay) return std::nullopt;
+  if (p.oneWay && a.end == b.end) return std::nullopt;
+  const double difference = headingFrom(p, a.end) - headingFrom(q, b.end);
+  const double turn = std::abs(kPi - std::abs(std::remainder(difference, 2 * kPi)));
+  const bool sameName = !p.name.empty() && p.name == q.name;
+  const bool minor = p.kind >= RoadClass::Service;
+  if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
+  // At a corner only what has the same name and class, and nothing else meets there.
+  const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
+  if (turn > (corner ? kSharpest : 0.8)) return std::nullopt;
+  return turn + (sameName ? 0 : 0.5) + 0.3 * std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
+}
+
+void match(std::vector<Piece>& pieces) {
+  std::map<std::int64_t, std::vector<End>> meetings;
+  for (int i = 0; i < static_cast<int>(pieces.size()); ++i) {
+    const MapRoad& road = pieces[static_cast<std::size_t>(i)].road;
+    meetings[road.nodes.front()].push_back({i, 0});
+    meetings[road.nodes.back()].push_back({i, 1});
+  }
+  struct Pair {
+    double misfit;
+    End a, b;
+  };
+  for (const auto& [node, ends] : meetings) {
+    std::vector<Pair> pairs;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      for (std::size_t j = i + 1; j < ends.size(); ++j) {
+        if (ends[i].piece == ends[j].piece && ends.size() > 2) continue;
+        const auto fit = misfit(pieces, ends[i], ends[j], ends.size() == 2);
+        if (fit) pairs.push_back({*fit, ends[i], ends[j]});
+      }
+    }
+    std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& x, const Pair& y) { return x.misfit < y.misfit; });
+    for (const Pair& pair : pairs) {
+      const auto jointOf = [&](const End& e) -> Piece::Joint& {
+        return pieces[static_cast<std::size_t>(e.piece)].joints[e.end];
+      };
+      if (jointOf(pair.a).piece >= 0 || jointOf(pair.b).piece >= 0) continue;
+      jointOf(pair.a) = {pair.b.piece, pair.b.end};
+      jointOf(pair.b) = {pair.a.piece, pair.a.end};
+    }
+  }
+}
+
+// From an end on, as far as pieces go on.
+MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& used) {
+  MapRoad whole;
+  double longest = 0;
+  End next = from;
+  while (next.piece >= 0 && !used[static_cast<std::size_t>(next.piece)]) {
+    const Piece& piece = pieces[static_cast<std::size_t>(next.piece)];
+    used[static_cast<std::size_t>(next.piece)] = true;
+    MapRoad part = piece.road;
+    if (next.end == 1) {
+      std::reverse(part.line.begin(), part.line.end());
+      std::reverse(part.nodes.begin(), part.nodes.end());
+    }
+    // All but the line is that of the longest piece.
+    std::vector<Point2> line = std::move(whole.line);
+    std::vector<std::int64_t> nodes = std::move(whole.nodes);
+    const std::size_t skip = line.empty() ? 0 : 1;
+    line.insert(line.end(), part.line.begin() + static_cast<std::ptrdiff_t>(skip), part.line.end());
+    nodes.insert(nodes.end(), part.nodes.begin() + static_cast<std::ptrdiff_t>(skip), part.nodes.end());
+    if (part.length() > longest) {
+      longest = part.length();
+      whole = part;
+    }
+    whole.line = std::move(line);
+    whole.nodes = std::move(nodes);
+    const Piece::Joint& joint = piece.joints[1 - next.end];
+    next = {joint.piece, joint.end};
+  }
+  return whole;
+}
+
+}  // namespace
+
+std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads) {
+  std::vector<Piece> pieces = cut(roads);
+  match(pieces);
+  std::vector<bool> used(pieces.size(), false);
+  std::vector<MapRoad> joined;
+  const auto begin = [&](bool loops) {
+    for (int i = 0; i < static_cast<int>(pieces.size()); ++i) {
+      const Piece& piece = pieces[static_cast<std::size_t>(i)];
+      if (used[static_cast<std::size_t>(i)]) continue;
+      // One-way roads begin where they begin.
+      if (loops || piece.joints[0].piece < 0) {
+        joined.push_back(follow(pieces, {i, 0}, used));
+      } else if (piece.joints[1].piece < 0 && !piece.road.oneWay) {
+        joined.push_back(follow(pieces, {i, 1}, used));
+      }
+    }
+  };
+  begin(false);
+  begin(true);
+  return joined;
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,161 @@
+// Paint and covers on roads.
+
+#include <cmath>
+
+#include "town/lanes.h"
+#include "town/placer.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+using models::Shape;
+using models::TrafficSign;
+
+constexpr double kPaint = 0.004;  // m above the road
+
+// Across the lane of those who drive against the road's line and stop at `along`: whole, or in pieces.
+std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
+                       bool whole) {
+  constexpr double kGap = 0.15;  // m to the lane's edges
+  const double left = road.section.half - road.section.parking - kGap;
+  const double right = road.oneWay() ? -left : kGap;
+  const double from = along - (whole ? 0.6 : 0.4);
+  const double to = along - 0.1;
+  const double piece = whole ? 0.7 : 0.5;  // m, of which follow the road's camber
+  std::uint32_t lines = 0;
+  const auto corner = [&](double at, double lateral) {
+    const Point2 p = besideRoad(road, at, lateral).at;
+    return Vec3d{p.x, p.y, l.heightAt(p) + kPaint};
+  };
+  for (const double start : models::steps(right, left, whole ? piece : 2 * piece)) {
+    const double end = std::min(start + piece, left);
+    s.quad(paint, corner(from, start), corner(to, start), corner(to, end), corner(from, end));
+    ++lines;
+  }
+  return lines;
+}
+
+// Where signs or lights say so.
+std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex paint) {
+  const Layout& l = placer.layout;
+  std::uint32_t lines = 0;
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    if (const std::optional<TrafficSign> sign = signAtMouth(l, r)) {
+      lines += stopLine(l, s, paint, l.roads().roads()[r], stopAtMouth(l), *sign == TrafficSign::Stop);
+    }
+  }
+  for (const Placer::Light& light : placer.lights) {
+    if (light.marked) lines += stopLine(l, s, paint, l.roads().roads().front(), light.along, true);
+  }
+  return lines;
+}
+
+}  // namespace
+
+// A dashed line in the middle of the roads that are wide enough for two, and edge lines in the country.
+void placeMarkings(Placer& placer) {
+  const Layout& l = placer.layout;
+  Shape s(placer.builder, "road markings");
+  const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
+  const auto corner = [&](const Road& road, double along, double lateral) {
+    const Point2 p = besideRoad(road, along, lateral).at;
+    return Vec3d{p.x, p.y, l.heightAt(p) + kPaint};
+  };
+  std::uint32_t dashes = stopLines(placer, s, paint);
+  for (const Road& road : l.roads().roads()) {
+    const double lanes = road.section.half - road.section.parking;
+    if (lanes < 2.6) continue;
+    Draw draw(l.seed(), Kind::Markings, static_cast<std::uint32_t>(&road - l.roads().roads().data()));
+    if (!draw.chance(road.main ? 0.8 : 0.35)) continue;
+    const double dash = draw.in(2, 5);
+    const double gap = dash * draw.in(1, 2);
+    const bool edges = l.character().district == District::Rural && draw.chance(0.6);
+    for (double at = 4; at + dash < road.length() - 4; at += dash + gap) {
+      const Point2 middle = road.point(at + dash / 2);
+      // Not where another road joins.
+      const Beside b = l.roads().at(middle.x, middle.y);
+      if (b.edge < -road.section.half - 0.5) continue;
+      const int pieces = 3;
+      for (int k = 0; k < pieces; ++k) {
+        const double from = at + dash * k / pieces;
+        const double to = at + dash * (k + 1) / pieces;
+        s.quad(paint, corner(road, from, -0.06), corner(road, to, -0.06), corner(road, to, 0.06),
+               corner(road, from, 0.06));
+      }
+      ++dashes;
+      if (!edges) continue;
+      for (const double side : {-1.0, 1.0}) {
+        const double out = side * (lanes - 0.25);
+        s.quad(paint, corner(road, at, out - 0.06), corner(road, at + dash, out - 0.06),
+               corner(road, at + dash, out + 0.06), corner(road, at, out + 0.06));
+      }
+    }
+  }
+  if (dashes > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road markings");
+}
+
+// Manhole covers, and where roads were mended with newer asphalt.
+void placeCovers(Placer& placer) {
+  const Layout& l = placer.layout;
+  Shape s(placer.builder, "manholes and repairs");
+  const models::SurfaceIndex iron = s.surface("road", "metal_bare");
+  const models::SurfaceIndex fresh = s.surface("road", "asphalt_new");
+  const auto corner = [&](const Road& road, double along, double lateral, double above) {
+    const Point2 p = besideRoad(road, along, lateral).at;
+    return Vec3d{p.x, p.y, l.heightAt(p) + above};
+  };
+  // A grid of quads that follows the road, in pieces of at most half a metre.
+  const auto cover = [&](const Road& road, double from, double to, double right, double left) {
+    constexpr double kAbove = 0.005;  // m
+    const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
+    const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
+    std::vector<std::vector<Vec3d>> grid;
+    for (int r = 0; r <= rows; ++r) {
+      std::vector<Vec3d>& row = grid.emplace_back();
+      for (int c = 0; c <= columns; ++c) {
+        row.push_back(corner(road, from + (to - from) * r / rows, left + (right - left) * c / columns, kAbove));
+      }
+    }
+    s.grid(grid, false, [&](int, int) { return fresh; });
+  };
+  int count = 0;
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    Draw draw(l.seed(), Kind::Cover, r);
+    const double half = road.section.half - road.section.parking - 0.3;
+    const double covers = l.character().district == District::Rural ? 0.3 : 3;
+    const auto manholes = static_cast<int>(covers * road.length() / 100 + draw.next());
+    for (int k = 0; k < manholes; ++k) {
+      const double along = draw.in(4, road.length() - 4);
+      const double lateral = draw.in(-half + 0.3, half - 0.3);
+      constexpr int kCorners = 16;
+      constexpr double kRadius = 0.31;  // m
+      const Vec3d middle = corner(road, along, lateral, 0.004);
+      if (l.nearPothole({middle.x, middle.y}, kRadius)) continue;
+      const auto rim = [&](int i) {
+        const double angle = 2 * kPi * i / kCorners;
+        const Point2 p{middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)};
+        return Vec3d{p.x, p.y, l.heightAt(p) + 0.004};
+      };
+      for (int i = 0; i < kCorners; ++i) s.triangle(iron, middle, rim(i), rim(i + 1));
+      ++count;
+    }
+    const auto repairs = static_cast<int>(8 * l.character().wear * road.length() / 100 + draw.next());
+    for (int k = 0; k < repairs; ++k) {
+      const double along = draw.in(4, road.length() - 12);
+      const double width = draw.in(0.5, 2);
+      const double right = draw.in(-half, half - width);
+      const double length = draw.in(0.8, 8);
+      const Point2 middle = besideRoad(road, along + length / 2, right + width / 2).at;
+      const Beside b = l.roads().at(middle.x, middle.y);
+      // Not where another road joins, nor into a hole.
+      if (b.edge < -road.section.half - 0.5 || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
+      cover(road, along, along + length, right, right + width);
+      ++count;
+    }
+  }
+  if (count > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road covers");
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,181 @@
+// Vehicles that stand: in bays, at curbs, in driveways; deliveries, trailers, tractors.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/fleet.h"
+#include "town/lanes.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+
+constexpr double kBay = 6;  // m along the curb
+
+void placeCars(Placer& placer, Fleet& fleet) {
+  const Layout& l = placer.layout;
+  const Character& c = l.character();
+  const Tour tour = tourOf(l);
+  int number = 0;
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    const CrossSection& s = road.section;
+    if (road.minor || (road.oneWay() && s.parking < 1.5)) continue;
+    const double first = road.main ? l.mainFrom() : 14;
+    const double last = road.main ? l.mainTo() : road.length() - 4;
+    for (const int side : {-1, 1}) {
+      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // these lanes stay free
+      std::uint32_t bay = 0;
+      for (double at = first; at + kBay < last; at += kBay) {
+        Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
+        if (!draw.chance(s.parking > 1.5 ? c.parked : 0.15 * c.parked)) continue;
+        const Model& car = fleet.anyCar(draw);
+        const double half = (car.bounds.high.y - car.bounds.low.y) / 2;
+        const double inwards = s.parking > 1.5 ? s.parking / 2 : half + 0.15;
+        Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half - inwards));
+        const Beside b = l.roads().at(spot.at.x, spot.at.y);
+        if (std::abs(b.edge + inwards) > 0.3) continue;  // at a crossing
+        // Driveways stay free.
+        if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
+        spot.yaw += (side > 0 ? kPi : 0) + (draw.chance(0.08) ? kPi : 0) + draw.in(-0.02, 0.02);
+        if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
+      }
+    }
+  }
+  std::uint32_t index = 0;
+  for (const Patch& patch : l.patches()) {
+    Draw draw(l.seed(), Kind::Car, 50000000 + index++);
+    if (!patch.parks || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
+    const Model& car = fleet.anyCar(draw);
+    const double yaw = patch.place.yaw + kPi / 2;  // x towards the house
+    const double in = patch.place.halfY - 3 - draw.in(0, 1);
+    const Spot spot{{patch.place.center.x + std::cos(yaw) * in, patch.place.center.y + std::sin(yaw) * in},
+                    yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03),
+                    1,
+                    0};
+    const Vec3d size = car.bounds.high - car.bounds.low;
+    if (size.y > 2 * patch.place.halfX + 0.2) continue;
+    placer.park(car, spot, fmt::format("car {}", ++number));
+  }
+}
+
+// On parking lots: two rows of bays to an aisle, with lines between them.
+void placeLots(Placer& placer, Fleet& fleet) {
+  constexpr double kWide = 2.6;  // m, of a bay
+  constexpr double kLong = 5;
+  constexpr double kAisle = 6.2;
+  constexpr double kLine = 0.06;  // half of its width
+  const Layout& l = placer.layout;
+  models::Shape s(placer.builder, "lots' markings");
+  const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
+  std::uint32_t lot = 0;
+  int lines = 0;
+  int number = 0;
+  for (const MapArea& area : l.areas().all()) {
+    if (area.land != Land::Lot) continue;
+    Draw draw(l.seed(), Kind::Lot, ++lot);
+    // Few are full.
+    const double full = draw.next();
+    const double taken = std::min(0.95, l.parameters().vehicles * (0.03 + 0.7 * full * full));
+    Footprint about = rectangleAbout(area.outline);
+    if (about.halfX < about.halfY) {
+      std::swap(about.halfX, about.halfY);
+      about.yaw += kPi / 2;
+    }
+    const auto onLot = [&](const Point2& p) {
+      const Beside b = l.roads().at(p.x, p.y);
+      return std::max(std::abs(p.x), std::abs(p.y)) < l.half() - 3 && l.areas().outsideHard(p) < -1.2 &&
+             l.areas().at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + 1.2);
+    };
+    const auto addLine = [&](double u, double low, double high) {
+      const auto corner = [&](double side, double v) {
+        const Point2 p = about.at(u + side * kLine, v);
+        return Vec3d{p.x, p.y, l.heightAt(p) + 0.01};
+      };
+      s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
+      ++lines;
+    };
+    bool far = false;  // which of the two rows at an aisle
+    for (double low = -about.halfY + 0.4; low + kLong < about.halfY - 0.2; far = !far) {
+      for (const double u : models::steps(-about.halfX + 0.8, about.halfX - kWide - 0.4, kWide)) {
+        const double middle = u + kWide / 2;
+        Spot spot{about.at(middle, low + kLong / 2), about.yaw + (far ? -1 : 1) * kPi / 2, 1, 0};
+        const bool wanted = draw.chance(taken);
+        if (!onLot(spot.at) || !onLot(about.at(middle, low + 0.8)) || !onLot(about.at(middle, low + kLong - 0.8))) {
+          continue;
+        }
+        addLine(u, low, low + kLong);
+        addLine(u + kWide, low, low + kLong);
+        if (!wanted) continue;
+        spot.yaw += (draw.chance(0.7) ? 0 : kPi) + draw.in(-0.04, 0.04);
+        if (placer.tryPark(fleet.anyCar(draw), spot, fmt::format("car on a lot {}", number + 1))) ++number;
+      }
+      low += kLong + (far ? 0 : kAisle);
+    }
+  }
+  if (lines > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "lots' markings");
+}
+
+// A lorry that delivers and a bus that waits, in side roads, or where there are none on the main road's other side;
+// trailers and tractors beside the road.
+void placeStanding(Placer& placer, Fleet& fleet) {
+  const Layout& l = placer.layout;
+  Draw draw(l.seed(), Kind::Traffic, 3000);
+  const double share = l.parameters().vehicles;
+  const auto wanted = [&] { return share >= 1 || draw.chance(share); };
+  const std::vector<Road>& roads = l.roads().roads();
+  const auto tryAt = [&](const Model& m, const Road& road, double at, double lateral, const std::string& name) {
+    Spot spot = besideRoad(road, at, lateral);
+    if (lateral > 0) spot.yaw += kPi;
+    const Beside b = l.roads().at(spot.at.x, spot.at.y);
+    // Not at a crossing, nor on a road that is not meant.
+    if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
+    return placer.tryPark(m, spot, name);
+  };
+  const auto onRoad = [&](const Model& m, const std::string& name) {
+    const double wide = (m.bounds.high.y - m.bounds.low.y) / 2;
+    for (int attempt = 0; attempt < 2 * Placer::kTries; ++attempt) {
+      const int sides = static_cast<int>(roads.size()) - 1;
+      const std::uint32_t r = sides > 0 ? static_cast<std::uint32_t>(1 + draw.below(sides)) : 0;
+      if (tourOf(l).has(r)) continue;
+      const Road& road = roads[r];
+      if (road.minor || road.oneWay()) continue;
+      const double lateral = std::max(road.section.half - wide - 0.2, wide + kMiddle);
+      const bool left = road.main || draw.chance(0.5);
+      const double at = road.main ? draw.in(l.mainFrom() + 10, l.mainTo() - 10) : draw.in(12, 28);
+      if (tryAt(m, road, at, left ? lateral : -lateral, name)) return;
+    }
+  };
+  if (wanted()) onRoad(fleet.bus(), "waiting bus");
+  if (wanted()) onRoad(fleet.anyTruck(draw), "delivering truck");
+  const bool rural = l.character().district == District::Rural;
+  const int others = 1 + draw.below(2);
+  for (int k = 0; k < others; ++k) {
+    if (!wanted()) continue;
+    const models::WorkVehicle what = rural && draw.chance(0.6) ? models::WorkVehicle::Tractor
+                                     : draw.chance(0.7)        ? models::WorkVehicle::Trailer
+                                                               : models::WorkVehicle::Caravan;
+    const Model m = models::makeWorkVehicle(placer.builder, l.seed(), what, k);
+    for (int attempt = 0; attempt < 4 * Placer::kTries; ++attempt) {
+      const Road& road = roads.front();
+      const double beyond = road.section.half + road.section.outer() + draw.in(2, 8);
+      const double at = draw.in(l.mainFrom() + 10, l.mainTo() - 10);
+      if (tryAt(m, road, at, draw.chance(0.5) ? beyond : -beyond, fmt::format("other vehicle {}", k + 1))) break;
+    }
+  }
+}
+
+}  // namespace
+
+void placeVehicles(Placer& placer) {
+  Fleet fleet(placer);
+  placeStanding(placer, fleet);
+  placeCars(placer, fleet);
+  placeLots(placer, fleet);
+  placeTraffic(placer, fleet);
+}
+
+}  // namespace scanmill::town

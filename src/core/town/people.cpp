@@ -1,0 +1,171 @@
+// People on foot, and bicycles and motorcycles that stand beside roads.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "town/placer.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+
+// On a pavement, or beside a road that has none.
+struct Place {
+  const Road* road = nullptr;
+  double along = 0;    // the road, m
+  double lateral = 0;  // to the left of its line, m
+  double sense = 1;    // -1: against the line
+
+  Spot spot() const {
+    Spot s = besideRoad(*road, along, lateral);
+    s.yaw += sense < 0 ? kPi : 0;
+    return s;
+  }
+};
+
+std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
+  const Layout& l = placer.layout;
+  const auto r =
+      static_cast<std::size_t>(draw.chance(0.7) ? 0 : draw.below(static_cast<int>(l.roads().roads().size())));
+  const Road& road = l.roads().roads()[r];
+  const CrossSection& s = road.section;
+  const double at = road.main ? draw.in(l.mainFrom(), l.mainTo()) : draw.in(10, road.length());
+  const double out =
+      s.sidewalk > 0 ? s.curb + s.verge + draw.in(0.3, std::max(0.4, s.sidewalk - 0.3)) : draw.in(0.4, 1);
+  const double side = draw.sign();
+  const Place place{&road, at, side * (s.half + out), draw.sign()};
+  const Spot spot = place.spot();
+  if (l.roads().at(spot.at.x, spot.at.y).edge <= 0.2) return std::nullopt;
+  return place;
+}
+
+// How far one can walk on from there without leaving the pavement or meeting anything, up to `most` (m).
+double freeWay(const Placer& placer, Place place, double most) {
+  const double start = place.along;
+  for (const double done : models::steps(0, most, 0.5)) {
+    place.along = start + place.sense * done;
+    if (place.along < 4 || place.along > place.road->length() - 4) return done;
+    const Spot spot = place.spot();
+    const double edge = placer.layout.roads().at(spot.at.x, spot.at.y).edge;
+    if (edge < 0.2 || edge > 12 || !placer.occupancy.isFree({spot.at, 0.4, 0.4, spot.yaw})) return done;
+  }
+  return most;
+}
+
+// Somebody who walks along a road, or false where the way is not free for long enough.
+bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const std::string& name) {
+  constexpr double kLeast = 12;  // m
+  constexpr double kMost = 110;
+  constexpr double kPiece = 3;
+  constexpr double kDuration = 120;  // s
+  const std::optional<Place> place = besidePeople(placer, draw);
+  const double speed = draw.in(1.0, 1.6);
+  if (!place) return false;
+  const double way = freeWay(placer, *place, kMost);
+  if (way < kLeast) return false;
+  // To its end, round in half a step, and back, as often as it takes.
+  constexpr double kAside = 0.15;  // m from the middle of the way
+  const auto pieces = static_cast<int>(way / kPiece);
+  const auto at = [&](double done, double left) {
+    Place here = *place;
+    here.along += here.sense * way * done / pieces;
+    here.lateral += here.sense * left;
+    return here.spot();
+  };
+  std::vector<Vec3d> points;
+  const auto walk = [&](double done, double left) {
+    const Point2 p = at(done, left).at;
+    points.push_back(placer.worldFromTown * Vec3d{p.x, p.y, placer.layout.heightAt(p)});
+  };
+  for (int k = 0; k < pieces; ++k) {
+    const Spot middle = at(k + 0.5, 0);
+    placer.occupancy.add({middle.at, way / pieces / 2, 0.4, middle.yaw});
+  }
+  const double round = 0.25 * pieces / way;  // m, beyond the last and the first place
+  const auto laps = static_cast<int>(std::ceil(speed * kDuration / (2 * way)));
+  for (int lap = 0; lap < laps; ++lap) {
+    for (int k = 0; k < pieces; ++k) walk(k + round, -kAside);
+    walk(pieces - round, -kAside);
+    walk(pieces, 0);
+    for (int k = pieces; k > 0; --k) walk(k - round, kAside);
+    walk(round, kAside);
+    walk(0, 0);
+  }
+  const auto path = std::make_shared<const Path>(points);
+  const auto animation = std::make_shared<Animation>();
+  for (const Model& m : walker.moments) animation->meshes.push_back(m.mesh);
+  animation->period = walker.stride / speed;
+  animation->until = path->length() / speed;
+  placer.builder.place(walker.moments.front().mesh, {}, name, {}, std::make_shared<const Movement>(path, 0, speed),
+                       animation);
+  return true;
+}
+
+}  // namespace
+
+void placePeople(Placer& placer) {
+  const Layout& l = placer.layout;
+  const double length = l.mainTo() - l.mainFrom();
+  Draw counts(l.seed(), Kind::Person, 999);
+  // One of each at least, unless nobody is wanted.
+  const auto count = [&](double share) {
+    const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
+    return l.parameters().people > 0 ? std::max(1, drawn) : 0;
+  };
+  const int walkers = count(1);
+  const int parked = count(0.5);
+  const int motorcycles = count(0.25);
+  const auto search = [&](const Model& m, Draw& draw, const std::string& name, double lean) {
+    for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
+      const std::optional<Place> place = besidePeople(placer, draw);
+      if (!place) continue;
+      Spot spot = place->spot();
+      spot.yaw += draw.in(-0.3, 0.3);
+      spot.lean = lean;
+      if (placer.tryPut(m, spot, name)) return;
+    }
+  };
+  // Two of three walk.
+  constexpr int kWalkers = 5;
+  constexpr int kStanding = 4;
+  const auto walking = models::makeForms(std::min(walkers, kWalkers),
+                                         [&](int f) { return models::makeWalker(placer.builder, l.seed(), f); });
+  const auto standing = models::makeForms(std::min((walkers + 2) / 3, kStanding), [&](int f) {
+    return models::makePedestrian(placer.builder, l.seed() + static_cast<std::uint64_t>(f / 2), 3 + f % 2);
+  });
+  for (int i = 0; i < walkers; ++i) {
+    Draw draw(l.seed(), Kind::Person, static_cast<std::uint32_t>(1000 + i));
+    const std::string name = fmt::format("pedestrian {}", i + 1);
+    if (i % 3 == 2) {
+      search(standing[static_cast<std::size_t>(i / 3) % standing.size()], draw, name, 0);
+      continue;
+    }
+    const models::Walker& walker = walking[static_cast<std::size_t>(i) % walking.size()];
+    bool walks = false;
+    for (int attempt = 0; attempt < Placer::kTries && !walks; ++attempt) {
+      walks = placeWalker(placer, draw, walker, name);
+    }
+    if (!walks) search(standing[static_cast<std::size_t>(i) % standing.size()], draw, name, 0);
+  }
+  const auto bicycles =
+      models::makeForms(std::min(parked, 4), [&](int f) { return models::makeBicycle(placer.builder, l.seed(), f); });
+  for (int i = 0; i < parked; ++i) {
+    Draw draw(l.seed(), Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
+    search(bicycles[static_cast<std::size_t>(i) % bicycles.size()], draw, fmt::format("bicycle {}", i + 1),
+           radians(draw.in(-9, -5)));
+  }
+  const auto motorcycleForms = models::makeForms(
+      std::min(motorcycles, 2), [&](int f) { return models::makeMotorcycle(placer.builder, l.seed(), f); });
+  for (int i = 0; i < motorcycles; ++i) {
+    Draw draw(l.seed(), Kind::Motorcycle, static_cast<std::uint32_t>(1000 + i));
+    search(motorcycleForms[static_cast<std::size_t>(i) % motorcycleForms.size()], draw,
+           fmt::format("motorcycle {}", i + 1), radians(8));
+  }
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,220 @@
+// Avenues, gardens, woods: trees, bushes and undergrowth.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "town/placer.h"
+#include "town/relief.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+using models::TreeModel;
+
+constexpr int kTreesOfAForm = 2;
+constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // their crowns
+constexpr double kOverhang = 0.5;                             // m, of crowns over a road
+constexpr double kFar = 25;         // m from the nearest road: trees beyond have larger leaves, and fewer
+constexpr double kFarDetail = 0.3;  // of the leaves
+constexpr int kBushForms = 6;
+constexpr std::size_t kMostTrees = 900;  // of woods
+
+// The trees of this town, each made when it is first needed.
+class Nursery {
+ public:
+  explicit Nursery(Placer& placer)
+      : placer_(placer), trees_(2 * kTreesOfAForm * models::kTreeForms), made_(trees_.size(), false) {}
+
+  const TreeModel& tree(Draw& draw, bool broadleaf, bool far) {
+    const int form = draw.below(broadleaf ? models::kBroadleafForms : models::kTreeForms);
+    const int again = draw.below(kTreesOfAForm);
+    const std::size_t near = static_cast<std::size_t>(form) * kTreesOfAForm + static_cast<std::size_t>(again);
+    const std::size_t index = 2 * near + (far ? 1 : 0);
+    if (!made_[index]) {
+      const double detail = placer_.layout.parameters().detail * (far ? kFarDetail : 1);
+      trees_[index] =
+          models::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
+                           detail, placer_.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
+      made_[index] = true;
+    }
+    return trees_[index];
+  }
+
+ private:
+  Placer& placer_;
+  std::vector<TreeModel> trees_;
+  std::vector<bool> made_;
+};
+
+// Only its trunk takes room on the ground; crowns may meet.
+bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadleaf, double room,
+           const std::string& name) {
+  const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
+  const bool far = !b.known || b.edge > kFar;
+  const TreeModel& tree = nursery.tree(draw, broadleaf, far);
+  spot.yaw = draw.in(0, 2 * kPi);
+  spot.scale = draw.in(0.75, 1.35);
+  // The lanes are kept clear.
+  if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
+  if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
+  if (spot.scale < 0.5 || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
+  placer.occupancy.add({spot.at, 0.35, 0.35, 0});
+  placer.put(tree.model, spot, name, 0.05);
+  return true;
+}
+
+bool onLawn(const Layout& layout, const Point2& p, double beyond) {
+  if (layout.areas().outsideHard(p) < 1) return false;
+  const Beside b = layout.roads().at(p.x, p.y);
+  return !b.known || b.edge > b.section.outer() + beyond;
+}
+
+}  // namespace
+
+void placeTrees(Placer& placer) {
+  const Layout& l = placer.layout;
+  const Character& c = l.character();
+  Nursery nursery(placer);
+  int number = 0;
+  // A map's own; where it has any, chance adds none along the roads.
+  std::uint32_t mapped = 0;
+  for (const Point2& tree : l.trees()) {
+    Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
+    const Beside b = l.roads().at(tree.x, tree.y);
+    if (b.known && b.edge < 0.4) continue;  // roads are narrower on some maps than ours
+    if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
+      ++number;
+    }
+  }
+  const double avenue = l.trees().empty() ? c.avenue : 0;
+  // Along the roads: in the verge where it is wide enough, else in the gardens behind the pavement.
+  for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
+    const Road& road = l.roads().roads()[r];
+    const CrossSection& s = road.section;
+    if (road.minor) continue;
+    Draw draw(l.seed(), Kind::Tree, 100 + r);
+    const double spacing = draw.in(7, 13);
+    for (const double along : models::steps(6, road.length() - 4, spacing)) {
+      for (const int side : {-1, 1}) {
+        if (!draw.chance(avenue)) continue;
+        const double out = s.verge > 1.2 ? s.curb + s.verge / 2 : s.outer() + draw.in(0.8, 2.5);
+        const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
+        const Beside b = l.roads().at(spot.at.x, spot.at.y);
+        if (b.edge < out - 0.5) continue;  // on another road
+        if (plant(placer, nursery, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4),
+                  fmt::format("tree {}", number + 1)))
+          ++number;
+      }
+    }
+  }
+  // In parks, where a map names none.
+  std::uint32_t park = 0;
+  for (const MapArea& area : l.areas().all()) {
+    Draw draw(l.seed(), Kind::Tree, 700000 + ++park);
+    if (area.land != Land::Park || !l.trees().empty()) continue;
+    const Footprint about = rectangleAbout(area.outline);
+    const double wanted = l.parameters().greenery * 4 * about.halfX * about.halfY / draw.in(70, 200);
+    const int count = static_cast<int>(std::min(2000.0, wanted));
+    for (int k = 0; k < count; ++k) {
+      const double u = draw.in(-about.halfX, about.halfX);
+      const double v = draw.in(-about.halfY, about.halfY);
+      const Point2 p = about.at(u, v);
+      const bool far = !l.roads().at(p.x, p.y).known;
+      if (far || l.areas().at(p) != Land::Park || !onLawn(l, p, 0.5)) continue;
+      if (plant(placer, nursery, draw, {p, 0, 1, 0}, draw.chance(0.5), 0, fmt::format("tree {}", number + 1))) ++number;
+    }
+  }
+  for (const Plot& plot : l.plots()) {
+    const Road& road = l.roads().roads()[plot.road];
+    Draw draw(l.seed(), Kind::Tree, 10000 + plot.number);
+    const double expected = c.gardenTrees * draw.in(0.3, 1.7);
+    const auto count = static_cast<int>(expected + draw.next());
+    for (int k = 0; k < count; ++k) {
+      for (int attempt = 0; attempt < 4; ++attempt) {
+        const bool front = draw.chance(0.4) && plot.setback > 3;
+        const double depth = front ? draw.in(0.8, plot.setback) : plot.setback + draw.in(0, 26);
+        const Spot spot = besideRoad(road, draw.in(plot.from, plot.to),
+                                     plot.side * (road.section.half + road.section.outer() + depth));
+        if (!onLawn(l, spot.at, 0.5)) continue;
+        if (!plant(placer, nursery, draw, spot, front, front ? 2.6 : 0, fmt::format("tree {}", number + 1))) continue;
+        ++number;
+        break;
+      }
+    }
+  }
+}
+
+// Where a smooth field is high the land is wooded, on a jittered lattice, with undergrowth at and below the crowns'
+// edge, which makes a wall of leaves.
+void placeWoods(Placer& placer) {
+  const Layout& l = placer.layout;
+  const Character& c = l.character();
+  if (c.woods <= 0) return;
+  Nursery nursery(placer);
+  const std::vector<Model> bushes = models::makeForms(
+      4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
+  // The field's share above a threshold: its values are about normal, with a deviation of a quarter.
+  const double threshold = 0.42 * (1 - 2 * c.woods);
+  Draw lattice(l.seed(), Kind::Wood);
+  const double spacing = lattice.in(3.2, 4.6);
+  const double reach = l.half() - 8;
+  std::size_t trees = 0;
+  std::uint32_t cell = 0;
+  const std::vector<double> lines = models::steps(-reach, reach, spacing);
+  for (const double y : lines) {
+    for (const double x : lines) {
+      Draw draw(l.seed(), Kind::Wood, ++cell);
+      const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
+      const Beside b = l.roads().at(spot.at.x, spot.at.y);
+      if (!b.known || b.edge < b.section.outer() + 1.2) continue;  // nothing beyond is seen through it
+      const double density =
+          relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
+      const std::optional<Land> land = l.areas().at(spot.at);
+      if (land ? *land != Land::Wood : density < threshold) continue;
+      if (draw.chance(0.55)) {
+        const Model& bush = bushes[static_cast<std::size_t>(draw.below(static_cast<int>(bushes.size())))];
+        if (placer.isFree({spot.at, 1.1, 1.1, 0})) {
+          placer.occupancy.add({spot.at, 0.8, 0.8, 0});
+          placer.put(bush, spot, fmt::format("undergrowth {}", cell), 0.05);
+        }
+      }
+      if (trees >= kMostTrees || !draw.chance(0.6)) continue;
+      const Spot beside{{spot.at.x + draw.in(-1.5, 1.5), spot.at.y + draw.in(-1.5, 1.5)}, 0, 1, 0};
+      if (!onLawn(l, beside.at, 1)) continue;
+      if (plant(placer, nursery, draw, beside, draw.chance(0.75), 0, fmt::format("wood {}", trees + 1))) ++trees;
+    }
+  }
+}
+
+void placeBushes(Placer& placer) {
+  const Layout& l = placer.layout;
+  const Character& c = l.character();
+  if (c.gardenBushes <= 0) return;
+  const double bushFoliage = std::max(c.foliage, 0.3);  // some are evergreen
+  const std::vector<Model> forms =
+      models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed(), f, bushFoliage); });
+  int number = 0;
+  for (const Plot& plot : l.plots()) {
+    const Road& road = l.roads().roads()[plot.road];
+    Draw draw(l.seed(), Kind::Bush, 1000 + plot.number);
+    const int count = static_cast<int>(c.gardenBushes * draw.in(0.2, 1.8) + draw.next());
+    for (int k = 0; k < count; ++k) {
+      const double depth = draw.chance(0.7) ? draw.in(0.7, std::max(1.0, plot.setback - 0.7)) : draw.in(14, 26);
+      Spot spot =
+          besideRoad(road, draw.in(plot.from, plot.to), plot.side * (road.section.half + road.section.outer() + depth));
+      spot.yaw = draw.in(0, 2 * kPi);
+      spot.scale = draw.in(0.6, 1.5);
+      if (!onLawn(l, spot.at, 0.6 * spot.scale)) continue;
+      const Model& bush = forms[static_cast<std::size_t>(draw.below(kBushForms))];
+      if (!placer.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
+      placer.occupancy.add({spot.at, 0.5 * spot.scale, 0.5 * spot.scale, 0});
+      placer.put(bush, spot, fmt::format("bush {}", ++number), 0.03);
+    }
+  }
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,64 @@
+#include "town/relief.h"
+
+#include <cmath>
+
+namespace scanmill::town {
+namespace {
+
+// SplitMix64's finaliser (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+std::uint64_t mixed(std::uint64_t v) {
+  v = (v ^ (v >> 30)) * 0xBF58476D1CE4E5B9u;
+  v = (v ^ (v >> 27)) * 0x94D049BB133111EBu;
+  return v ^ (v >> 31);
+}
+
+// One of sixteen gradients of length 1 at a corner of the lattice, times the way from it.
+double sloped(std::uint64_t seed, std::int64_t ix, std::int64_t iy, double dx, double dy) {
+  static constexpr double kUnit[16][2] = {{1, 0},
+                                          {0.92387953251128674, 0.38268343236508977},
+                                          {0.70710678118654752, 0.70710678118654752},
+                                          {0.38268343236508977, 0.92387953251128674},
+                                          {0, 1},
+                                          {-0.38268343236508977, 0.92387953251128674},
+                                          {-0.70710678118654752, 0.70710678118654752},
+                                          {-0.92387953251128674, 0.38268343236508977},
+                                          {-1, 0},
+                                          {-0.92387953251128674, -0.38268343236508977},
+                                          {-0.70710678118654752, -0.70710678118654752},
+                                          {-0.38268343236508977, -0.92387953251128674},
+                                          {0, -1},
+                                          {0.38268343236508977, -0.92387953251128674},
+                                          {0.70710678118654752, -0.70710678118654752},
+                                          {0.92387953251128674, -0.38268343236508977}};
+  const std::uint64_t key = seed + 0x9E3779B97F4A7C15u * static_cast<std::uint64_t>(ix) +
+                            0xD1B54A32D192ED03u * static_cast<std::uint64_t>(iy);
+  const double* const g = kUnit[mixed(key) >> 60];
+  return g[0] * dx + g[1] * dy;
+}
+
+double faded(double t) {
+  return t * t * t * (t * (t * 6 - 15) + 10);
+}
+
+}  // namespace
+
+double relief(std::uint64_t seed, double x, double y, double size) {
+  const double u = x / size;
+  const double v = y / size;
+  const double fu = std::floor(u);
+  const double fv = std::floor(v);
+  const auto ix = static_cast<std::int64_t>(fu);
+  const auto iy = static_cast<std::int64_t>(fv);
+  const double dx = u - fu;
+  const double dy = v - fv;
+  const double a = sloped(seed, ix, iy, dx, dy);
+  const double b = sloped(seed, ix + 1, iy, dx - 1, dy);
+  const double c = sloped(seed, ix, iy + 1, dx, dy - 1);
+  const double d = sloped(seed, ix + 1, iy + 1, dx - 1, dy - 1);
+  const double s = faded(dx);
+  const double low = a + (b - a) * s;
+  const double high = c + (d - c) * s;
+  return (low + (high - low) * faded(dy)) * 1.4142135623730951;
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,159 @@
+#include "town/roads.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scanmill::town {
+namespace {
+
+constexpr double kCell = 16;      // m
+constexpr std::size_t kRun = 8;   // segments that are looked at, or passed over, together
+constexpr double kRounding = 10;  // m, of the corners where roads meet: see at()
+constexpr double kRingRounding = 4;
+constexpr double kFull = 28;  // m from where roads meet, as far as corners are fully rounded
+constexpr double kFade = 12;  // m, over which they become sharp
+
+std::int64_t cellOf(double v) {
+  return static_cast<std::int64_t>(std::floor(v / kCell));
+}
+
+double mixedWidth(double a, double b, double part) {
+  return a + (b - a) * part;
+}
+
+CrossSection mixed(const CrossSection& a, const CrossSection& b, double part) {
+  return {mixedWidth(a.half, b.half, part),         mixedWidth(a.parking, b.parking, part),
+          mixedWidth(a.curb, b.curb, part),         mixedWidth(a.verge, b.verge, part),
+          mixedWidth(a.sidewalk, b.sidewalk, part), mixedWidth(a.step, b.step, part)};
+}
+
+}  // namespace
+
+Point2 Road::point(double distance) const {
+  const double d = std::clamp(distance, 0.0, length());
+  const auto next = static_cast<std::size_t>(std::upper_bound(at.begin() + 1, at.end() - 1, d) - at.begin());
+  const double part = (d - at[next - 1]) / (at[next] - at[next - 1]);
+  return {line[next - 1].x + (line[next].x - line[next - 1].x) * part,
+          line[next - 1].y + (line[next].y - line[next - 1].y) * part};
+}
+
+Point2 Road::heading(double distance) const {
+  const double d = std::clamp(distance, 0.0, length());
+  const Point2 a = point(d - kRoadStep);
+  const Point2 b = point(d + kRoadStep);
+  const double size = std::hypot(b.x - a.x, b.y - a.y);
+  return {(b.x - a.x) / size, (b.y - a.y) / size};
+}
+
+void RoadNetwork::add(Road road) {
+  road.at.assign(1, 0.0);
+  for (std::size_t i = 1; i < road.line.size(); ++i) {
+    road.at.push_back(road.at.back() +
+                      std::hypot(road.line[i].x - road.line[i - 1].x, road.line[i].y - road.line[i - 1].y));
+  }
+  const auto number = static_cast<std::uint32_t>(roads_.size());
+  for (std::size_t first = 0; first + 1 < road.line.size(); first += kRun) {
+    const std::size_t last = std::min(first + kRun, road.line.size() - 1);
+    Run run{number, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(last), road.line[first],
+            road.line[first]};
+    for (std::size_t i = first + 1; i <= last; ++i) {
+      const Point2& p = road.line[i];
+      run.low = {std::min(run.low.x, p.x), std::min(run.low.y, p.y)};
+      run.high = {std::max(run.high.x, p.x), std::max(run.high.y, p.y)};
+    }
+    for (std::int64_t y = cellOf(run.low.y - kReach); y <= cellOf(run.high.y + kReach); ++y) {
+      for (std::int64_t x = cellOf(run.low.x - kReach); x <= cellOf(run.high.x + kReach); ++x) {
+        cells_[models::cellKey(x, y)].push_back(run);
+      }
+    }
+  }
+  roads_.push_back(std::move(road));
+}
+
+void RoadNetwork::addJoint(const Point2& joint) {
+  constexpr double kAround = kFull + kFade;
+  for (std::int64_t y = cellOf(joint.y - kAround); y <= cellOf(joint.y + kAround); ++y) {
+    for (std::int64_t x = cellOf(joint.x - kAround); x <= cellOf(joint.x + kAround); ++x) {
+      joints_[models::cellKey(x, y)].push_back(joint);
+    }
+  }
+}
+
+double RoadNetwork::roundingAt(double x, double y) const {
+  const auto cell = joints_.find(models::cellKey(cellOf(x), cellOf(y)));
+  if (cell == joints_.end()) return 0;
+  double nearest = 1e9;
+  for (const Point2& joint : cell->second) nearest = std::min(nearest, std::hypot(x - joint.x, y - joint.y));
+  return kRounding * (1 - models::smooth((nearest - kFull) / kFade));
+}
+
+void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
+  found.clear();
+  const auto cell = cells_.find(models::cellKey(cellOf(x), cellOf(y)));
+  if (cell == cells_.end()) return;
+  for (const Run& run : cell->second) {
+    const bool known = !found.empty() && found.back().road == run.road;
+    const double outX = std::max({0.0, run.low.x - x, x - run.high.x});
+    const double outY = std::max({0.0, run.low.y - y, y - run.high.y});
+    constexpr double kRounded = 1e-6;  // m2, more than what is rounded off
+    const double least = outX * outX + outY * outY - kRounded;
+    if (least > (known ? found.back().distance : kReach * kReach)) continue;
+    const Road& road = roads_[run.road];
+    for (std::uint32_t i = run.first; i < run.last; ++i) {
+      const Point2& a = road.line[i];
+      const Point2& b = road.line[i + 1];
+      const double dx = b.x - a.x;
+      const double dy = b.y - a.y;
+      const double size = road.at[i + 1] - road.at[i];
+      const double projected = ((x - a.x) * dx + (y - a.y) * dy) / (size * size);
+      const double part = std::clamp(projected, 0.0, 1.0);
+      const double px = x - (a.x + dx * part);
+      const double py = y - (a.y + dy * part);
+      const double square = px * px + py * py;
+      if (square > kReach * kReach) continue;
+      if (found.empty() || found.back().road != run.road) found.push_back({1e9, run.road, 0, false, 0});
+      if (square >= found.back().distance) continue;
+      const bool isEnd = projected < 0 ? i == 0 : i + 2 == road.line.size();
+      const double behind = isEnd ? std::abs(projected - part) * size : 0;
+      found.back() = {square, run.road, road.at[i] + size * part, dx * py - dy * px >= 0, behind};
+    }
+  }
+  for (Near& n : found) n.distance = std::sqrt(n.distance);
+}
+
+// The least of all edges' distances, with corners rounded as a polynomial smooth minimum does: where two differ by less
+// than the rounding, it lies below both, by a quarter of the rounding at most.
+Beside RoadNetwork::at(double x, double y) const {
+  thread_local std::vector<Near> found;
+  nearest(x, y, found);
+  Beside beside;
+  double least = 1e9;
+  const double corner = found.size() > 1 ? std::max(roundingAt(x, y), 1e-3) : 1;
+  const bool ring = std::any_of(found.begin(), found.end(), [&](const Near& n) { return roads_[n.road].ring; });
+  const double rounding = ring ? std::min(corner, kRingRounding) : corner;
+  for (const Near& n : found) {
+    const CrossSection& own = roads_[n.road].section;
+    // Where roads meet, one that ends there widens the others on its own side alone.
+    constexpr double kSteep = 3;
+    const double edge = n.distance - own.half + kSteep * n.behind * corner / kRounding * (found.size() > 1 ? 1 : 0);
+    if (!beside.known) {
+      beside = {true, edge, n.road, n.along, n.left ? n.distance : -n.distance, own};
+      least = edge;
+      continue;
+    }
+    const double part = std::clamp(0.5 + (beside.edge - edge) / (2 * rounding), 0.0, 1.0);
+    beside.section = mixed(beside.section, own, part);
+    beside.edge = mixedWidth(beside.edge, edge, part) - rounding * part * (1 - part);
+    if (edge < least) {
+      least = edge;
+      beside.road = n.road;
+      beside.along = n.along;
+      beside.lateral = n.left ? n.distance : -n.distance;
+    }
+  }
+  // An island has no pavements of the roads that meet its ring, which goes round counter-clockwise.
+  if (beside.known && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
+  return beside;
+}
+
+}  // namespace scanmill::town

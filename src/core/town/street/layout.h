@@ -1,0 +1,90 @@
+#pragma once
+
+// The plan of the procedural street: its keys, where everything stands, and what places it. Nothing outside this folder
+// and street.cpp includes this header.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "base/vec.h"
+#include "config/fields.h"
+#include "models/models.h"
+#include "scene/builder.h"
+
+namespace scanmill::street {
+
+using namespace models;
+
+// The keys of `street:` in a scene file. Lengths are in metres; densities are objects per 100 m of street, on both
+// sides together.
+struct Parameters {
+  double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
+  double terrain = 80, beyond = 150;
+  bool crossStreet = true;
+  double buildings = 0.9, boundaries = 0.6;  // shares of the lots
+  double trees = 22, bushes = 20, cars = 14, traffic = 2, trucks = 1, buses = 0.5, motorcycles = 2, bicycles = 6;
+  double cyclists = 1, pedestrians = 10, signs = 6, lamps = 5, furniture = 10, shelters = 1;
+
+  int count(double density) const;
+};
+
+Parameters readParameters(Fields& fields);
+
+// A plot along the street. `side` is -1 for y < 0, which is to the right of who drives along +x, and 1 for y > 0.
+struct Lot {
+  int side = 1;
+  Span x;
+  Fencing fencing = Fencing::None;
+  Span driveway;         // empty (low == high) where there is none
+  bool lowered = false;  // the curb, at the driveway
+  Span walkway;
+  std::uint32_t number = 0;
+};
+
+enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, Path, Terrain };
+
+// Where everything stands, in the street's frame. Distances from the centre line hold for both sides.
+struct Layout {
+  Layout(const Parameters& parameters, std::uint64_t seed);
+
+  static constexpr double kCurb = 0.15;            // width of a curb stone, m
+  static constexpr double kRamp = 0.45;            // sidewalk that slopes at a driveway, m
+  static constexpr double kLoweredCurb = 0.03;     // height of the curb at a driveway, m
+  static constexpr double kDrivewayDepth = 7;      // beyond the front line, m
+  static constexpr double kPathDepth = 1.5;        // beyond the front line: the houses' greatest setback, m
+  static constexpr double kCrossSidewalkEnd = 18;  // beyond the back of the gardens, m
+
+  Ground kindAt(double x, double y) const;
+  // The height of the ground of this kind (m) at a point inside its border or on it.
+  double heightAt(Ground kind, double x, double y) const;
+  double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
+  bool inCorner(double x, double y) const;  // the squares that hold the rounded corners of the crossing
+  bool onDriveway(double x, int side, double margin = 0) const;
+
+  Parameters p;
+  std::uint64_t seed;
+  double roadEdge, parkingEdge, walkInner, walkOuter, front;  // distances from the centre line, m
+  double halfLength, halfX, halfY;
+  bool cross;
+  double crossX = 0, crossEdge = 0, crossWalk = 0, cornerRadius = 0;
+  double crossSidewalkEnd = 0;
+  std::vector<Span> parking;  // along x, the same on both sides
+  std::vector<Lot> lots;
+  std::vector<House> houses;
+
+ private:
+  bool besideParking(double x, double margin) const;
+  double terrainHeight(double x, double y) const;
+  void addLots(int side, Span x);
+  void addCrossHouses();
+
+  std::array<double, 12> waves_{};
+};
+
+Model makeGround(SceneBuilder& builder, const Layout& layout);
+Model makeMarkings(SceneBuilder& builder, const Layout& layout);
+// Places everything but ground and houses in the scene.
+void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
+
+}  // namespace scanmill::street

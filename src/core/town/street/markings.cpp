@@ -1,0 +1,126 @@
+// Road markings: thermoplastic, 3 mm thick, so that they never share a plane with the asphalt.
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/street/layout.h"
+
+namespace scanmill::street {
+namespace {
+
+constexpr double kThickness = 3e-3;  // m
+constexpr double kLine = 0.12;       // width of a line, m
+
+class Painter {
+ public:
+  Painter(SceneBuilder& builder, const Layout& layout)
+      : l_(layout), shape_(builder, "road markings"), paint_(shape_.surface("road_marking", "road_paint")) {}
+
+  Model paint() {
+    mainRoad();
+    parkingBays();
+    if (l_.cross) crossing();
+    return shape_.finish();
+  }
+
+ private:
+  // A polygon, counter-clockwise from above, without its underside.
+  void patch(const std::vector<Point2>& polygon) {
+    const std::size_t n = polygon.size();
+    const auto low = [&](std::size_t i) { return Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
+    const auto high = [&](std::size_t i) { return Vec3d{polygon[i % n].x, polygon[i % n].y, kThickness}; };
+    for (std::size_t i = 0; i < n; ++i) shape_.quad(paint_, low(i), low(i + 1), high(i + 1), high(i));
+    for (std::size_t i = 1; i + 1 < n; ++i) shape_.triangle(paint_, high(0), high(i), high(i + 1));
+  }
+
+  void bar(double x0, double x1, double y0, double y1) { patch({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}); }
+
+  // From the stop line of one side of the crossing to that of the other, there are no lines along x.
+  double crossingReach() const { return l_.cross ? l_.crossWalk + 1.7 : 0; }
+
+  bool inCrossing(double x0, double x1) const {
+    return l_.cross && x1 > l_.crossX - crossingReach() && x0 < l_.crossX + crossingReach();
+  }
+
+  void dashesAlongX(double from, double to, double y, double dash, double gap, double width) {
+    for (double x = from; x + dash < to; x += dash + gap) {
+      if (!inCrossing(x, x + dash)) bar(x, x + dash, y - width / 2, y + width / 2);
+    }
+  }
+
+  void mainRoad() {
+    dashesAlongX(-l_.halfX, l_.halfX, 0, 3, 6, kLine);
+    // Out of town the road has edge lines.
+    for (const double side : {-1.0, 1.0}) {
+      const double y = side * (l_.roadEdge - 0.25);
+      dashesAlongX(-l_.halfX, -l_.halfLength - 2, y, 10, 0.02, kLine);
+      dashesAlongX(l_.halfLength + 2, l_.halfX, y, 10, 0.02, kLine);
+    }
+  }
+
+  void parkingBays() {
+    constexpr double kBay = 6.0;  // m
+    for (const Span& s : l_.parking) {
+      for (const double side : {-1.0, 1.0}) {
+        const double edge = side * (l_.roadEdge + 0.03);
+        for (double x = s.low + 0.3; x + kBay < s.high; x += kBay) {
+          const double far = side * (l_.parkingEdge - 0.25);
+          if (!l_.onDriveway(x, int(side), 0.3)) {
+            bar(x - 0.05, x + 0.05, std::min(edge + side * 0.06, far), std::max(edge + side * 0.06, far));
+          }
+          bar(x + 0.06, x + kBay - 0.06, edge - 0.05, edge + 0.05);
+        }
+      }
+    }
+  }
+
+  void arrow(double tip, double y, double direction) {
+    const double shaft = tip - direction * 1.2;
+    const double tail = tip - direction * 4.0;
+    bar(std::min(shaft, tail), std::max(shaft, tail), y - 0.08, y + 0.08);
+    if (direction > 0) {
+      patch({{shaft + 0.01, y - 0.35}, {tip, y}, {shaft + 0.01, y + 0.35}});
+    } else {
+      patch({{shaft - 0.01, y + 0.35}, {tip, y}, {shaft - 0.01, y - 0.35}});
+    }
+  }
+
+  void crossing() {
+    const double x = l_.crossX;
+    const double inner = l_.crossEdge + Layout::kCurb;  // zebras continue the sidewalks
+    const double stop = l_.crossWalk + 1.0;
+    for (const double side : {-1.0, 1.0}) {
+      const double x0 = std::min(x + side * inner, x + side * l_.crossWalk);
+      const double x1 = std::max(x + side * inner, x + side * l_.crossWalk);
+      for (double y = -l_.roadEdge + 0.35; y + 0.5 < l_.roadEdge; y += 1.0) bar(x0, x1, y, y + 0.5);
+      // Right-hand traffic: who drives to +x stops on the -x side at y < 0.
+      const double lane = side * l_.roadEdge / 2;
+      bar(std::min(x + side * stop, x + side * (stop + 0.5)), std::max(x + side * stop, x + side * (stop + 0.5)),
+          lane - l_.roadEdge / 2 + 0.2, lane + l_.roadEdge / 2 - 0.2);
+      arrow(x + side * (stop + 6), lane, -side);
+
+      const double y0 = std::min(side * l_.walkInner, side * l_.walkOuter);
+      const double y1 = std::max(side * l_.walkInner, side * l_.walkOuter);
+      for (double u = x - l_.crossEdge + 0.25; u + 0.5 < x + l_.crossEdge; u += 1.0) bar(u, u + 0.5, y0, y1);
+      const double stopY = side * (l_.walkOuter + 1.0);
+      const double crossLane = -side * l_.crossEdge / 2;  // towards +y one drives at x > crossX
+      bar(x + crossLane - l_.crossEdge / 2 + 0.2, x + crossLane + l_.crossEdge / 2 - 0.2,
+          std::min(stopY, stopY + side * 0.5), std::max(stopY, stopY + side * 0.5));
+      for (double y = l_.walkOuter + 2.5; y + 3 < l_.halfY; y += 9) {
+        bar(x - kLine / 2, x + kLine / 2, std::min(side * y, side * (y + 3)), std::max(side * y, side * (y + 3)));
+      }
+    }
+  }
+
+  const Layout& l_;
+  Shape shape_;
+  SurfaceIndex paint_;
+};
+
+}  // namespace
+
+Model makeMarkings(SceneBuilder& builder, const Layout& layout) {
+  return Painter(builder, layout).paint();
+}
+
+}  // namespace scanmill::street

@@ -1,0 +1,205 @@
+// Parked vehicles, traffic, cyclists and bicycles.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "town/street/placer.h"
+
+namespace scanmill::street {
+namespace {
+
+// The car bodies of this street, made when the first is needed.
+class Fleet {
+ public:
+  explicit Fleet(Placer& placer) : placer_(placer) {}
+
+  const Model& anyCar(Draw& draw) {
+    if (cars_.empty()) make();
+    return cars_[static_cast<std::size_t>(draw.below(static_cast<int>(cars_.size())))];
+  }
+
+ private:
+  void make() {
+    for (int k = 0; k < kCarForms + 2; ++k) {
+      // Hatchbacks and saloons are the most common: two of each.
+      const CarForm form = k < kCarForms ? static_cast<CarForm>(k) : static_cast<CarForm>(k - kCarForms);
+      cars_.push_back(makeCar(placer_.builder, placer_.layout.seed, form, k));
+    }
+  }
+
+  Placer& placer_;
+  std::vector<Model> cars_;
+};
+
+struct Bay {
+  double x;
+  int side;
+  double key;  // bays are taken in the order of random keys
+};
+
+std::vector<Bay> bays(const Placer& placer) {
+  const Layout& l = placer.layout;
+  constexpr double kBay = 6.0;  // m
+  std::vector<Bay> found;
+  for (const Span& s : l.parking) {
+    for (const int side : {-1, 1}) {
+      for (double x = s.low + 0.3; x + kBay < s.high; x += kBay) {
+        const double middle = x + kBay / 2;
+        if (l.onDriveway(middle, side, kBay / 2 - 0.6)) continue;
+        Draw draw(l.seed, Kind::Car, static_cast<std::uint32_t>(100000 + found.size()));
+        found.push_back({middle, side, draw.next()});
+      }
+    }
+  }
+  std::sort(found.begin(), found.end(), [](const Bay& a, const Bay& b) { return a.key < b.key; });
+  return found;
+}
+
+void placeParked(Placer& placer, Fleet& fleet) {
+  const Layout& l = placer.layout;
+  const int cars = l.p.count(l.p.cars);
+  const int motorcycles = l.p.count(l.p.motorcycles);
+  const std::vector<Bay> free = bays(placer);
+  // Three motorcycles share a bay, slanted. They take bays from the end, cars from the beginning.
+  std::array<Model, 2> motorcycleForms{};
+  for (std::size_t f = 0; motorcycles > 0 && f < 2; ++f) {
+    motorcycleForms[f] = makeMotorcycle(placer.builder, l.seed, static_cast<int>(f));
+  }
+  int standing = 0;
+  std::size_t end = free.size();
+  for (int place = 0; standing < motorcycles && end > 0; ++place) {
+    Draw draw(l.seed, Kind::Motorcycle, static_cast<std::uint32_t>(1000 + place));
+    const Bay& b = free[end - 1];
+    const double y = b.side * (l.roadEdge + l.p.parkingWidth / 2);
+    const Spot s{b.x + (place % 3 - 1) * 1.5 + draw.in(-0.15, 0.15), y, b.side * -radians(40) + draw.in(-0.1, 0.1), 1,
+                 radians(8)};
+    const Model& m = motorcycleForms[static_cast<std::size_t>(draw.below(2))];
+    if (placer.tryPut(m, s, fmt::format("motorcycle {}", standing + 1))) ++standing;
+    if (place % 3 == 2 || standing == motorcycles) --end;
+  }
+  // Some cars stand in driveways, the others in bays.
+  int parked = 0;
+  for (const Lot& lot : l.lots) {
+    if (lot.driveway.high - lot.driveway.low < 2.6) continue;
+    Draw draw(l.seed, Kind::Car, 50000 + lot.number);
+    if (parked >= cars || !draw.chance(0.4)) continue;
+    const Model& m = fleet.anyCar(draw);
+    const double y = l.front + draw.in(2.0, 4.0);
+    const Spot s{(lot.driveway.low + lot.driveway.high) / 2 + draw.in(-0.1, 0.1), lot.side * y,
+                 lot.side * kPi / 2 * (draw.chance(0.7) ? 1 : -1) + draw.in(-0.02, 0.02), 1, 0};
+    if (placer.tryPut(m, s, fmt::format("car {}", parked + 1))) ++parked;
+  }
+  for (std::size_t i = 0; parked < cars && i < end; ++i) {
+    Draw draw(l.seed, Kind::Car, static_cast<std::uint32_t>(1000 + i));
+    const Bay& b = free[i];
+    const Model& m = fleet.anyCar(draw);
+    const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
+    const double room = l.p.parkingWidth / 2 - half;  // towards curb and lane
+    const bool against = draw.chance(0.08);
+    const double yaw = (b.side > 0) == against ? 0 : kPi;  // on the left the traffic comes towards us
+    const double error = draw.in(-0.02, 0.02);
+    const double swing = std::abs(error) * (m.bounds.high.x - m.bounds.low.x) / 2;
+    if (room < swing) continue;
+    const double y = b.side * (l.roadEdge + l.p.parkingWidth / 2) + draw.in(-1, 1) * (room - swing);
+    const Spot s{b.x + draw.in(-0.3, 0.3), y, yaw + error, 1, 0};
+    if (placer.tryPut(m, s, fmt::format("car {}", parked + 1))) ++parked;
+  }
+}
+
+// Oncoming on the left lane, or waiting at the lights of the cross street. The right lane is the sensor's own.
+void placeTraffic(Placer& placer, Fleet& fleet) {
+  const Layout& l = placer.layout;
+  const int buses = l.p.count(l.p.buses);
+  const int trucks = l.p.count(l.p.trucks);
+  const int cars = l.p.count(l.p.traffic);
+  std::vector<Model> trucksMade;
+  for (int f = 0; f < std::min(trucks, 2); ++f) trucksMade.push_back(makeTruck(placer.builder, l.seed, f));
+  Model bus;
+  if (buses > 0) bus = makeBus(placer.builder, l.seed);
+  for (int i = 0; i < buses + trucks + cars; ++i) {
+    Draw draw(l.seed, Kind::Traffic,
+              static_cast<std::uint32_t>(i < buses            ? 20000 + i
+                                         : i < buses + trucks ? 10000 + i - buses
+                                                              : i - buses - trucks));
+    const Model* m = &bus;
+    std::string name = fmt::format("traffic bus {}", i + 1);
+    int car = -1;
+    if (i >= buses + trucks) {
+      car = i - buses - trucks;
+      m = &fleet.anyCar(draw);
+      name = fmt::format("traffic car {}", car + 1);
+    } else if (i >= buses) {
+      m = &trucksMade[static_cast<std::size_t>(i - buses) % trucksMade.size()];
+      name = fmt::format("traffic truck {}", i - buses + 1);
+    }
+    if (l.cross && car >= 0 && car % 3 == 1) {
+      const double side = car % 2 == 1 ? -1 : 1;
+      const int row = car / 6;  // behind those that wait already
+      const double nose = l.walkOuter + 2.0 + m->bounds.high.x + draw.in(0, 0.6) + row * 7.0;
+      const Spot s{l.crossX - side * l.crossEdge / 2 + draw.in(-0.15, 0.15), side * nose, -side * kPi / 2, 1, 0};
+      placer.tryPut(*m, s, name);
+      continue;
+    }
+    placer.search(*m, name, [&] {
+      double x = placer.alongStreet(draw, 8);
+      // Not on the crossing itself.
+      const double reach = l.crossEdge + l.cornerRadius + (m->bounds.high.x - m->bounds.low.x) / 2;
+      if (l.cross && std::abs(x - l.crossX) < reach) x = l.crossX + (x > l.crossX ? reach : -reach);
+      return Spot{x, l.roadEdge / 2 + draw.in(-0.15, 0.1), kPi + draw.in(-0.01, 0.01), 1, 0};
+    });
+  }
+}
+
+void placeCyclists(Placer& placer) {
+  const Layout& l = placer.layout;
+  const int count = l.p.count(l.p.cyclists);
+  std::vector<std::pair<Model, Model>> pairs;
+  for (int f = 0; f < std::min(count, 3); ++f) {
+    BicycleFit fit;
+    const Model bicycle = makeBicycle(placer.builder, l.seed, 100 + f, &fit);
+    pairs.emplace_back(bicycle, makeRider(placer.builder, l.seed, f, fit));
+  }
+  for (int i = 0; i < count; ++i) {
+    Draw draw(l.seed, Kind::Cyclist, static_cast<std::uint32_t>(i));
+    const auto& [bicycle, rider] = pairs[static_cast<std::size_t>(i) % pairs.size()];
+    for (int k = 0; k < Placer::kTries; ++k) {
+      const Spot s{placer.alongStreet(draw, 6), l.roadEdge - 0.6 + draw.in(-0.2, 0.1), kPi + draw.in(-0.06, 0.06), 1,
+                   0};
+      if (!placer.occupancy.isFree(Placer::footprint(rider, s, Placer::kGap))) continue;
+      if (!placer.tryPut(bicycle, s, fmt::format("cyclist's bicycle {}", i + 1))) continue;
+      placer.put(rider, s, fmt::format("cyclist {}", i + 1));
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+void placeVehicles(Placer& placer) {
+  Fleet fleet(placer);
+  placeParked(placer, fleet);
+  placeTraffic(placer, fleet);
+  placeCyclists(placer);
+}
+
+void placeBicycles(Placer& placer) {
+  const Layout& l = placer.layout;
+  const int count = l.p.count(l.p.bicycles);
+  std::vector<Model> forms;
+  for (int f = 0; f < std::min(count, 4); ++f) forms.push_back(makeBicycle(placer.builder, l.seed, f));
+  for (int i = 0; i < count; ++i) {
+    Draw draw(l.seed, Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
+    placer.search(forms[static_cast<std::size_t>(draw.below(static_cast<int>(forms.size())))],
+                  fmt::format("bicycle {}", i + 1), [&] {
+                    Spot s = placer.onSidewalk(draw, -0.45, 0.8);
+                    s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.15, 0.15);
+                    s.lean = radians(draw.in(-9, -5));  // on its stand
+                    return s;
+                  });
+  }
+}
+
+}  // namespace scanmill::street

@@ -1,0 +1,84 @@
+#include "town/town.h"
+
+#include <fmt/format.h>
+
+#include "town/lanes.h"
+#include "town/placer.h"
+
+namespace scanmill {
+
+namespace {
+
+town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors& supply) {
+  town::Parameters parameters = town::readParameters(fields);
+  fields.finish();
+  parameters.greenery *= supply[static_cast<std::size_t>(Supply::Greenery)];
+  parameters.vehicles *= supply[static_cast<std::size_t>(Supply::Vehicles)];
+  parameters.people *= supply[static_cast<std::size_t>(Supply::People)];
+  if (parameters.map.empty()) return {parameters, seed};
+  const Location& where = fields.find("map")->where;
+  const town::Map map = town::readMap(parameters.map, parameters.keepsLeft, where);
+  return {parameters, seed,
+          town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
+}
+
+// Where traffic keeps to the left, a town is the mirror image of one where it keeps to the right.
+Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
+  return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
+}
+
+// What is asked for. Throws InputError where a key of the town leaves none of what shall be there.
+std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout, const SupplyFactors& supply,
+                                 const Ontology& ontology) {
+  const town::Parameters& p = layout.parameters();
+  const SupplyFactors factors{p.greenery, p.vehicles, p.people};
+  std::vector<ShareBound> bounds = readShares(shares, ontology);
+  for (const ShareBound& bound : bounds) {
+    const auto s = static_cast<std::size_t>(bound.supply);
+    if (bound.least <= 0 || factors[s] > 0 || supply[s] <= 0) continue;
+    throw InputError(shares.where, fmt::format("shares ask for {}, but `{}: 0` leaves none: take it out", bound.name,
+                                               nameOf(bound.supply)));
+  }
+  return bounds;
+}
+
+}  // namespace
+
+void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
+             const Affine& place) {
+  const Value* const shares = fields.find("shares");
+  const town::Layout layout = readLayout(fields, seed, supply);
+  if (shares != nullptr) builder.ask(askedFor(*shares, layout, supply, builder.ontology()));
+  builder.describe(layout.about());
+  Affine worldFromTown = place;
+  worldFromTown.linear.y = place.linear * inWorld(layout, {0, 1, 0});
+  builder.place(town::makeGround(builder, layout).mesh, worldFromTown, "ground");
+  town::populate(builder, layout, worldFromTown);
+}
+
+SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
+  constexpr double kEnds = 20;  // m of the built part before the lane begins and after it ends
+  fields.also({"shares"});
+  const town::Layout layout = readLayout(fields, seed, {1, 1, 1});
+  const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};
+  const std::vector<town::Road>& roads = layout.roads().roads();
+  const town::Tour tour = town::tourOf(layout);
+  town::Way turns = through;
+  if (tour.from) {
+    turns.stretches.front().from = *roads[*tour.from].joins + town::cornerOf(layout, *tour.from);
+    turns.stretches.insert(turns.stretches.begin(),
+                           {*tour.from, town::endOf(layout, *tour.from), town::mouthOf(layout)});
+  }
+  if (tour.into) {
+    turns.stretches.back().to = *roads[*tour.into].joins - town::cornerOf(layout, *tour.into);
+    turns.stretches.push_back({*tour.into, town::mouthOf(layout), town::endOf(layout, *tour.into)});
+  }
+  SceneLanes lanes{town::layOut(layout, through, 0, 0).points, town::layOut(layout, turns, 0, 0).points,
+                   static_cast<int>(turns.stretches.size()) - 1};
+  for (std::vector<Vec3d>* lane : {&lanes.lane, &lanes.turns}) {
+    for (Vec3d& p : *lane) p = inWorld(layout, p);
+  }
+  return lanes;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,293 @@
+// Vehicles and cyclists on the lanes, which drive as flow.h says. The sensor's own lane, the main road's right-hand
+// one, stays free.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "town/fleet.h"
+#include "town/flow.h"
+#include "town/lanes.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+
+constexpr double kHeavyLane = 3.2;  // m, that lorries and buses need
+constexpr double kUpstream = 1000;  // m before the town, where those are who arrive later
+constexpr double kBeyond = 300;     // m behind the town, where nobody sees them vanish
+constexpr double kWarmUp = 20;      // s
+constexpr double kDuration = 120;   // s; then all stand
+constexpr double kInterval = 0.25;  // s
+constexpr double kAlways = -1e9;    // s, when those begin who drive already
+
+// A way, once it has been laid out.
+struct Course {
+  std::shared_ptr<const Path> path;
+  struct Mark {
+    std::uint32_t road;
+    double along;     // that road
+    double distance;  // along the path
+  };
+  std::vector<Mark> marks;
+
+  // The distance along the path at a place of a road.
+  double at(std::uint32_t road, double along) const {
+    const Mark* before = nullptr;
+    for (const Mark& m : marks) {
+      if (m.road != road) continue;
+      if (before != nullptr && (before->along - along) * (m.along - along) <= 0 && before->along != m.along) {
+        return before->distance + (m.distance - before->distance) * (along - before->along) / (m.along - before->along);
+      }
+      before = &m;
+    }
+    return before != nullptr ? before->distance : 0;
+  }
+};
+
+Course courseOf(const Layout& l, const Way& way, double out, double half, const Affine& worldFromTown) {
+  LaidOut laid = layOut(l, way, out, half + kMiddle);
+  for (Vec3d& p : laid.points) p = worldFromTown * p;
+  Course course;
+  course.path = std::make_shared<const Path>(laid.points);
+  for (std::size_t i = 0; i < laid.places.size(); ++i) {
+    course.marks.push_back({laid.places[i].road, laid.places[i].along, course.path->distanceOfPoint(laid.first + i)});
+  }
+  return course;
+}
+
+std::vector<double> curvatureOf(const Path& path) {
+  std::vector<double> curvature;
+  for (const double d : models::steps(0, path.length(), kLimitStep)) curvature.push_back(path.curvature(d, 4));
+  return curvature;
+}
+
+class Traffic {
+ public:
+  Traffic(Placer& placer, Fleet& fleet) : placer_(placer), fleet_(fleet), l_(placer.layout), main_(road(0)) {
+    const District district = l_.character().district;
+    Draw draw(l_.seed(), Kind::Traffic, 1);
+    fastest_ = district == District::Rural   ? draw.in(15, 24)
+               : district == District::Dense ? draw.in(8, 13)
+                                             : draw.in(9, 14);
+  }
+
+  void place() {
+    addThrough();
+    for (std::uint32_t r = 1; r < l_.roads().roads().size(); ++r) addSideRoad(r);
+    drawThrough();
+    const std::vector<std::vector<double>> travelled = drive(routes_, drivers_, kWarmUp, kDuration, kInterval);
+    for (std::size_t i = 0; i < drivers_.size(); ++i) {
+      const Participant& p = participants_[i];
+      const double half = (p.vehicle.bounds.high.y - p.vehicle.bounds.low.y) / 2;
+      const Course own = courseOf(l_, ways_[drivers_[i].route], p.out, half, placer_.worldFromTown);
+      const auto movement = std::make_shared<const Movement>(own.path, travelled[i], kInterval);
+      placer_.builder.place(p.vehicle.mesh, {}, p.name, {}, movement);
+      if (p.rider) placer_.builder.place(p.rider->mesh, {}, "rider of " + p.name, {}, movement);
+    }
+  }
+
+ private:
+  struct Participant {
+    Model vehicle;
+    std::optional<Model> rider;
+    double out = 0;
+    std::string name;
+  };
+
+  const Road& road(std::uint32_t r) const { return l_.roads().roads()[r]; }
+  static std::uint32_t inwards(std::uint32_t r) { return 2 * r; }
+  static std::uint32_t outwards(std::uint32_t r) { return 2 * r + 1; }
+
+  std::uint32_t add(const Way& way) {
+    ways_.push_back(way);
+    courses_.push_back(courseOf(l_, way, 0, 0, placer_.worldFromTown));
+    Route route;
+    route.length = courses_.back().path->length();
+    route.limit = inBends(curvatureOf(*courses_.back().path), fastest_);
+    routes_.push_back(std::move(route));
+    return static_cast<std::uint32_t>(routes_.size() - 1);
+  }
+
+  // Where on a stretch of a road something stands in the lane first: along the road.
+  std::optional<double> blocked(std::uint32_t r, double from, double to) const {
+    const double direction = to >= from ? 1 : -1;
+    const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
+    for (const double done : models::steps(0, std::abs(to - from), 1.5)) {
+      const double along = from + direction * done;
+      const Spot spot = besideRoad(road(r), along, -direction * lateral);
+      if (!placer_.occupancy.isFree({spot.at, 0.75, 0.9, spot.yaw})) return along;
+    }
+    return std::nullopt;
+  }
+
+  // Against the main road's line, the whole of it.
+  void addThrough() {
+    const double length = main_.length();
+    const std::uint32_t route = add({{{0, length, 0}}, kUpstream, kBeyond});
+    Route& through = routes_[route];
+    through.legs = {{0, 0, through.length, 0}};
+    if (const auto at = blocked(0, length, 0)) through.stops.push_back({courses_[route].at(0, *at) - 2});
+    for (const Placer::Light& light : placer_.lights) {
+      through.stops.push_back({courses_[route].at(0, light.along), light.kPeriod, light.kRed, light.offset});
+    }
+  }
+
+  void addSideRoad(std::uint32_t r) {
+    const Road& side = road(r);
+    const double end = endOf(l_, r);
+    const double mouth = mouthOf(l_);
+    if (!side.joins || end < mouth + 20 || tourOf(l_).has(r)) return;
+    const double joins = *side.joins;
+    const bool left = side.joinsLeft && main_.against;
+    const double corner = cornerOf(l_, r);
+    std::optional<std::uint32_t> out;
+    std::optional<std::uint32_t> in;
+    if (side.along && !blocked(r, mouth, end)) {
+      out = add({{{r, mouth, end}}});
+      routes_[*out].legs = {{outwards(r), 0, routes_[*out].length, 0}};
+      routes_[*out].stops = {{routes_[*out].length - 0.1}};
+      if (left) {
+        const std::uint32_t turn = add({{{0, main_.length(), joins + corner}, {r, mouth, end}}, kUpstream, 0});
+        Route& turning = routes_[turn];
+        const double from = courses_[turn].at(r, mouth);
+        turning.legs = {{0, 0, from, 0}, {outwards(r), from - 4, turning.length, -from}};
+        turning.stops = {{turning.length - 0.1}};
+        for (const StopLine& s : routes_.front().stops) {
+          if (s.at < courses_[turn].at(0, joins + corner)) turning.stops.push_back(s);
+        }
+        turns_.push_back(turn);
+      }
+    }
+    if (side.against && !blocked(r, end, mouth)) {
+      Way way{{{r, end, stopAtMouth(l_)}}};
+      if (left) {
+        way.stretches.push_back({0, joins - corner, 0});
+        way.after = kBeyond;
+      }
+      in = add(way);
+      Route& coming = routes_[*in];
+      const double line = courses_[*in].at(r, stopAtMouth(l_));
+      if (left) {
+        const double merged = courses_[*in].at(0, joins - corner);
+        const double there = courses_.front().at(0, joins - corner);
+        coming.legs = {{inwards(r), 0, line + 6, 0}, {0, line + 1, coming.length, there - merged}};
+        coming.stops = {{line, 0, 0, 0, true, 0, there - 50, there + 14}};
+        for (const StopLine& s : routes_.front().stops) {
+          if (s.at > there) coming.stops.push_back({s.at + merged - there, s.period, s.red, s.offset});
+        }
+      } else {
+        coming.legs = {{inwards(r), 0, coming.length, 0}};
+        coming.stops = {{line - 0.1}};
+      }
+    }
+    drawSide(r, in, out, mouth, end);
+  }
+
+  void drawSide(std::uint32_t r, const std::optional<std::uint32_t>& in, const std::optional<std::uint32_t>& out,
+                double mouth, double end) {
+    Draw draw(l_.seed(), Kind::Traffic, 1000 + r);
+    const int count = static_cast<int>(l_.character().traffic * 0.4 * (end - mouth) / 100 + draw.next());
+    std::vector<std::pair<std::uint32_t, double>> taken;
+    for (int k = 0; k < count; ++k) {
+      const bool inwardsBound = draw.chance(0.5);
+      const std::optional<std::uint32_t>& route = inwardsBound ? in : out;
+      const double at = draw.in(4, std::max(5.0, end - mouth - 12));
+      const double starts = draw.chance(0.5) ? draw.in(0, 40) : kAlways;
+      const Model& car = fleet_.anyCar(draw);
+      const double off = draw.in(-0.15, 0.15);
+      if (!route) continue;
+      const bool near = std::any_of(taken.begin(), taken.end(),
+                                    [&](const auto& t) { return t.first == *route && std::abs(t.second - at) < 14; });
+      if (near) continue;
+      taken.emplace_back(*route, at);
+      addDriver(*route, at, car, std::nullopt, draw.in(6, 10), off, starts);
+    }
+  }
+
+  // Those who come through the town, at least a length and a second apart when they begin.
+  void drawThrough() {
+    if (!main_.against) return;
+    Draw draw(l_.seed(), Kind::Traffic, 2);
+    const double density = l_.character().traffic / 100;
+    const double length = routes_.front().length;
+    int riding = ridersWanted();
+    const double built = courses_.front().at(0, l_.mainTo());
+    const double last = courses_.front().at(0, l_.mainFrom());
+    double at = draw.in(0, 30);
+    while (at < length - kBeyond) {
+      const double speed = fastest_ * draw.in(0.85, 1.1);
+      const double pick = draw.next();
+      const double off = draw.in(-0.2, 0.2);
+      if (riding > 0 && at > built && at < last) {
+        --riding;
+        addCyclist(draw, at);
+      } else if (density > 0) {
+        const bool heavy = pick < 0.2 && main_.section.half - main_.section.parking > kHeavyLane;
+        const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.08 ? fleet_.bus() : fleet_.anyTruck(draw);
+        const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
+        std::uint32_t route = 0;
+        if (turns) route = turns_[static_cast<std::size_t>(draw.below(static_cast<int>(turns_.size())))];
+        const std::vector<Leg>& legs = routes_[route].legs;
+        addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, off, kAlways);
+      }
+      const double least = 22 + speed;
+      const double mean = density > 0 ? std::max(1 / density - least, 8.0) : 40;
+      at += least - mean * std::log(draw.next());
+    }
+  }
+
+  int ridersWanted() const {
+    if (l_.parameters().people <= 0) return 0;
+    Draw draw(l_.seed(), Kind::Cyclist, 999);
+    const double length = l_.mainTo() - l_.mainFrom();
+    return std::max(1, static_cast<int>(0.25 * l_.character().people * length / 100 + draw.next()));
+  }
+
+  void addCyclist(Draw& draw, double at) {
+    const int form = draw.below(3);
+    models::BicycleFit fit;
+    const Model bicycle = models::makeBicycle(placer_.builder, l_.seed(), 100 + form, &fit);
+    const Model person = models::makeRider(placer_.builder, l_.seed(), form, fit);
+    const double lanes = main_.section.half - main_.section.parking;
+    addDriver(0, at, bicycle, person, draw.in(3.5, 6), lanes / 2 - 0.6, kAlways);
+  }
+
+  void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
+                 double out, double starts) {
+    const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
+    // Nobody begins where something stands, or in front of it.
+    for (const StopLine& s : routes_[route].stops) {
+      if (s.period <= 0 && std::abs(at - s.at) < 14) return;
+    }
+    drivers_.push_back({route, at, length, speed, starts});
+    const bool rides = rider.has_value();
+    participants_.push_back(
+        {vehicle, rider, out,
+         rides ? fmt::format("cyclist's bicycle {}", ++cyclists_) : fmt::format("traffic {}", ++cars_)});
+  }
+
+  Placer& placer_;
+  Fleet& fleet_;
+  const Layout& l_;
+  const Road& main_;
+  double fastest_ = 12;  // m/s
+  std::vector<Way> ways_;
+  std::vector<Course> courses_;
+  std::vector<Route> routes_;
+  std::vector<std::uint32_t> turns_;  // routes that leave the main road
+  std::vector<Driver> drivers_;
+  std::vector<Participant> participants_;
+  int cars_ = 0, cyclists_ = 0;
+};
+
+}  // namespace
+
+void placeTraffic(Placer& placer, Fleet& fleet) {
+  Traffic(placer, fleet).place();
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,114 @@
+// Wooden poles along the main road, the wires between them, and those to the houses.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "town/placer.h"
+
+namespace scanmill::town {
+namespace {
+
+using models::Kind;
+using models::SurfaceIndex;
+using models::UtilityPole;
+
+constexpr double kFarthest = 60;  // m, between poles that a wire joins
+constexpr double kToHouse = 26;   // m, from a pole to the houses that hang on it
+
+// A parabola between two points, which is a catenary as far as one can see where it sags by a few hundredths of its
+// length.
+void hang(models::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double sag, double radius) {
+  constexpr int kPieces = 16;
+  std::vector<Vec3d> points;
+  for (int k = 0; k <= kPieces; ++k) {
+    const double t = static_cast<double>(k) / kPieces;
+    Vec3d p = a + (b - a) * t;
+    p.z -= 4 * sag * t * (1 - t);
+    points.push_back(p);
+  }
+  s.pipe(surface, points, std::vector<double>(points.size(), radius), 5);
+}
+
+// A pole that stands: its frame, the crossarm along y.
+struct Standing {
+  Affine place;
+  double along = 0;  // the road, m
+};
+
+// Whether lorries pass below, wherever a road does.
+bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
+  constexpr double kClear = 5;  // m
+  constexpr int kPlaces = 24;
+  for (int k = 0; k <= kPlaces; ++k) {
+    const Vec3d p = a + (b - a) * (static_cast<double>(k) / kPlaces);
+    const Beside beside = l.roads().at(p.x, p.y);
+    if (beside.known && beside.edge < 0.5 && p.z < l.heightAt({p.x, p.y}) + kClear) return false;
+  }
+  return true;
+}
+
+// Beyond the pavement, as evenly as what else stands there allows.
+std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& pole) {
+  const Layout& l = placer.layout;
+  const Road& road = l.roads().roads().front();
+  const double side = draw.sign();
+  const double spacing = draw.in(32, 48);
+  std::vector<Standing> poles;
+  for (const double wanted : models::steps(l.mainFrom() - 40 + draw.in(0, spacing), l.mainTo() + 40, spacing)) {
+    for (const double aside : {0.0, 2.5, -2.5, 5.0, -5.0, 8.0, -8.0}) {
+      const double at = wanted + aside;
+      if (at < 4 || at > road.length() - 4) continue;
+      const double out = road.section.outer() + 0.45;
+      const Spot spot = besideRoad(road, at, side * (road.section.half + out));
+      const Beside b = l.roads().at(spot.at.x, spot.at.y);
+      if (!b.known || b.edge < out - 0.25 || l.areas().outsideHard(spot.at) < 0.3) continue;
+      if (!placer.isFree({spot.at, 0.35, 0.35, spot.yaw})) continue;
+      placer.occupancy.add({spot.at, 0.25, 0.25, spot.yaw});
+      placer.put(pole.model, spot, fmt::format("utility pole {}", poles.size() + 1));
+      poles.push_back({models::at({spot.at.x, spot.at.y, l.heightAt(spot.at)}, spot.yaw), at});
+      break;
+    }
+  }
+  return poles;
+}
+
+}  // namespace
+
+void placeWires(Placer& placer) {
+  const Layout& l = placer.layout;
+  Draw draw(l.seed(), Kind::Wire);
+  const District district = l.character().district;
+  // In towns' middles they lie underground, and walls stand where the poles would.
+  const double share = district == District::Rural ? 0.7 : district == District::Suburban ? 0.5 : 0;
+  if (!draw.chance(share)) return;
+  const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed());
+  const std::vector<Standing> poles = placePoles(placer, draw, pole);
+  models::Shape s(placer.builder, "wires");
+  const SurfaceIndex wire = s.surface("object", "rubber");
+  const double slack = draw.in(0.00025, 0.0005);  // sag by the square of the distance, 1/m
+  int hung = 0;
+  for (std::size_t i = 1; i < poles.size(); ++i) {
+    const double apart = poles[i].along - poles[i - 1].along;
+    if (apart > kFarthest) continue;
+    for (const Vec3d& p : pole.insulators) {
+      hang(s, wire, poles[i - 1].place * p, poles[i].place * p, slack * apart * apart, 0.006);
+      ++hung;
+    }
+    hang(s, wire, poles[i - 1].place * pole.telephone, poles[i].place * pole.telephone, slack * apart * apart, 0.011);
+  }
+  for (const models::House& house : l.houses()) {
+    if (poles.empty() || !draw.chance(0.7)) continue;
+    const Vec3d gable = house.place * Vec3d{draw.in(0.2, 0.8) * house.width, -0.02, 2.7 * house.floors};
+    const auto distance = [&](const Standing& p) { return length(p.place.translation - gable); };
+    const auto nearest = std::min_element(
+        poles.begin(), poles.end(), [&](const Standing& a, const Standing& b) { return distance(a) < distance(b); });
+    if (distance(*nearest) > kToHouse || !passesAbove(l, nearest->place * pole.telephone, gable)) continue;
+    hang(s, wire, nearest->place * pole.telephone, gable, 0.015 * distance(*nearest), 0.008);
+    ++hung;
+  }
+  if (hung > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "wires");
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,69 @@
+#include "draft/draft.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "draft/model.h"
+#include "draft/object_yaml.h"
+
+namespace scanmill::draft {
+namespace {
+
+// Models are about the origin of their file, or within each other where all are off it alike. Parts of one place share
+// its coordinates: most are off the origin, and not within each other.
+bool areOnePlace(const std::vector<Model>& models) {
+  std::vector<Box> away;
+  for (const Model& m : models) {
+    const Box& box = m.box;
+    if (!box.empty() && (box.low.x > 0 || box.low.y > 0 || box.high.x < 0 || box.high.y < 0)) away.push_back(box);
+  }
+  const auto alone = std::count_if(away.begin(), away.end(), [&](const Box& box) {
+    const Vec3d middle = (box.low + box.high) * 0.5;
+    return std::none_of(away.begin(), away.end(), [&](const Box& other) {
+      return &other != &box && middle.x > other.low.x && middle.x < other.high.x && middle.y > other.low.y &&
+             middle.y < other.high.y && middle.z > other.low.z && middle.z < other.high.z;
+    });
+  });
+  return models.size() > 1 && 2 * static_cast<std::size_t>(alone) > models.size();
+}
+
+}  // namespace
+
+Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
+                 const Ontology& ontology, const std::string& ontologyName, const std::string& name,
+                 const std::filesystem::path& folder, bool allowOutside) {
+  constexpr double kGap = 2;  // m between objects
+  Draft draft;
+  draft.yaml = fmt::format(
+      "# A draft: units, axes, classes and materials are guesses by names and sizes. Look at the picture, and at\n"
+      "# `scanmill info` of this file, which counts the triangles of each rule.\n"
+      "name: {}\nontology: {}\nmaterials: materials\nobjects:\n",
+      quoted(name), quoted(ontologyName));
+  const std::vector<Concept> known = conceptsFor(concepts, ontology);
+  const std::vector<Model> models = readModels(files, known, allowOutside);
+  draft.onePlace = areOnePlace(models);
+  const auto perRow = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(files.size()))));
+  double x = 0, y = 0, deepest = 0;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Model& model = models[i];
+    draft.yaml += objectYaml(model, known, ontology, folder);
+    draft.files.push_back({model.file, model.name, model.frame.unit, model.frame.up, model.triangles(), model.guessed(),
+                           model.byFile(), model.doubts(), model.box});
+    const Box& box = model.box;
+    if (files.size() == 1 || box.empty() || draft.onePlace) continue;
+    if (i % perRow == 0) {
+      y += deepest + (i == 0 ? 0 : kGap);
+      x = deepest = 0;
+    }
+    draft.yaml += fmt::format("    position: [{:.3f}, {:.3f}, {:.3f}]   # beside the others\n", x - box.low.x,
+                              y - box.low.y, -box.low.z);
+    x += box.high.x - box.low.x + kGap;
+    deepest = std::max(deepest, box.high.y - box.low.y);
+  }
+  return draft;
+}
+
+}  // namespace scanmill::draft

@@ -1,0 +1,335 @@
+#include "draft/guess.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
+
+#include "assets/asset_parts.h"
+
+namespace scanmill::draft {
+namespace {
+
+// The detail of a whole that the same words name; null where there is none.
+const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* named, const Concept* whole) {
+  if (named == nullptr || whole == nullptr || named->kind != ConceptKind::Detail) return nullptr;
+  for (const Concept& c : concepts) {
+    const bool same = c.kind == ConceptKind::Detail && c.words == named->words;
+    if (same && std::find(c.of.begin(), c.of.end(), whole->name) != c.of.end()) return &c;
+  }
+  return nullptr;
+}
+
+const Concept* first(std::initializer_list<const Concept*> candidates) {
+  for (const Concept* c : candidates) {
+    if (c != nullptr) return c;
+  }
+  return nullptr;
+}
+
+// The concept that most of the triangles have; details, such as wheels, count where there is nothing that they are of.
+const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& parts) {
+  std::map<const Concept*, std::size_t> triangles;
+  std::map<const Concept*, std::size_t> ofWholes;
+  for (std::size_t i = 0; i < parts.size() && i < asset.parts.size(); ++i) {
+    const std::size_t count = asset.parts[i].triangles.size();
+    triangles[parts[i]] += count;
+    if (parts[i] != nullptr && parts[i]->kind == ConceptKind::Whole) ofWholes[parts[i]] += count;
+  }
+  const auto mostOf = [](const auto& counts) {
+    return std::max_element(counts.begin(), counts.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; });
+  };
+  const auto first = mostOf(triangles);
+  const bool detail = first != triangles.end() && first->first != nullptr && first->first->kind == ConceptKind::Detail;
+  if (detail && !ofWholes.empty()) return mostOf(ofWholes)->first;
+  const auto most = std::max_element(triangles.begin(), triangles.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == triangles.end() ? nullptr : most->first;
+}
+
+// Whether the parts are of so many things and grounds that the file is a place, such as a room, and none of them.
+bool isPlace(const std::vector<const Concept*>& parts) {
+  constexpr std::size_t kSeveral = 3;
+  std::set<const Concept*> kinds;
+  for (const Concept* c : parts) {
+    if (c != nullptr && (c->kind == ConceptKind::Whole || c->kind == ConceptKind::Ground)) kinds.insert(c);
+  }
+  return kinds.size() >= kSeveral;
+}
+
+bool isTall(const Concept& c) {
+  static constexpr std::array<std::string_view, 7> kTall{"tree",         "trunk",         "pole",  "street lamp",
+                                                         "traffic sign", "traffic light", "person"};
+  return std::find(kTall.begin(), kTall.end(), c.name) != kTall.end();
+}
+
+bool isFlat(const Concept& c) {
+  static constexpr std::array<std::string_view, 4> kLow{"car", "truck", "bus", "other vehicle"};
+  return c.kind == ConceptKind::Ground || std::find(kLow.begin(), kLow.end(), c.name) != kLow.end();
+}
+
+// How much speaks for y or z being up: what stands begins at 0 and is centred along the other axes; trees are tall,
+// cars, grounds and places low.
+double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
+               const Concept* what, bool place) {
+  double score = 0;
+  const double most = std::max({extent[0], extent[1], extent[2]});
+  if (most <= 0) return 0;
+  if (std::abs(low[axis]) <= 0.03 * std::max(extent[axis], 0.1 * most)) score += 1;
+  const std::size_t other = axis == 1 ? 2 : 1;
+  const double middle = low[other] + extent[other] / 2;
+  if (std::abs(middle) <= 0.1 * extent[other]) score += 0.5;
+  if (place && extent[axis] < extent[other]) score += 2;
+  if (what == nullptr) return score;
+  if (isTall(*what) && extent[axis] > extent[other]) score += 2;
+  if (isFlat(*what) && extent[axis] < extent[other]) score += 2;
+  return score;
+}
+
+// Of files whose kind says no unit.
+constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0};
+constexpr double kTolerance = 3;  // times what is usual: still taken for the unit of the other files of a folder
+
+std::string nameOf(const FrameGuess& guess) {
+  return guess.what == nullptr ? "it" : "a " + guess.what->name;
+}
+
+// Whether it is as large as such things are, but for a factor. Wants a size.
+bool fits(const FrameGuess& guess, double unit, double factor) {
+  const Between& usual = *guess.what->size;
+  return Between{usual.low / factor, usual.high * factor}.holds(guess.longest * unit);
+}
+
+std::string sizeWith(const FrameGuess& guess, double unit) {
+  return fmt::format("{} of {:.3g} units is {:.3g} m with it, usual are {:g} to {:g} m", nameOf(guess), guess.longest,
+                     guess.longest * unit, guess.what->size->low, guess.what->size->high);
+}
+
+// The common unit that brings it nearest to the middle of what is usual, where metres do not do.
+void guessUnit(FrameGuess& guess) {
+  if (fits(guess, 1, 1)) return;
+  const Between& usual = *guess.what->size;
+  double nearest = 1e9;
+  for (const double unit : kUnits) {
+    const double off = std::abs(std::log(guess.longest * unit / std::sqrt(usual.low * usual.high)));
+    if (!fits(guess, unit, 1) || off >= nearest) continue;
+    nearest = off;
+    guess.unit = unit;
+    guess.whyUnit = sizeWith(guess, unit);
+  }
+  if (guess.unit != 1) return;
+  guess.doubtfulUnit = true;
+  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit makes it {:g} to {:g} m", nameOf(guess),
+                              guess.longest, usual.low, usual.high);
+}
+
+}  // namespace
+
+const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
+  const Concept* found = conceptOf(concepts, file.stem().string());
+  std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  for (int up = 0; up < 2 && found == nullptr; ++up, folder = folder.parent_path()) {
+    found = conceptOf(concepts, folder.filename().string());
+  }
+  return found;
+}
+
+std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset) {
+  const Concept* const file = conceptOfFile(concepts, asset.file);
+  const auto guess = [&](const AssetPart& part) -> const Concept* {
+    const Concept* node = conceptOf(concepts, part.node);
+    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // "World"
+    const Concept* const material = conceptOf(concepts, part.material);
+    const Concept* const texture =
+        conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
+    if (node != nullptr && node->kind == ConceptKind::Drop) return node;
+    const Concept* whole = node != nullptr && node->kind != ConceptKind::Detail ? node : nullptr;
+    if (file != nullptr && file->kind == ConceptKind::Whole &&
+        (whole == nullptr || whole->kind != ConceptKind::Whole)) {
+      whole = file;
+    }
+    for (const Concept* named : {material, texture, node}) {
+      if (const Concept* const detail = detailOf(concepts, named, whole)) return detail;
+    }
+    // A ground of several materials says by them what it is where.
+    if (whole != nullptr && whole->kind == ConceptKind::Ground) {
+      for (const Concept* finer : {material, texture}) {
+        if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
+      }
+    }
+    return first({whole, material, texture, node, file});
+  };
+  std::vector<const Concept*> guesses;
+  for (const AssetPart& part : asset.parts) guesses.push_back(guess(part));
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) guesses.push_back(guess(part));
+  }
+  return guesses;
+}
+
+FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts) {
+  FrameGuess guess;
+  guess.up = asset.up;
+  const Box box = boundsOf(asset);
+  if (box.empty()) return guess;
+  const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
+  const std::array<double, 3> extent{box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z};
+  const bool place = isPlace(parts);
+  guess.what = place ? nullptr : mainConcept(asset, parts);
+  guess.longest = std::max({extent[0], extent[1], extent[2]});
+  guess.extent = extent;
+  guess.read = asset.up;
+  if (asset.upDeclared) return guess;
+  const double y = scoreOf(low, extent, 1, guess.what, place);
+  const double z = scoreOf(low, extent, 2, guess.what, place);
+  guess.up = y > z ? 'y' : 'z';
+  guess.doubtfulUp = y == z;
+  guess.whyUp =
+      y == z ? "nothing tells which axis is up"
+             : fmt::format("{} is {:.3g} x {:.3g} x {:.3g} units large, and begins at {:.3g} along {}", nameOf(guess),
+                           extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
+  return guess;
+}
+
+namespace {
+
+// One unit for all where at least so many of them have usual sizes, and it makes most of these as large as they are
+// usually. Says whether there is one.
+bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
+  const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
+  const auto sized = std::count_if(files.begin(), files.end(), known);
+  const auto fitting = [&](double unit) {
+    return std::count_if(files.begin(), files.end(),
+                         [&](const FrameGuess* f) { return known(f) && fits(*f, unit, 1); });
+  };
+  double shared = 1;
+  for (const double unit : kUnits) {
+    if (fitting(unit) > fitting(shared)) shared = unit;
+  }
+  if (sized < fewest || static_cast<double>(fitting(shared)) < most * static_cast<double>(sized)) return false;
+  for (FrameGuess* f : files) {
+    if (known(f) && !fits(*f, shared, kTolerance)) {
+      guessUnit(*f);
+      continue;
+    }
+    f->unit = shared;
+    f->doubtfulUnit = known(f) && !fits(*f, shared, 1);
+    if (known(f) && (shared != 1 || f->doubtfulUnit)) {
+      f->whyUnit = fmt::format("{}; most files like it fit their names with this unit", sizeWith(*f, shared));
+    } else if (shared != 1) {
+      f->whyUnit = "as other files like it";
+    }
+  }
+  return true;
+}
+
+// Those of the most common footprint: tiles, which fit together.
+std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kAlike = 0.1;
+  const auto alike = [](double a, double b) { return std::fabs(a - b) <= kAlike * std::min(a, b); };
+  const auto depth = [](const FrameGuess* f) { return f->extent[f->up == f->read ? 1 : 2]; };
+  std::vector<FrameGuess*> most;
+  for (const FrameGuess* f : files) {
+    std::vector<FrameGuess*> same;
+    for (FrameGuess* other : files) {
+      const bool fit = alike(f->extent[0], other->extent[0]) && alike(depth(f), depth(other));
+      if (fit && f->extent[0] > 0) same.push_back(other);
+    }
+    if (same.size() > most.size()) most = std::move(same);
+  }
+  return most.size() < kFewest ? std::vector<FrameGuess*>{} : most;
+}
+
+}  // namespace
+
+void guessTogether(const std::vector<FrameGuess*>& files) {
+  std::map<char, std::size_t> axes;
+  for (const FrameGuess* f : files) {
+    if (!f->whyUp.empty() && !f->doubtfulUp) ++axes[f->up];
+  }
+  for (FrameGuess* f : files) {
+    if (!f->doubtfulUp || axes.empty()) continue;
+    f->up = axes['y'] > axes['z'] ? 'y' : 'z';
+    f->whyUp = "as other files of its folder";
+    f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
+  }
+  constexpr double kMost = 0.8;
+  if (guessUnits(files, kMost, 2)) return;
+  const auto apart = [](const std::vector<FrameGuess*>& some) {
+    for (FrameGuess* f : some) {
+      if (f->what != nullptr && f->what->size && f->longest > 0) guessUnit(*f);
+    }
+  };
+  const std::vector<FrameGuess*> tiles = tilesOf(files);
+  if (tiles.empty() || !guessUnits(tiles, kMost, 1)) return apart(files);
+  std::vector<FrameGuess*> others;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(others),
+               [&](FrameGuess* f) { return std::find(tiles.begin(), tiles.end(), f) == tiles.end(); });
+  if (!guessUnits(others, kMost, 2)) apart(others);
+}
+
+const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
+  const Concept* ground = nullptr;
+  bool stands = false;
+  // These say as often what a thing is of, or for: stone walls, water towers, floor lamps.
+  static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
+  for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
+    const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
+    if (c->kind == ConceptKind::Ground && !c->classes.empty() && !ofThings && ground == nullptr) ground = c;
+    stands = stands || c->kind == ConceptKind::Whole;
+  }
+  return stands ? ground : nullptr;
+}
+
+std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& asset, char up) {
+  Plate plate;
+  plate.ground = groundIn(concepts, asset.file);
+  if (plate.ground == nullptr) return std::nullopt;
+  const Box box = boundsOf(asset);
+  // Areas of what is level, by heights in thousandths of the whole.
+  const auto along = [&](const Vec3d& v) { return up == asset.up ? v.z : v.y; };
+  const double low = along(box.low);
+  const double tall = along(box.high) - low;
+  const Vec3d size = box.high - box.low;
+  const double footprint = up == asset.up ? size.x * size.y : size.x * size.z;
+  if (!(tall > 0) || !(footprint > 0)) return std::nullopt;
+  std::map<int, std::array<double, 2>> facing;  // one way and the other: files may turn their faces over
+  for (const AssetPart& part : asset.parts) {
+    for (const Triangle& t : part.triangles) {
+      const Vec3d a(part.positions[t[0]]);
+      const Vec3d b(part.positions[t[1]]);
+      const Vec3d c(part.positions[t[2]]);
+      const Vec3d normal = cross(b - a, c - a);
+      if (!(std::fabs(along(normal)) > 0.98 * length(normal))) continue;
+      facing[static_cast<int>(1000 * (along(a) - low) / tall)][along(normal) > 0 ? 0 : 1] +=
+          std::fabs(along(normal)) / 2;
+    }
+  }
+  std::map<int, double> areas;
+  for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
+  constexpr double kMost = 0.8;    // of the footprint
+  constexpr int kLowest = 250;     // in thousandths: plates are in this part of the height
+  constexpr int kThick = 100;      // in thousandths: kerbs and pavements on one plate
+  constexpr double kAbove = 0.02;  // of the height
+  std::optional<int> level;
+  for (const auto& [height, first] : areas) {
+    double area = 0;
+    int highest = height;
+    for (auto above = areas.find(height); above != areas.end() && above->first <= height + kThick; ++above) {
+      area += above->second;
+      highest = above->first;
+    }
+    if (height <= kLowest && area >= kMost * footprint) level = highest;
+  }
+  if (!level) return std::nullopt;
+  plate.height = (*level / 1000.0 + kAbove) * tall;
+  return plate;
+}
+
+}  // namespace scanmill::draft

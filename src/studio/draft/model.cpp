@@ -1,0 +1,123 @@
+#include "draft/model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "assets/asset_parts.h"
+#include "assets/surveys/cloud_asset.h"
+#include "config/text.h"
+
+namespace scanmill::draft {
+namespace {
+
+// The box of an asset that was read with the unit 1, with what is guessed.
+Box placed(const Box& own, const FrameGuess& frame) {
+  if (own.empty() || frame.up == frame.read) return {own.low * frame.unit, own.high * frame.unit};
+  // From z-up, as it was read, to y-up: (x, y, z) becomes (x, -z, y).
+  return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
+          Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
+}
+
+// `plates`: by the axes that may turn out to be up.
+Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts, bool allowOutside,
+                std::map<char, std::optional<Plate>>& plates) {
+  AssetOptions options;
+  options.textures = false;
+  options.allowOutside = allowOutside;
+  const Asset asset = readAsset(file, options);
+  Model model;
+  model.file = file;
+  model.allowOutside = allowOutside;
+  model.whole = conceptOfFile(concepts, file);
+  model.measured = std::any_of(asset.parts.begin(), asset.parts.end(),
+                               [](const AssetPart& part) { return part.texture == kPointIntensity; });
+  const std::vector<const Concept*> guesses = guessParts(concepts, asset);
+  std::size_t next = 0;
+  const auto add = [&](const AssetPart& part) {
+    const Concept* what = guesses[next++];
+    if (what != nullptr && what->classes.empty() && what->kind != ConceptKind::Drop) what = nullptr;
+    model.parts.push_back({part.node, part.material, part.texture, what, part.triangles.size()});
+  };
+  for (const AssetPart& part : asset.parts) add(part);
+  for (const InstancedParts& instanced : asset.instanced) {
+    for (const AssetPart& part : instanced.parts) add(part);
+  }
+  model.frame = guessUp(asset, guesses);
+  model.box = boundsOf(asset);
+  for (const char axis : {'y', 'z'}) plates[axis] = plateOf(concepts, asset, axis);
+  model.mixed = groundIn(concepts, file) != nullptr;
+  return model;
+}
+
+// The file's name; that of its folder where the file's says nothing, or others have it too.
+void nameModels(std::vector<Model>& models) {
+  static constexpr std::array<std::string_view, 6> kSayNothing{"model", "scene", "mesh", "untitled", "object", "asset"};
+  std::map<std::string, std::size_t> files;
+  for (const Model& m : models) ++files[m.file.stem().string()];
+  std::set<std::string> taken;
+  for (Model& m : models) {
+    m.name = m.file.stem().string();
+    const std::string folder = std::filesystem::absolute(m.file).parent_path().filename().string();
+    const bool nothing = std::find(kSayNothing.begin(), kSayNothing.end(), lowerCase(m.name)) != kSayNothing.end();
+    if ((nothing || files[m.name] > 1) && !folder.empty()) m.name = folder;
+    const std::string wanted = m.name;
+    for (int number = 2; !taken.insert(m.name).second; ++number) m.name = fmt::format("{}_{}", wanted, number);
+  }
+}
+
+}  // namespace
+
+std::uint64_t Model::triangles() const {
+  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0},
+                         [](std::uint64_t sum, const KnownPart& p) { return sum + p.triangles; });
+}
+
+std::uint64_t Model::guessed() const {
+  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [](std::uint64_t sum, const KnownPart& p) {
+    return sum + (p.what != nullptr ? p.triangles : 0);
+  });
+}
+
+std::uint64_t Model::byFile() const {
+  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [&](std::uint64_t sum, const KnownPart& p) {
+    return sum + (p.what != nullptr && p.what == whole ? p.triangles : 0);
+  });
+}
+
+std::vector<std::string> Model::doubts() const {
+  std::vector<std::string> doubts;
+  if (frame.doubtfulUnit) doubts.emplace_back("size");
+  if (frame.doubtfulUp) doubts.emplace_back("up axis");
+  std::set<std::string> materials;
+  for (const KnownPart& p : parts) materials.insert(p.material + '\n' + p.texture);
+  const bool ground = whole != nullptr && whole->kind == ConceptKind::Ground;
+  if (ground && byFile() > 0 && materials.size() > 1) doubts.emplace_back("one class for several materials");
+  if (mixed && !plate && byFile() > 0) doubts.emplace_back("one class for two in its name");
+  return doubts;
+}
+
+std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
+                              bool allowOutside) {
+  std::vector<Model> models;
+  std::vector<std::map<char, std::optional<Plate>>> plates(files.size());
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    models.push_back(readModel(files[i], concepts, allowOutside, plates[i]));
+  }
+  std::map<std::pair<std::filesystem::path, std::string>, std::vector<FrameGuess*>> sets;
+  for (Model& m : models) sets[{m.file.parent_path(), lowerExtension(m.file)}].push_back(&m.frame);
+  for (const auto& [folder, set] : sets) guessTogether(set);
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    models[i].box = placed(models[i].box, models[i].frame);
+    models[i].plate = plates[i][models[i].frame.up];
+  }
+  nameModels(models);
+  return models;
+}
+
+}  // namespace scanmill::draft

@@ -1,0 +1,268 @@
+#include "draft/object_yaml.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/grouped.h"
+
+namespace scanmill::draft {
+namespace {
+
+// The name of the class that it means; empty where there is none.
+std::string classFor(const Concept& what, const Ontology& ontology) {
+  const SemanticClass* const known = classOf(what, ontology);
+  return known == nullptr ? std::string() : known->name;
+}
+
+// A glob that matches the name alone.
+std::string literal(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    out += std::string_view("*?[{").find(c) == std::string_view::npos ? std::string(1, c) : fmt::format("[{}]", c);
+  }
+  return out;
+}
+
+// The same with a star for each run of digits.
+std::string withoutDigits(const std::string& name) {
+  std::string out;
+  for (const char c : literal(name)) {
+    if (std::isdigit(static_cast<unsigned char>(c)) == 0) {
+      out += c;
+    } else if (!out.ends_with('*')) {
+      out += '*';
+    }
+  }
+  return out;
+}
+
+constexpr std::array<const char*, 3> kKeys{"node", "material", "texture"};
+
+std::string nameOf(const KnownPart& part, std::size_t key) {
+  return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
+}
+
+// Patterns by the keys node, material, texture; empty: any.
+using Patterns = std::array<std::string, 3>;
+
+bool matchesPart(const Patterns& patterns, const KnownPart& part) {
+  for (std::size_t k = 0; k < patterns.size(); ++k) {
+    if (!patterns[k].empty() && !matches(patterns[k], nameOf(part, k), {})) return false;
+  }
+  return true;
+}
+
+// Whether all parts that match are of one concept.
+bool isConsistent(const Patterns& patterns, const std::vector<KnownPart>& parts, const Concept* wanted) {
+  return std::all_of(parts.begin(), parts.end(),
+                     [&](const KnownPart& k) { return k.what == wanted || !matchesPart(patterns, k); });
+}
+
+// The plainest patterns that no part of another concept matches; none where there are none. First comes all of a model
+// of a world, then names that say what it is.
+Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts,
+                     const std::vector<Concept>& concepts) {
+  std::vector<std::vector<std::size_t>> choices;
+  for (const bool telling : {true, false}) {
+    for (std::size_t k = 0; k < kKeys.size(); ++k) {
+      const bool tells = conceptOf(concepts, nameOf(known, k)) == known.what;
+      if (tells == telling) choices.push_back({k});
+    }
+  }
+  choices.insert(choices.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
+  // All of a model in a world, whose nodes have its name before a slash.
+  const std::string& node = known.node;
+  for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
+    Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
+    if (isConsistent(all, parts, known.what)) return all;
+  }
+  for (const std::vector<std::size_t>& keys : choices) {
+    for (const bool general : {true, false}) {
+      Patterns patterns;
+      bool named = true;
+      for (const std::size_t k : keys) {
+        const std::string name = nameOf(known, k);
+        patterns[k] = general ? withoutDigits(name) : literal(name);
+        named = named && !name.empty() && patterns[k] != "*";
+      }
+      if (named && isConsistent(patterns, parts, known.what)) return patterns;
+    }
+  }
+  return {};
+}
+
+// `measured`: what the file reflects was measured, and stays.
+std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
+  if (c.kind == ConceptKind::Drop) return "drop: true";
+  return fmt::format("class: {}{}", classFor(c, ontology),
+                     c.material.empty() || measured ? "" : ", material: " + c.material);
+}
+
+class Writer {
+ public:
+  Writer(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology)
+      : model_(model), concepts_(concepts), ontology_(ontology) {}
+
+  void writeClasses(std::string& yaml) const {
+    const std::vector<KnownPart>& parts = model_.parts;
+    const Concept* const file = model_.whole;
+    const Box& box = model_.box;
+    const auto isAll = [&](const Concept* c) {
+      return std::all_of(parts.begin(), parts.end(), [&](const KnownPart& k) { return k.what == c; });
+    };
+    const Concept* const only = parts.empty() ? nullptr : parts.front().what;
+    const bool plate = model_.plate && model_.byFile() > 0;
+    if (only != nullptr && only->kind != ConceptKind::Drop && isAll(only)) {
+      if (plate) yaml += "    rules:\n" + plateRule();
+      writeRest(*only, "", yaml);
+      return;
+    }
+    std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;  // by their one key
+    std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
+    std::map<std::string, std::uint64_t> unknown;
+    for (const KnownPart& k : parts) {
+      if (k.what == nullptr) {
+        unknown[fmt::format("node {}, material {}, texture {}", quoted(k.node), quoted(k.material),
+                            quoted(k.texture))] += k.triangles;
+        continue;
+      }
+      if (k.what == file) continue;  // what the rules leave
+      const Patterns patterns = patternsFor(k, parts, concepts_);
+      const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
+      if (keys == 1) {
+        const auto key = std::find_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
+        single[{k.what, static_cast<std::size_t>(key - patterns.begin())}][*key] += k.triangles;
+      } else if (keys > 1) {
+        auto& [c, triangles] = several[patterns];
+        c = k.what;
+        triangles += k.triangles;
+      }
+    }
+    std::set<std::string> nodes;
+    for (const KnownPart& k : parts) nodes.insert(k.node);
+    const Vec3d size = box.high - box.low;
+    if (nodes.size() > 2 && std::max(size.x, size.y) > 30) yaml += "    instances: node\n";
+    if (!single.empty() || !several.empty() || plate) yaml += "    rules:\n";
+    if (plate) yaml += plateRule();
+    for (const auto& [patterns, rule] : several) {
+      std::vector<std::string> keys;
+      for (std::size_t k = 0; k < patterns.size(); ++k) {
+        if (!patterns[k].empty()) keys.push_back(fmt::format("{}: {}", kKeys[k], quoted(patterns[k])));
+      }
+      writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second, yaml);
+    }
+    for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
+    if (file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
+      writeRest(*file, "   # of whatever no rule gives one: by the name of the file or its folder", yaml);
+    }
+    writeUnknown(unknown, yaml);
+  }
+
+  std::string plateRule() const {
+    return fmt::format("      - {{match: {{height: [0, {:.3g}]}}, {}}}   # the ground of the tile\n",
+                       model_.plate->height * model_.frame.unit,
+                       givesOf(*model_.plate->ground, ontology_, model_.measured));
+  }
+
+  // Some names to a rule.
+  void writeAlternatives(const char* key, const Concept& c, const std::map<std::string, std::uint64_t>& patterns,
+                         std::string& yaml) const {
+    constexpr std::size_t kMost = 8;
+    std::vector<std::string> names;
+    std::uint64_t triangles = 0;
+    const auto flush = [&] {
+      if (names.empty()) return;
+      const std::string pattern = names.size() == 1 ? names[0] : fmt::format("{{{}}}", fmt::join(names, ","));
+      writeRule(fmt::format("{}: {}", key, quoted(pattern)), c, triangles, yaml);
+      names.clear();
+      triangles = 0;
+    };
+    for (const auto& [pattern, count] : patterns) {
+      if (pattern.find(',') != std::string::npos || pattern.find('}') != std::string::npos) {
+        writeRule(fmt::format("{}: {}", key, quoted(pattern)), c, count, yaml);
+        continue;
+      }
+      names.push_back(pattern);
+      triangles += count;
+      if (names.size() == kMost) flush();
+    }
+    flush();
+  }
+
+  void writeRule(const std::string& match, const Concept& c, std::uint64_t triangles, std::string& yaml) const {
+    yaml += fmt::format("      - {{match: {{{}}}, {}}}   # {} triangles\n", match,
+                        givesOf(c, ontology_, model_.measured), grouped(triangles));
+  }
+
+  void writeRest(const Concept& c, std::string_view comment, std::string& yaml) const {
+    yaml += fmt::format("    class: {}{}\n", classFor(c, ontology_), comment);
+    if (!c.material.empty() && !model_.measured) yaml += fmt::format("    material: {}\n", c.material);
+  }
+
+  static void writeUnknown(const std::map<std::string, std::uint64_t>& unknown, std::string& yaml) {
+    constexpr std::size_t kMost = 20;
+    if (unknown.empty()) return;
+    std::vector<std::pair<std::string, std::uint64_t>> sorted(unknown.begin(), unknown.end());
+    std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    yaml +=
+        "    # No word tells what these are; `color`, `box`, `height` and `size` may tell them apart (docs/keys.md):\n";
+    for (std::size_t i = 0; i < std::min(sorted.size(), kMost); ++i) {
+      yaml += fmt::format("    #   {}: {} triangles\n", sorted[i].first, grouped(sorted[i].second));
+    }
+    if (sorted.size() > kMost) yaml += fmt::format("    #   and {} more\n", sorted.size() - kMost);
+  }
+
+  const Model& model_;
+  const std::vector<Concept>& concepts_;
+  const Ontology& ontology_;
+};
+
+}  // namespace
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 32) {
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+      continue;
+    }
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + '"';
+}
+
+std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology) {
+  std::vector<Concept> found;
+  for (const Concept& c : concepts) {
+    if (c.classes.empty() || classOf(c, ontology) != nullptr) found.push_back(c);
+  }
+  return found;
+}
+
+std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
+                       const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::path name = std::filesystem::proximate(model.file, folder.empty() ? "." : folder, error);
+  if (error) name = model.file;
+  std::string yaml = fmt::format("  - name: {}\n    file: {}\n", quoted(model.name), quoted(name.string()));
+  if (model.allowOutside) yaml += "    allow_outside: true\n";
+  const FrameGuess& frame = model.frame;
+  if (frame.unit != 1 || !frame.whyUnit.empty()) {
+    yaml += fmt::format("    unit: {:g}   # {}{}\n", frame.unit, frame.doubtfulUnit ? "doubtful: " : "", frame.whyUnit);
+  }
+  if (!frame.whyUp.empty()) {
+    yaml += fmt::format("    up: {}   # {}{}\n", frame.up, frame.doubtfulUp ? "doubtful: " : "", frame.whyUp);
+  }
+  Writer(model, concepts, ontology).writeClasses(yaml);
+  return yaml;
+}
+
+}  // namespace scanmill::draft

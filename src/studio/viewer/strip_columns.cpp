@@ -1,0 +1,177 @@
+#include "viewer/strip_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/vec.h"
+
+namespace scanmill {
+
+namespace {
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * kPi);
+}
+
+double medianOf(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Azimuths of the beams that met something, ring by ring.
+class AzimuthGrid {
+ public:
+  AzimuthGrid(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
+              std::size_t rings, std::size_t columns)
+      : rings_(rings), columns_(columns), azimuth_(rings * columns, std::numeric_limits<float>::quiet_NaN()) {
+    constexpr double kOnAxis = 1e-3;  // m: there is no azimuth
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const Vec3f& p = scan.position[i];
+      if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
+      azimuth_[ring[i] * columns + column[i]] = std::atan2(p.y, p.x);
+    }
+  }
+
+  // `visit(ring, column, azimuth)` of each.
+  template <class Visit>
+  void each(const Visit& visit) const {
+    for (std::size_t r = 0; r < rings_; ++r) {
+      for (std::size_t c = 0; c < columns_; ++c) {
+        if (const float a = azimuth_[r * columns_ + c]; std::isfinite(a)) visit(r, c, double{a});
+      }
+    }
+  }
+
+  // What the azimuth turns from column to column beyond `roughly`, by beams that are so many columns apart.
+  std::vector<double> turns(std::size_t apart, double roughly) const {
+    constexpr std::size_t kEnough = 100'000;
+    const std::size_t stride = std::max<std::size_t>(azimuth_.size() / kEnough, 1);
+    const auto span = static_cast<double>(apart);
+    std::vector<double> out;
+    for (std::size_t i = 0; i < azimuth_.size(); i += stride) {
+      if (i % columns_ + apart >= columns_) continue;
+      const double turned = double{azimuth_[i + apart]} - double{azimuth_[i]};
+      if (std::isfinite(turned)) out.push_back(wrapped(turned - roughly * span) / span);
+    }
+    return out;
+  }
+
+ private:
+  std::size_t rings_;
+  std::size_t columns_;
+  std::vector<float> azimuth_;  // rad; NaN: none
+};
+
+std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
+  constexpr std::size_t kLeastPairs = 16;
+  constexpr double kTurnSlack = 0.03;  // of a revolution: a sensor that itself turns meanwhile
+  StripColumns look;
+  std::vector<double> turns = grid.turns(1, 0);
+  if (turns.size() < kLeastPairs) return {};
+  look.step = medianOf(turns);
+  // Beams that are far apart tell it better.
+  for (std::size_t apart = 4; apart <= columns / 4; apart *= 4) {
+    turns = grid.turns(apart, look.step);
+    if (turns.size() >= kLeastPairs) look.step += medianOf(turns);
+  }
+  const double swept = std::abs(look.step) * static_cast<double>(columns);
+  if (!(look.step != 0) || swept > 2 * kPi * (1 + kTurnSlack)) return {};
+  look.fullTurn = swept > 2 * kPi * (1 - kTurnSlack);
+  if (look.fullTurn) look.step = std::copysign(2 * kPi / static_cast<double>(columns), look.step);
+
+  const auto strayOf = [&](std::size_t column, double azimuth) {
+    return azimuth - look.step * static_cast<double>(column);
+  };
+  Vec3d sum;
+  grid.each([&](std::size_t, std::size_t c, double azimuth) {
+    const double stray = strayOf(c, azimuth);
+    sum += Vec3d{std::cos(stray), std::sin(stray), 0};
+  });
+  const double usual = std::atan2(sum.y, sum.x);
+  std::vector<std::vector<double>> strays(rings);
+  grid.each(
+      [&](std::size_t r, std::size_t c, double azimuth) { strays[r].push_back(wrapped(strayOf(c, azimuth) - usual)); });
+  look.first.assign(rings, usual);
+  std::size_t count = 0;
+  std::size_t near = 0;
+  const double reach = std::max(2.5 * std::abs(look.step), radians(5));
+  for (std::size_t r = 0; r < rings; ++r) {
+    if (strays[r].empty()) continue;
+    const double offset = medianOf(strays[r]);
+    look.first[r] = usual + offset;
+    count += strays[r].size();
+    near += static_cast<std::size_t>(
+        std::count_if(strays[r].begin(), strays[r].end(), [&](double s) { return std::abs(s - offset) <= reach; }));
+  }
+  constexpr double kFollowing = 0.6;  // of the points
+  if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
+  // Columns of an image, whose azimuths are not evenly apart: they stay below each other.
+  constexpr double kOneWay = 0.9;  // of the steps
+  turns = grid.turns(1, 0);
+  const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });
+  if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
+  look.first.assign(rings, 0);
+  return look;
+}
+
+}  // namespace
+
+std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
+                                         const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
+                                         const BeamTable* beams) {
+  const bool onCones = beams != nullptr && beams->listed == nullptr && !beams->rosette;
+  if (!onCones || beams->rings != rings || beams->columns != columns || beams->azimuthOffset.size() != rings ||
+      columns < 2) {
+    return estimated(AzimuthGrid(scan, ring, column, rings, columns), rings, columns);
+  }
+  StripColumns look;
+  look.step =
+      (beams->azimuth(static_cast<std::uint32_t>(columns - 1)) - beams->azimuth(0)) / static_cast<double>(columns - 1);
+  look.fullTurn = beams->fullTurn();
+  for (const double offset : beams->azimuthOffset) look.first.push_back(beams->azimuth(0) + offset);
+  return look;
+}
+
+std::size_t StripShifts::place(std::size_t ring, std::size_t column) const {
+  const auto c = static_cast<std::ptrdiff_t>(column);
+  const std::ptrdiff_t x = base[ring] + (clockwise ? c : -c);
+  if (!fullTurn) return static_cast<std::size_t>(x);
+  const auto all = static_cast<std::ptrdiff_t>(width);
+  return static_cast<std::size_t>((x % all + all) % all);
+}
+
+std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns) {
+  // A beam between two pixels goes the same way in every ring, whatever the rounding.
+  constexpr double kTie = 1e-6;
+  StripShifts shifts;
+  shifts.clockwise = look.step < 0;
+  shifts.fullTurn = look.fullTurn;
+  shifts.width = columns;
+  const double step = std::abs(look.step);
+  const double across = static_cast<double>(columns - 1) / 2;
+  double center = 0;
+  if (!look.fullTurn) {
+    for (const double first : look.first) {
+      center += (first + look.step * across) / static_cast<double>(look.first.size());
+    }
+  }
+  const std::size_t half = columns / 2;
+  const double middle = look.fullTurn ? static_cast<double>(half) : across;
+  for (const double first : look.first) {
+    const double away = look.fullTurn ? wrapped(first) : first - center;
+    shifts.base.push_back(static_cast<std::ptrdiff_t>(std::floor(middle - away / step + 0.5 + kTie)));
+  }
+  if (look.fullTurn || shifts.base.empty()) return shifts;
+  const auto [least, most] = std::minmax_element(shifts.base.begin(), shifts.base.end());
+  const auto apart = static_cast<std::size_t>(*most - *least);
+  if (apart >= columns) return {};
+  shifts.width = columns + apart;
+  // The leftmost pixel of the leftmost ring is the first.
+  const std::ptrdiff_t left = *least - (shifts.clockwise ? 0 : static_cast<std::ptrdiff_t>(columns) - 1);
+  for (std::ptrdiff_t& base : shifts.base) base -= left;
+  return shifts;
+}
+
+}  // namespace scanmill

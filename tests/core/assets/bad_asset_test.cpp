@@ -1,0 +1,211 @@
+// Assets that are damaged, absurd or not what they say.
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "assets/uri.h"
+#include "base/error.h"
+#include "tests/core/assets/triangle_files.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST_F(AssetFiles, IndicesOutOfRangeAreDroppedAndCounted) {
+  Gltf gltf;
+  gltf.buffer = R"("uri":"a.bin")";
+  gltf.nodes = R"([{"name":"wing","mesh":0}])";
+  write("a.bin", gltfBuffer({0, 1, 4000000000u}));
+  EXPECT_THAT(failure(write("a.gltf", gltf.text())), HasSubstr("a.gltf"));
+
+  std::string ply = kPly;
+  ply.replace(ply.find("element face 1"), 14, "element face 3");
+  const Asset asset = read("a.ply", ply + "3 0 1 77\n4 0 1 2 9\n");
+  EXPECT_EQ(asset.parts.at(0).triangles.size(), 1u);
+  EXPECT_EQ(asset.dropped.outOfRange, 3u);
+}
+
+TEST_F(AssetFiles, VerticesThatAreNotNumbersAreKeptForCleaning) {
+  Gltf gltf;
+  gltf.buffer = R"("uri":"a.bin")";
+  std::string bytes = gltfBuffer();
+  const float bad = NAN;
+  std::memcpy(bytes.data(), &bad, sizeof bad);
+  write("a.bin", bytes);
+  const Asset asset = read("a.gltf", gltf.text());
+  EXPECT_EQ(asset.parts.at(0).triangles.size(), 1u);
+  EXPECT_FALSE(isFinite(asset.parts[0].positions[0]));
+}
+
+TEST_F(AssetFiles, BadRequestsAreNamed) {
+  EXPECT_THAT(failure(folder_.path() / "absent.obj"), HasSubstr("absent.obj: there is no such file"));
+  EXPECT_THAT(failure(folder_.path()), HasSubstr("is not a file"));
+  EXPECT_THAT(failure(write("empty.ply", "")), HasSubstr("empty.ply: is empty"));
+  EXPECT_THAT(failure(write("a.docx", "text")), HasSubstr("unknown kind"));
+  EXPECT_THAT(failure(write("noname", "text")), HasSubstr("unknown kind"));
+  EXPECT_THAT(failure(write("points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n")), HasSubstr("points.obj"));
+  for (const double scale : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+    EXPECT_THAT(failure(write("a.ply", kPly), {.metresPerUnit = scale}), HasSubstr("metresPerUnit"));
+  }
+  EXPECT_THAT(failure(write("a.ply", kPly), {.up = 'q'}), HasSubstr("up axis"));
+}
+
+TEST_F(AssetFiles, GltfIsCheckedBeforeItIsRead) {
+  const auto fails = [&](const Gltf& gltf) { return failure(write("bad.gltf", gltf.text())); };
+  Gltf gltf;
+  gltf.buffer = R"("uri":"absent.bin")";
+  EXPECT_THAT(fails(gltf), HasSubstr("'absent.bin', which is missing"));
+  write("short.bin", gltfBuffer().substr(0, 71));
+  gltf.buffer = R"("uri":"short.bin")";
+  EXPECT_THAT(fails(gltf), HasSubstr("holds 71"));
+  gltf = {};
+  gltf.nodes = R"([{"children":[1]},{"children":[0]}])";
+  EXPECT_THAT(fails(gltf), HasSubstr("ancestor"));
+  gltf.nodes = R"([{"mesh":7}])";
+  EXPECT_THAT(fails(gltf), HasSubstr("nodes[0].mesh is 7"));
+  gltf.nodes = R"([{"mesh":-1}])";
+  EXPECT_THAT(fails(gltf), HasSubstr("nodes[0].mesh"));
+  gltf.nodes = R"([{"mesh":0,"scale":[1,1]}])";
+  EXPECT_THAT(fails(gltf), HasSubstr("scale is not 3 numbers"));
+  gltf = {};
+  std::string beyond = Gltf().text();
+  beyond.replace(beyond.find(R"("count":3)"), 9, R"("count":4)");
+  EXPECT_THAT(failure(write("beyond.gltf", beyond)), HasSubstr("accessors[0] reaches beyond"));
+  EXPECT_THAT(failure(write("one.gltf", R"({"asset":{"version":"1.0"}})")), HasSubstr("glTF 1.0"));
+  EXPECT_THAT(failure(write("json.gltf", "[1, 2")), HasSubstr("not valid glTF"));
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "[";
+  EXPECT_THAT(failure(write("deep.gltf", deep)), HasSubstr("not valid glTF"));
+  EXPECT_THAT(failure(write("other.glb", "not a GLB at all, although it is named like one")), HasSubstr("other.glb"));
+}
+
+TEST_F(AssetFiles, TheMessageNamesTheReasonAndARemedy) {
+  const std::string message = failure(write("a.ac", "AC3Db\nOBJECT world\nkids 0\n"));
+  EXPECT_THAT(message, HasSubstr("a.ac"));
+  EXPECT_THAT(failure(write("a.dae", "<COLLADA>")), HasSubstr("or convert it to glTF"));
+}
+
+TEST_F(AssetFiles, TruncatedAndGarbledFilesNeverCrash) {
+  write("a.mtl", kMtl);
+  writeColours(folder_.path() / "colours.png");
+  std::string binaryPly =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+      bytesOf<float>({1, 0, 0, 0, 2, 0, 0, 0, 3}) + "\3" + bytesOf<std::int32_t>({0, 1, 2});
+  std::string binaryStl = std::string(80, ' ') + bytesOf<std::uint32_t>({1}) +
+                          bytesOf<float>({0, 0, 1, 1, 0, 0, 0, 2, 0, 0, 0, 3}) + std::string(2, '\0');
+  const std::vector<std::pair<std::string, std::string>> files{{"a.obj", kObj},
+                                                               {"a.ply", kPly},
+                                                               {"b.ply", binaryPly},
+                                                               {"a.stl", kStl},
+                                                               {"b.stl", binaryStl},
+                                                               {"a.gltf", Gltf().text()},
+                                                               {"a.glb", glbOfTriangle()},
+                                                               {"a.ac", kAc},
+                                                               {"a.dae", dae("Z_UP", "1")},
+                                                               {"a.fbx", fbx(2, 1)}};
+  for (const auto& [name, whole] : files) {
+    EXPECT_EQ(read(name, whole).parts.at(0).triangles.size(), 1u) << name;
+    for (std::size_t k = 0; k < 50; ++k) {
+      std::string text = whole.substr(0, whole.size() * k / 50);
+      try {
+        read(name, text);
+      } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr(name));
+      }
+      text = whole;
+      text[whole.size() * k / 50] = static_cast<char>(k % 2 == 0 ? 0xFF : '9');
+      try {
+        read(name, text);
+      } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr(name));
+      }
+    }
+  }
+}
+
+TEST_F(AssetFiles, AbsurdCountsAreRefusedWithoutAskingForTheMemory) {
+  for (const char* count : {"4000000000", "2000000000", "-1", "99999999999999999999"}) {
+    for (const char* format : {"ascii", "binary_little_endian"}) {
+      failure(write("a.ply", std::string("ply\nformat ") + format + " 1.0\nelement vertex " + count +
+                                 "\nproperty float x\nproperty float y\nproperty float z\nelement face " + count +
+                                 "\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n"));
+    }
+    failure(write("a.off", std::string("OFF\n") + count + " " + count + " 0\n0 0 0\n"));
+  }
+  failure(write("a.stl", std::string(80, ' ') + bytesOf<std::uint32_t>({4000000000u}) + std::string(50, '\0')));
+}
+
+// Costs are known, or bounded, before they are paid.
+TEST_F(AssetFiles, SmallFilesThatAskForMuchAreRefusedAtOnce) {
+  std::string polygon;
+  std::string face = "f";
+  for (int i = 1; i <= 100000; ++i) {
+    polygon += fmt::format("v {} {} 0\n", std::cos(i * 6e-5), std::sin(i * 6e-5));
+    face += fmt::format(" {}", i);
+  }
+  EXPECT_THAT(failure(write("round.obj", polygon + face + "\n")), HasSubstr("polygons of up to 100000 corners"));
+
+  Gltf many;
+  std::string nodes = "[";
+  for (int i = 0; i < 20000; ++i) nodes += R"({"mesh":0},)";
+  many.nodes = nodes + R"({"mesh":0}])";
+  std::string scene;
+  for (int i = 0; i <= 20000; ++i) scene += fmt::format("{}{}", i > 0 ? "," : "", i);
+  std::string text = many.text();
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(text.find(from), std::string::npos) << text.substr(0, 600);
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace(R"("nodes":[0])", R"("nodes":[)" + scene + "]");
+  const std::size_t first = text.find("\"primitives\":[") + 14;
+  const std::string primitive = text.substr(first, text.find("}]", first) + 1 - first);
+  std::string primitives = primitive;
+  for (int i = 0; i < 300; ++i) primitives += "," + primitive;
+  replace(primitive, primitives);
+  EXPECT_THAT(failure(write("many.gltf", text)), HasSubstr("places 6020301 primitives"));
+}
+
+TEST_F(AssetFiles, NamesThatLeadOutsideHaveToBeAllowed) {
+  write("outside.mtl", "newmtl paint\nKd 0.25 0.25 0.25\n");
+  write("outside.bin", gltfBuffer());
+  std::filesystem::create_directory(folder_.path() / "in");
+  std::string obj = kObj;
+  obj.replace(obj.find("a.mtl"), 5, "../outside.mtl");
+  const auto object = write("in/a.obj", obj);
+  EXPECT_THAT(failure(object), AllOf(HasSubstr("a.obj: names '../outside.mtl'"), HasSubstr("allow_outside: true")));
+  EXPECT_NEAR(readAsset(object, {.allowOutside = true}).parts.at(0).fileMaterial.reflectance, 0.25, 1e-6);
+  Gltf gltf;
+  gltf.buffer = R"("uri":"../outside.bin")";
+  const auto file = write("in/a.gltf", gltf.text());
+  EXPECT_THAT(failure(file), AllOf(HasSubstr("a.gltf: names '../outside.bin'"), HasSubstr("allow_outside: true")));
+  EXPECT_EQ(readAsset(file, {.allowOutside = true}).parts.at(0).triangles.size(), 1u);
+}
+
+// Reading from a pipe would wait for ever.
+TEST_F(AssetFiles, LibrariesOfMaterialsAreFiles) {
+  ASSERT_EQ(::mkfifo((folder_.path() / "a.mtl").c_str(), 0600), 0);
+  EXPECT_THAT(failure(write("a.obj", kObj)), HasSubstr("a.obj: names 'a.mtl', which is not a file"));
+  std::filesystem::remove(folder_.path() / "a.mtl");
+  testing::internal::CaptureStderr();
+  readAsset(folder_.path() / "a.obj", {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("a.obj: names 'a.mtl', which is missing: "));
+}
+
+TEST(DecodeUri, DecodesEscapesOnly) {
+  EXPECT_EQ(decodeUri("textures%2Fa%20b.webp"), "textures/a b.webp");
+  EXPECT_EQ(decodeUri("100%"), "100%");
+  EXPECT_EQ(decodeUri("%zz%4"), "%zz%4");
+  EXPECT_EQ(decodeUri("%41"), "A");
+}
+
+}  // namespace
+}  // namespace scanmill

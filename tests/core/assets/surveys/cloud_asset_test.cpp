@@ -1,0 +1,170 @@
+#include "assets/surveys/cloud_asset.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "assets/asset_parts.h"
+#include "scene/scene.h"
+#include "scene/texture.h"
+#include "scenefile/scene_file.h"
+#include "tests/support/message_of.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+// A PLY in text: its properties besides x, y, z, and its lines.
+std::string ply(const std::string& properties, const std::vector<std::string>& lines) {
+  std::string text = fmt::format("ply\nformat ascii 1.0\nelement vertex {}\n", lines.size());
+  for (const char* axis : {"x", "y", "z"}) text += fmt::format("property double {}\n", axis);
+  text += properties + "end_header\n";
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+// A level square of points, 0.1 m apart.
+std::vector<std::string> lawn(const std::string& more, double x0 = 0, double y0 = 0) {
+  std::vector<std::string> lines;
+  for (int i = 0; i < 20; ++i) {
+    for (int j = 0; j < 20; ++j) lines.push_back(fmt::format("{} {} 5 {}", x0 + 0.1 * i, y0 + 0.1 * j, more));
+  }
+  return lines;
+}
+
+class Clouds : public testing::Test {
+ protected:
+  Asset read(const std::string& text, const AssetOptions& options = {}) const {
+    return readAsset(folder_.write("a.ply", text), options);
+  }
+  Scene scene(const std::string& object) const {
+    return readScene(
+        folder_.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
+                                            "{0}/labels/materials.yaml\nobjects:\n  - {{file: a.ply{1}}}\n",
+                                            SCANMILL_SOURCE_DIR, object)),
+        {});
+  }
+  TemporaryFolder folder_;
+};
+
+// Two triangles a point, of a disc's area, square to the normal, about the point: also where coordinates are large.
+TEST_F(Clouds, EveryPointIsASquareAsLargeAsItsDisc) {
+  const Asset asset = read(ply("", lawn("", 691000, 5334000)));
+  ASSERT_EQ(asset.parts.size(), 1u);
+  const AssetPart& part = asset.parts[0];
+  ASSERT_EQ(part.triangles.size(), 800u);
+  Box box;
+  for (const Vec3f& p : part.positions) EXPECT_NEAR(p.z, 5, 1e-5);
+  for (std::size_t k = 0; k < 400; ++k) {
+    Vec3d middle;
+    for (std::size_t c = 0; c < 4; ++c) middle = middle + Vec3d(part.positions[4 * k + c]) * 0.25;
+    box.add(asset.origin + middle);
+  }
+  EXPECT_LT(length(box.low - Vec3d{691000, 5334000, 5}), 1e-4);
+  EXPECT_LT(length(box.high - Vec3d{691001.9, 5334001.9, 5}), 1e-4);
+  // In the middle the twelfth neighbour is 0.2 m away: a share of pi 0.04 / 12.
+  const std::size_t k = 10 * 20 + 10;
+  const double side = length(Vec3d(part.positions[4 * k + 1]) - Vec3d(part.positions[4 * k]));
+  EXPECT_NEAR(side * side, 1.5 * 1.5 * kPi * 0.04 / 12, 1e-6);
+}
+
+TEST_F(Clouds, LabelsAndInstancesAreCarriedOver) {
+  std::vector<std::string> lines = lawn("40 0");
+  for (const std::string& line : lawn("10 7", 50)) lines.push_back(line);
+  for (const std::string& line : lawn("10 9", 90)) lines.push_back(line);
+  read(ply("property int label\nproperty int instance\n", lines));
+  // SemanticKITTI's 40 is road, its 10 a car.
+  const Scene s = scene(", points: {labels: semantic_kitti}");
+  EXPECT_EQ(s.things(), 2u);
+  std::set<std::pair<std::string, std::uint32_t>> found;
+  const Mesh& mesh = s.meshes.at(0);
+  for (const Surface& surface : mesh.surfaces) found.emplace(s.ontology.find(surface.semantic)->name, surface.object);
+  EXPECT_THAT(found, UnorderedElementsAre(std::pair{"road", 0u}, std::pair{"car", 1u}, std::pair{"car", 2u}));
+  EXPECT_TRUE(s.unlabeled.empty());
+  // Rules go before what the file says, and numbers are names where nothing says what they mean.
+  const Scene other = scene(", rules: [{match: {material: \"10\"}, class: truck}]");
+  std::set<std::string> classes;
+  for (const Surface& surface : other.meshes.at(0).surfaces)
+    classes.insert(other.ontology.find(surface.semantic)->name);
+  EXPECT_THAT(classes, UnorderedElementsAre("truck", "unlabeled"));
+}
+
+TEST_F(Clouds, IntensitiesAreReflectances) {
+  std::vector<std::string> lines = lawn("51");
+  for (const std::string& line : lawn("204", 50)) lines.push_back(line);
+  const std::string text = ply("property float intensity\n", lines);
+  const Material m = read(text).parts.at(0).fileMaterial;
+  const auto reflectanceAt = [&](const Asset& asset, std::size_t k) {
+    const AssetPart& part = asset.parts[0];
+    const Vec2f uv = part.uvs[4 * k];
+    const Material& own = part.fileMaterial;
+    return own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
+  };
+  EXPECT_TRUE(m.textured);
+  const Asset asset = read(text);
+  EXPECT_NEAR(reflectanceAt(asset, 3), 0.2, 0.004) << "of 255";
+  EXPECT_NEAR(reflectanceAt(asset, 500), 0.8, 0.004);
+  EXPECT_NEAR(m.reflectance, 0.5, 0.006) << "a few texels more than points";
+  AssetOptions options;
+  options.points.full = 510;
+  EXPECT_NEAR(reflectanceAt(read(text, options), 500), 0.4, 0.004);
+  options.points.reflectance = PointOptions::Reflectance::None;
+  EXPECT_FALSE(read(text, options).parts.at(0).fileMaterial.textured);
+  options.points.reflectance = PointOptions::Reflectance::Color;
+  EXPECT_THAT(messageOf([&] { read(text, options); }), HasSubstr("has no colours"));
+}
+
+TEST_F(Clouds, ColoursAreReflectancesWhereThereIsNoIntensity) {
+  const std::string green = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+  const Asset asset = read(ply(green, lawn("0 255 0")));
+  EXPECT_NEAR(asset.parts.at(0).fileMaterial.reflectance, 0.7152, 1e-3);
+  read(ply(green, lawn("0 255 0")));
+  const Scene s = scene(", rules: [{match: {color: \"#00ff00\"}, class: terrain}]");
+  EXPECT_TRUE(s.unlabeled.empty());
+}
+
+TEST_F(Clouds, MayBeThinnedOut) {
+  AssetOptions options;
+  options.points.spacing = 0.5;
+  EXPECT_EQ(read(ply("", lawn("", 0.01, 0.01)), options).parts.at(0).triangles.size(), 2u * 4 * 4);
+}
+
+TEST_F(Clouds, MistakesAreNamed) {
+  EXPECT_THAT(messageOf([&] { read(ply("", {})); }), AllOf(HasSubstr("a.ply"), HasSubstr("has no point")));
+  EXPECT_THAT(messageOf([&] { read(ply("", {"nan nan nan"})); }), HasSubstr("has no point"));
+  read(ply("", lawn("")));
+  EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }), AllOf(HasSubstr("s.yaml:4"), HasSubstr("'spacng'")));
+  EXPECT_THAT(messageOf([&] { scene(", points: {radius: [2, 1]}"); }), HasSubstr("[least, most]"));
+  EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
+  EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
+              AllOf(HasSubstr("a.ply"), HasSubstr("has no labels")));
+  folder_.write("b.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(messageOf([&] {
+                readScene(folder_.write("t.yaml",
+                                        "ontology: scanmill\nmaterials: materials\nobjects: "
+                                        "[{file: b.obj, points: {}}]"),
+                          {});
+              }),
+              HasSubstr("files of points"));
+}
+
+// A revolution of a real sensor: its points are where the surfaces are.
+TEST_F(Clouds, ARealRevolutionIsASceneOfItsPoints) {
+  SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
+  const Asset asset = readAsset(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd", {});
+  std::uint64_t triangles = 0;
+  for (const AssetPart& part : asset.parts) triangles += part.triangles.size();
+  EXPECT_EQ(triangles, 2u * 107647);
+  EXPECT_TRUE(asset.parts[0].fileMaterial.textured) << "by its reflectivity";
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,251 @@
+// Assets made by others.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "assets/asset.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "scene/scene.h"
+#include "scenefile/scene_file.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+bool hasKind(const std::filesystem::path& file, std::initializer_list<const char*> kinds) {
+  std::string kind = file.extension().string();
+  std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
+std::size_t countTriangles(const Asset& asset) {
+  std::size_t count = 0;
+  for (const AssetPart& part : asset.parts) count += part.triangles.size();
+  return count;
+}
+
+Box bounds(const Asset& asset) {
+  Box box;
+  for (const AssetPart& part : asset.parts) {
+    for (const Vec3f& p : part.positions) box.add(static_cast<Vec3d>(p));
+  }
+  return box;
+}
+
+TEST(SharedAssets, EveryFileLoadsOrIsRefused) {
+  SKIP_WITHOUT_SHARED_DATA("scenes");
+  int loaded = 0;
+  int trees = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(sharedData() / "scenes")) {
+    const std::filesystem::path& file = entry.path();
+    if (!hasKind(file, {".gltf", ".glb", ".obj", ".dae", ".stl", ".ac"})) continue;
+    if (file.parent_path().filename() == "tree1" && ++trees > 5) continue;  // hundreds of leaves of one tree
+    try {
+      const Asset asset = readAsset(file, {.textures = false});
+      ++loaded;
+      for (const AssetPart& part : asset.parts) {
+        EXPECT_FALSE(part.triangles.empty());
+        EXPECT_TRUE(part.uvs.empty() || part.uvs.size() == part.positions.size()) << file;
+        for (const Triangle& t : part.triangles) {
+          ASSERT_LT(std::max({t[0], t[1], t[2]}), part.positions.size()) << file;
+        }
+      }
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr(file.filename().string()));
+    }
+  }
+  EXPECT_GT(loaded, 60);
+}
+
+TEST(SharedAssets, TheTownHasItsTrianglesNodesAndTextures) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  const Asset town = readAsset(sharedData() / "scenes/truck_town/model/town_model.gltf", {});
+  EXPECT_EQ(countTriangles(town), 30477u);  // the sum over the nodes; collision shapes have no node with a mesh
+  const Box box = bounds(town);
+  EXPECT_NEAR(box.high.x - box.low.x, 2048, 16);
+  EXPECT_NEAR(box.high.y - box.low.y, 2048, 16);
+  EXPECT_LT(box.high.z - box.low.z, 60);
+  int found = 0;
+  for (const AssetPart& part : town.parts) {
+    if (part.node == "RoadMesh") {
+      ++found;
+      EXPECT_EQ(part.texture, "textures/cement_lossy.webp");
+      EXPECT_TRUE(part.fileMaterial.textured);
+    }
+    if (part.node == "GrassMesh") {
+      ++found;
+      EXPECT_EQ(part.texture, "textures/grass_lossy.webp");
+      EXPECT_TRUE(part.fileMaterial.texture);
+      EXPECT_FALSE(part.fileMaterial.alphaTested);
+    }
+  }
+  EXPECT_EQ(found, 2);
+}
+
+TEST(SharedAssets, OnlyTheLeavesOfTheTreeAreAlphaTested) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town/tree");
+  const Asset tree = readAsset(sharedData() / "scenes/truck_town/tree/scene.gltf", {.textures = false});
+  ASSERT_EQ(tree.parts.size(), 2u);
+  for (const AssetPart& part : tree.parts) {
+    EXPECT_EQ(part.fileMaterial.alphaTested, part.material == "Leav_material");
+    EXPECT_EQ(part.fileMaterial.texture != nullptr, part.fileMaterial.alphaTested);
+  }
+  const Box box = bounds(tree);
+  EXPECT_NEAR(box.low.z, 0, 1);  // it stands upright on the ground, in centimetres
+  EXPECT_NEAR(box.high.z, 2470, 10);
+}
+
+TEST(SharedAssets, GazeboModelsHaveTheirRealSizes) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
+  struct Case {
+    const char* file;
+    double scale;      // of the model's SDF
+    double low, high;  // what the height may be, m
+  };
+  for (const Case& each : {Case{"suv/meshes/suv.obj", 0.06, 1.5, 2.5},
+                           {"bus/meshes/bus.obj", 0.01, 2.5, 4.5},
+                           {"ambulance/meshes/ambulance.obj", 0.0254, 2, 3.5},
+                           {"pickup/meshes/pickup.dae", 1, 1.5, 2.2},
+                           {"hatchback/meshes/hatchback.obj", 0.0254, 1.2, 1.8},
+                           {"stop_sign/meshes/stop_sign.dae", 1, 1.5, 3},
+                           {"dumpster/meshes/dumpster.dae", 1.5, 1, 2.5},
+                           {"fire_hydrant/meshes/fire_hydrant.dae", 1, 0.5, 1.2},
+                           {"telephone_pole/meshes/telephone_pole.dae", 1, 6, 12},
+                           {"lamp_post/meshes/lamp_post.dae", 3, 6, 12},
+                           {"oak_tree/meshes/oak_tree.dae", 1, 6, 7},
+                           {"pine_tree/meshes/pine_tree.dae", 1, 5, 5.2},
+                           {"mailbox/meshes/mailbox.dae", 1, 1, 1.1},
+                           {"jersey_barrier/meshes/jersey_barrier.dae", 1, 1.1, 1.2},
+                           {"house_2/meshes/house_2.dae", 1, 4.5, 5},
+                           {"house_1/meshes/house_1.dae", 1, 5, 5.25}}) {
+    const Box box =
+        bounds(readAsset(sharedData() / "scenes/gazebo" / each.file, {.metresPerUnit = each.scale, .textures = false}));
+    EXPECT_GT(box.high.z - box.low.z, each.low) << each.file;
+    EXPECT_LT(box.high.z - box.low.z, each.high) << each.file;
+    EXPECT_NEAR(box.low.z, 0, 0.15) << each.file;  // upright, standing on the ground
+  }
+}
+
+// The same through a scene file, with no word of an axis.
+TEST(SharedAssets, GazeboModelsStandUprightInAScene) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
+  const TemporaryFolder folder;
+  const std::string labels = std::string(SCANMILL_SOURCE_DIR) + "/labels/";
+  for (const auto& [model, height] : {std::pair("house_1", 5.124),
+                                      {"oak_tree", 6.598},
+                                      {"pickup", 1.865},
+                                      {"mailbox", 1.067},
+                                      {"fire_hydrant", 0.931},
+                                      {"lamp_post", 3.091},
+                                      {"telephone_pole", 9.223}}) {
+    const Scene scene = readScene(
+        folder.write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels + "materials.yaml\n" +
+                                       "assets: " + (sharedData() / "scenes/gazebo").string() +
+                                       "\nobjects:\n  - {file: " + model + "/meshes/" + model +
+                                       ".dae, class: object, material: wood}\n"),
+        {});
+    EXPECT_NEAR(scene.bounds().low.z, 0, 0.08) << model;
+    EXPECT_NEAR(scene.bounds().high.z - scene.bounds().low.z, height, 0.002) << model;
+  }
+}
+
+// Their bodies are 42 to 64 % without alpha, where the paint goes; the post's alpha is all outside its surface.
+TEST(SharedAssets, BodiesOfGazeboCarsAreSolid) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo");
+  for (const char* file : {"bus/meshes/bus.obj", "suv/meshes/suv.obj", "hatchback/meshes/hatchback.obj",
+                           "hatchback_blue/meshes/hatchback.obj", "ambulance/meshes/ambulance.obj",
+                           "pickup/meshes/pickup.dae", "lamp_post/meshes/lamp_post.dae"}) {
+    const std::filesystem::path path = sharedData() / "scenes/gazebo" / file;
+    int textured = 0;
+    for (const AssetPart& part : readAsset(path, {}).parts) {
+      EXPECT_FALSE(part.fileMaterial.alphaTested) << file << ' ' << part.material;
+      textured += part.fileMaterial.textured ? 1 : 0;
+    }
+    EXPECT_GT(textured, 0) << file;
+  }
+  bool tested = false;
+  for (const AssetPart& part :
+       readAsset(sharedData() / "scenes/gazebo/suv/meshes/suv.obj", {.alpha = AlphaUse::Test}).parts) {
+    tested = tested || part.fileMaterial.alphaTested;
+  }
+  EXPECT_TRUE(tested);
+}
+
+// The trees name no texture themselves (scripts of Gazebo's renderer do): here they get those of the scripts.
+TEST(SharedAssets, BranchesOfGazeboTreesAreCutOut) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/gazebo/pine_tree");
+  const TemporaryFolder folder;
+  for (const auto& [tree, image] :
+       {std::pair("oak_tree", "branch_diffuse.png"), {"pine_tree", "branch_2_diffuse.png"}}) {
+    const std::filesystem::path model = sharedData() / "scenes/gazebo" / tree;
+    std::string text = readFile(model / "meshes" / (std::string(tree) + ".dae"));
+    const auto insert = [&](const std::string& mark, const std::string& replacement) {
+      const std::size_t at = text.find(mark);
+      ASSERT_NE(at, std::string::npos) << mark;
+      text.replace(at, mark.size(), replacement);
+    };
+    insert("<library_images/>", "<library_images><image id=\"i\"><init_from>" +
+                                    (model / "materials/textures" / image).string() +
+                                    "</init_from></image></library_images>");
+    insert("<profile_COMMON>",
+           "<profile_COMMON><newparam sid=\"s\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"
+           "<newparam sid=\"t\"><sampler2D><source>s</source></sampler2D></newparam>");
+    insert("<color sid=\"diffuse\">0.64 0.64 0.64 1</color>", "<texture texture=\"t\" texcoord=\"UVMap\"/>");
+    int leafy = 0;
+    for (const AssetPart& part :
+         readAsset(folder.write("tree.dae", text), {.textures = false, .allowOutside = true}).parts) {
+      EXPECT_EQ(part.fileMaterial.alphaTested, part.material.starts_with("Branch")) << tree << ' ' << part.material;
+      leafy += part.fileMaterial.alphaTested ? 1 : 0;
+    }
+    EXPECT_EQ(leafy, 1) << tree;
+  }
+}
+
+TEST(SharedAssets, TruncatedFilesNeverCrash) {
+  SKIP_WITHOUT_SHARED_DATA("scenes");
+  const std::filesystem::path scenes = sharedData() / "scenes";
+  const TemporaryFolder folder;
+  for (const char* name :
+       {"truck_town/tree/scene.gltf", "kenney_city/vehicle-truck-red.glb", "helios/toyblocks/sphere.obj",
+        "gazebo/bus_stop/meshes/glass.STL", "gazebo/stop_sign/meshes/stop_sign.dae"}) {
+    const std::string whole = readFile(scenes / name);
+    const std::string file = "cut" + std::filesystem::path(name).extension().string();
+    for (std::size_t k = 0; k < 50; ++k) {
+      try {
+        readAsset(folder.write(file, std::string_view(whole).substr(0, whole.size() * k / 50)), {.textures = false});
+      } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr(file));
+      }
+    }
+  }
+}
+
+// Debian's assimp-testmodels: hundreds of files of every kind, some broken on purpose.
+TEST(TestModels, NoneCrashes) {
+  const std::filesystem::path models = "/usr/share/assimp/models";
+  if (!std::filesystem::exists(models)) GTEST_SKIP() << "the package assimp-testmodels is not installed";
+  int loaded = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(models)) {
+    const std::filesystem::path& file = entry.path();
+    if (!hasKind(file, {".gltf", ".glb", ".obj", ".ply", ".stl", ".dae", ".fbx", ".ac", ".3ds", ".raw", ".off"}))
+      continue;
+    try {
+      readAsset(file, {.textures = false});
+      ++loaded;
+    } catch (const InputError& e) {
+      EXPECT_THAT(e.what(), HasSubstr(file.filename().string()));
+    }
+  }
+  EXPECT_GT(loaded, 80);
+}
+
+}  // namespace
+}  // namespace scanmill

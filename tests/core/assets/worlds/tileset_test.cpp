@@ -1,0 +1,199 @@
+#include "assets/worlds/tileset.h"
+
+#include <cstring>
+
+#include "base/earth.h"
+#include "tests/core/assets/gltf/gltf_builder.h"
+#include "world_files.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using Json = nlohmann::json;
+
+// A wing as glTF, whose y axis is up: in z-up coordinates its corners are (1, 0, 0), (0, 0, 2), (0, -3, 0).
+GltfBuilder upright(const std::string& node = "wing") {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>({1, 0, 0, 0, 2, 0, 0, 0, 3}, "VEC3", 3);
+  b.json["scenes"] = {{{"nodes", {0}}}};
+  b.json["nodes"] = {{{"name", node}, {"mesh", 0}}};
+  b.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", positions}}}}}}}};
+  return b;
+}
+
+void word(std::string& bytes, std::uint32_t value) {
+  bytes.append(reinterpret_cast<const char*>(&value), 4);
+}
+
+std::string glb(const std::string& text) {
+  std::string json = text;
+  while (json.size() % 4 != 0) json += ' ';
+  std::string bytes = "glTF";
+  word(bytes, 2);
+  word(bytes, static_cast<std::uint32_t>(20 + json.size()));
+  word(bytes, static_cast<std::uint32_t>(json.size()));
+  word(bytes, 0x4E4F534A);
+  return bytes + json;
+}
+
+std::string b3dm(const std::string& inside, const std::string& features, const std::string& binary = "") {
+  std::string bytes = "b3dm";
+  const std::string batches = "{\"id\":[1]}";
+  word(bytes, 1);
+  word(bytes, static_cast<std::uint32_t>(28 + features.size() + binary.size() + batches.size() + inside.size()));
+  word(bytes, static_cast<std::uint32_t>(features.size()));
+  word(bytes, static_cast<std::uint32_t>(binary.size()));
+  word(bytes, static_cast<std::uint32_t>(batches.size()));
+  word(bytes, 0);
+  return bytes + features + binary + batches + inside;
+}
+
+const std::vector<Vec3d> kUpright = {{1, 0, 0}, {0, 0, 2}, {0, -3, 0}};
+
+class Tileset : public WorldFiles {
+ protected:
+  Asset tileset(const Json& root, const std::string& version = "1.0") const {
+    return read("tileset.json", Json{{"asset", {{"version", version}}}, {"root", root}}.dump());
+  }
+  std::string refused(const Json& root) const {
+    return messageOf([&] { tileset(root); });
+  }
+  static Json local() { return {{"box", {0, 0, 0, 50, 0, 0, 0, 50, 0, 0, 0, 50}}}; }
+  void expectPlaced(const Asset& asset, const std::string& node, const Affine& place, double within = 1e-4) const {
+    const std::vector<Vec3d> found = corners(asset, node);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_LT(length(found.at(i) - place * kUpright[i]), within) << i;
+  }
+  static Json columns(const Affine& a) {
+    return {a.linear.x.x, a.linear.x.y, a.linear.x.z, 0, a.linear.y.x,    a.linear.y.y,    a.linear.y.z,    0,
+            a.linear.z.x, a.linear.z.y, a.linear.z.z, 0, a.translation.x, a.translation.y, a.translation.z, 1};
+  }
+};
+
+TEST_F(Tileset, TakesTheFinestTilesWithTheirTransforms) {
+  for (const char* name : {"coarse.gltf", "a.gltf", "b.gltf"}) folder_.write(name, upright().text());
+  const Affine outer = toAffine({fromYawPitchRoll(0.5, 0, 0), {10, 0, 0}});
+  const Affine inner = toAffine({fromYawPitchRoll(0, 0.2, 0), {0, 5, 1}});
+  const Json root{{"boundingVolume", local()},
+                  {"refine", "REPLACE"},
+                  {"transform", columns(outer)},
+                  {"content", {{"uri", "coarse.gltf"}}},
+                  {"children",
+                   {{{"boundingVolume", local()}, {"content", {{"url", "a.gltf"}}}},
+                    {{"boundingVolume", local()}, {"transform", columns(inner)}, {"content", {{"uri", "b.gltf"}}}}}}};
+  const Asset asset = tileset(root);
+  ASSERT_EQ(asset.parts.size(), 2u);
+  expectPlaced(asset, "a.gltf/wing", outer);
+  expectPlaced(asset, "b.gltf/wing", outer * inner);
+  EXPECT_NE(asset.parts[0].nodeIndex, asset.parts[1].nodeIndex);
+  // Where children add to it, the coarse tile stays.
+  Json adds = root;
+  adds["refine"] = "ADD";
+  EXPECT_EQ(tileset(adds).parts.size(), 3u);
+}
+
+TEST_F(Tileset, RelativeCentresAreThoseOfTheContent) {
+  GltfBuilder rtc = upright();
+  rtc.json["extensionsUsed"] = rtc.json["extensionsRequired"] = {"CESIUM_RTC"};
+  rtc.json["extensions"]["CESIUM_RTC"]["center"] = {100, 200, 300};
+  folder_.write("a.gltf", rtc.text());
+  folder_.write("b.b3dm", b3dm(glb(upright().text()), R"({"BATCH_LENGTH":0,"RTC_CENTER":[10,20,30]})"));
+  const float center[] = {1, 2, 3};
+  std::string binary(12, '\0');
+  std::memcpy(binary.data(), center, 12);
+  folder_.write("c.b3dm", b3dm(glb(upright().text()), R"({"BATCH_LENGTH":0,"RTC_CENTER":{"byteOffset":0}})", binary));
+  const Asset asset = tileset(
+      {{"boundingVolume", local()}, {"contents", {{{"uri", "a.gltf"}}, {{"uri", "b.b3dm"}}, {{"uri", "c.b3dm"}}}}},
+      "1.1");
+  expectPlaced(asset, "a.gltf/wing", {{}, {100, 200, 300}});
+  expectPlaced(asset, "b.b3dm/wing", {{}, {10, 20, 30}});
+  expectPlaced(asset, "c.b3dm/wing", {{}, {1, 2, 3}});
+  // A centre that is not on the earth is one of the file's own frame, and most are zero.
+  expectPlaced(readAsset(folder_.path() / "b.b3dm", {}), "wing", {{}, {10, 20, 30}});
+  folder_.write("d.b3dm", b3dm(glb(upright().text()), R"({"BATCH_LENGTH":0,"RTC_CENTER":[0,0,0]})"));
+  expectPlaced(readAsset(folder_.path() / "d.b3dm", {}), "wing", {});
+}
+
+// A region across the date line has its east below its west.
+TEST_F(Tileset, RegionsMayCrossTheDateLine) {
+  const double west = radians(179.999), east = radians(-179.999), latitude = 0.3;
+  const Vec3d middle = earthCentred(kPi, latitude, 5);
+  folder_.write("a.GLB", glb(upright().text()));
+  const Json root{{"boundingVolume", {{"region", {west, latitude, east, latitude, 5, 9}}}},
+                  {"transform", columns(inverse(eastNorthUp(middle)))},
+                  {"content", {{"uri", "a.GLB"}}}};
+  expectPlaced(tileset(root), "a.GLB/wing", {}, 1e-4);
+}
+
+// On the earth to the millimetre, though its coordinates have seven digits before the point.
+TEST_F(Tileset, OnTheEarthStandsAsTheHorizonHasIt) {
+  const double longitude = 0.2, latitude = 0.9;
+  const Vec3d middle = earthCentred(longitude, latitude, 40);
+  const Affine earthFromLocal = inverse(eastNorthUp(middle));
+  folder_.write("a.gltf", upright().text());
+  const Json byTransform{
+      {"boundingVolume", local()}, {"transform", columns(earthFromLocal)}, {"content", {{"uri", "a.gltf"}}}};
+  expectPlaced(tileset(byTransform), "a.gltf/wing", {}, 1e-4);
+
+  GltfBuilder rtc = upright();
+  rtc.json["extensionsUsed"] = {"CESIUM_RTC"};
+  rtc.json["extensions"]["CESIUM_RTC"]["center"] = {middle.x, middle.y, middle.z};
+  folder_.write("b.gltf", rtc.text());
+  const Json byCenter{
+      {"boundingVolume", {{"region", {longitude - 1e-5, latitude - 1e-5, longitude + 1e-5, latitude + 1e-5, 40, 90}}}},
+      {"content", {{"uri", "b.gltf"}}}};
+  // Its axes are the earth's, so it lies turned.
+  expectPlaced(tileset(byCenter), "b.gltf/wing", {eastNorthUp(middle).linear, {}}, 1e-4);
+  // So it does by itself.
+  const Asset alone = readAsset(folder_.path() / "b.gltf", {});
+  const std::vector<Vec3d> found = corners(alone, "wing");
+  for (int i = 0; i < 3; ++i) EXPECT_LT(length(found[i] - eastNorthUp(middle).linear * kUpright[i]), 1e-5);
+}
+
+TEST_F(Tileset, TilesetsWithinTilesetsGoOnFromTheirTile) {
+  folder_.write("part/a.gltf", upright().text());
+  folder_.write("part/inner.json", Json{{"asset", {{"version", "1.0"}, {"gltfUpAxis", "Z"}}},
+                                        {"root", {{"boundingVolume", local()}, {"content", {{"uri", "a.gltf"}}}}}}
+                                       .dump());
+  const Affine place = toAffine({fromYawPitchRoll(1, 0, 0), {3, 4, 5}});
+  const Asset asset =
+      tileset({{"boundingVolume", local()}, {"transform", columns(place)}, {"content", {{"uri", "part/inner.json"}}}});
+  const std::vector<Vec3d> found = corners(asset, "a.gltf/wing");
+  const Vec3d zUp[] = {{1, 0, 0}, {0, 2, 0}, {0, 0, 3}};
+  for (int i = 0; i < 3; ++i) EXPECT_LT(length(found[i] - place * zUp[i]), 1e-5);
+}
+
+TEST_F(Tileset, MistakesAreNamed) {
+  folder_.write("a.gltf", upright().text());
+  const auto with = [&](const Json& more) {
+    Json root{{"boundingVolume", local()}};
+    root.update(more);
+    return refused(root);
+  };
+  EXPECT_THAT(messageOf([&] { read("t.json", "{"); }), AllOf(HasSubstr("t.json"), HasSubstr("no tileset")));
+  EXPECT_THAT(messageOf([&] { read("t.json", "{}"); }), HasSubstr("no asset and root"));
+  EXPECT_THAT(messageOf([&] { tileset({{"boundingVolume", local()}}, "0.0"); }), HasSubstr("version '0.0'"));
+  EXPECT_THAT(with(Json::object()), HasSubstr("has no triangle"));
+  EXPECT_THAT(with({{"content", {{"uri", "gone.glb"}}}}), AllOf(HasSubstr("tileset.json"), HasSubstr("'gone.glb'")));
+  EXPECT_THAT(with({{"content", {{"uri", "https://a/b.glb"}}}}), HasSubstr("download"));
+  EXPECT_THAT(with({{"content", {{"uri", "tileset.json"}}}}), HasSubstr("holds itself"));
+  EXPECT_THAT(with({{"implicitTiling", Json::object()}}), HasSubstr("implicit tiling"));
+  EXPECT_THAT(with({{"transform", {1, 2}}}), HasSubstr("no tileset"));
+  folder_.write("cut.b3dm", "b3dm\1");
+  EXPECT_THAT(with({{"content", {{"uri", "cut.b3dm"}}}}), AllOf(HasSubstr("cut.b3dm"), HasSubstr("truncated")));
+  folder_.write("cut.b3dm", b3dm("", "{").substr(0, 29));
+  EXPECT_THAT(with({{"content", {{"uri", "cut.b3dm"}}}}), HasSubstr("longer than the file"));
+  folder_.write("bad.b3dm", b3dm(glb(upright().text()), R"({"RTC_CENTER":{"byteOffset":4}})"));
+  EXPECT_THAT(with({{"content", {{"uri", "bad.b3dm"}}}}), HasSubstr("beside the feature table"));
+  // What is not read is left out, and said.
+  folder_.write("a.pnts", "pnts");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(
+      tileset({{"boundingVolume", local()}, {"contents", {{{"uri", "a.gltf"}}, {{"uri", "a.pnts"}}}}}).parts.size(),
+      1u);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("1 .pnts"));
+}
+
+}  // namespace
+}  // namespace scanmill

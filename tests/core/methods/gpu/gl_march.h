@@ -1,0 +1,65 @@
+#pragma once
+
+// Particles of any kind through the program that takes steps on a device.
+
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "methods/gpu/device_march.h"
+#include "methods/particle/march.h"
+
+namespace scanmill {
+
+class GlMarch {
+ public:
+  // `mostTableBytes`: of one table.
+  explicit GlMarch(std::uint64_t mostTableBytes = std::numeric_limits<std::uint64_t>::max())
+      : march_(device_, mostTableBytes) {}
+
+  // As marchCpu() does with particles that have taken no step. Several threads take turns.
+  HitRecords march(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world,
+                   std::uint32_t steps, const Particles& p) {
+    const std::scoped_lock lock(mutex_);
+    march_.hold(field, world);
+    HitRecords records;
+    records.reset(p.size());
+    if (p.size() == 0) return records;
+    const bool lists = field->shape.lists;
+    const std::size_t bytes = p.size() * sizeof(float);
+    std::vector<const std::vector<float>*> columns{&p.ox, &p.oy, &p.oz, &p.dx, &p.dy, &p.dz, &p.begin, &p.end};
+    if (lists) columns.insert(columns.end(), {&p.wx, &p.wy, &p.wz, &p.ix, &p.iy, &p.iz});
+    std::vector<ComputeBuffer::Source> given;
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      given.push_back({k * bytes, std::as_bytes(std::span(*columns[k]))});
+    march_.reserve(lists, p.size());
+    march_.particles().write(given);
+    march_.run(*field, steps, p.size(), false);
+    // The quotient of the last two is m, and lacks in the way.
+    std::vector<float> numerator(p.size());
+    std::vector<float> denominator(p.size());
+    std::vector<ComputeBuffer::Target> made;
+    const auto take = [&](auto& column) {
+      made.push_back({made.size() * bytes, std::as_writable_bytes(std::span(column))});
+    };
+    take(records.way);
+    take(records.triangle);
+    take(records.outcome);
+    if (lists) take(numerator);
+    if (lists) take(denominator);
+    march_.records().read(made);
+    const auto metres = static_cast<float>(field->shape.voxel);
+    for (std::size_t i = 0; i < p.size() && lists; ++i) {
+      if (records.outcomeOf(i) == Outcome::Hit) records.way[i] += numerator[i] / (denominator[i] * metres);
+    }
+    return records;
+  }
+
+ private:
+  std::mutex mutex_;
+  ComputeDevice device_{{"particles cannot fly by OpenGL", "'backend: cpu' does without it"}};
+  DeviceMarch march_;
+};
+
+}  // namespace scanmill

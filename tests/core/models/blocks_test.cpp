@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+
+struct Built {
+  Scene scene;
+  Mesh mesh;
+};
+
+Built build(const Block& block) {
+  SceneBuilder builder("block", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  const Model model = makeBlock(builder, 1, block);
+  builder.place(model.mesh, {}, "block");
+  Built built{builder.finish(), {}};
+  built.mesh = built.scene.meshes[model.mesh];
+  return built;
+}
+
+// m^2 that lie level, by their height in centimetres.
+std::map<long, double> levels(const Mesh& mesh) {
+  std::map<long, double> area;
+  for (const auto& t : mesh.triangles) {
+    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    const Vec3d n = cross(b - a, c - a);
+    if (std::abs(n.z) < 0.999 * length(n) || n.z < 0) continue;
+    area[std::lround(100 * a.z)] += length(n) / 2;
+  }
+  return area;
+}
+
+// An L with a court: the roof and each floor are as large as the outline without the court.
+TEST(Block, RoofAndFloorsFillTheOutline) {
+  Block block;
+  block.outline = {{0, 0}, {40, 0}, {40, 30}, {20, 30}, {20, 20}, {0, 20}};
+  block.courts = {{{5, 5}, {5, 12}, {15, 12}, {15, 5}}};
+  block.floors = 3;
+  block.entrance = {20, -2};
+  const double size = 40 * 20 + 20 * 10 - 70;
+  std::size_t full = 0;
+  for (const auto& [height, area] : levels(build(block).mesh)) full += std::abs(area - size) < 1e-3 ? 1 : 0;
+  EXPECT_EQ(full, 4u) << "three floors and a roof";
+}
+
+TEST(Block, IsAsHighAsItSays) {
+  for (const double height : {9.0, 14.5}) {
+    Block block;
+    block.outline = {{-8, -6}, {8, -6}, {9, 7}, {-8, 6}};
+    block.floors = 3;
+    block.height = height;
+    const Box box = build(block).mesh.bounds();
+    EXPECT_NEAR(box.high.z, height, 0.05);
+    EXPECT_NEAR(box.low.x, -8, 0.3);
+    EXPECT_NEAR(box.high.x, 9, 0.3);
+  }
+}
+
+// Windows are panes of glass that beams pass, of which a shed has none.
+TEST(Block, ShedsHaveNoWindows) {
+  Block block;
+  block.outline = {{0, 0}, {6, 0}, {6, 4}, {0, 4}};
+  const auto panes = [&](int floors) {
+    block.floors = floors;
+    const Built built = build(block);
+    std::size_t count = 0;
+    for (const std::uint16_t s : built.mesh.surfaceOf) {
+      count += built.scene.materials[built.mesh.surfaces[s].material].name == "glass" ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_GT(panes(2), 8u);
+  EXPECT_LE(panes(0), 2u) << "the door's";
+}
+
+}  // namespace
+}  // namespace scanmill::models

@@ -1,0 +1,67 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "models/models.h"
+
+namespace scanmill::models {
+namespace {
+
+const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+
+struct Grown {
+  double leafArea = 0;  // m^2
+  double lopsided = 0;  // of the leaves' middle, from the stem (m)
+  double farthest = 0;  // corner from the stem, along x or y (m)
+  double crownRadius = 0;
+};
+
+Grown grow(std::uint64_t seed, int form, double detail, double ragged) {
+  SceneBuilder builder("tree", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  const TreeModel tree = makeTree(builder, seed, form, detail, 1, ragged);
+  builder.place(tree.model.mesh, {}, "tree");
+  const Scene scene = builder.finish();
+  const Mesh& mesh = scene.meshes[tree.model.mesh];
+  Grown grown;
+  grown.crownRadius = tree.crownRadius;
+  Vec3d sum;
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const auto& t = mesh.triangles[k];
+    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    const std::string& material = scene.materials[mesh.surfaces[mesh.surfaceOf[k]].material].name;
+    if (material != "leaf") continue;
+    const double area = length(cross(b - a, c - a)) / 2;
+    grown.leafArea += area;
+    sum = sum + (a + b + c) * (area / 3);
+  }
+  grown.lopsided = std::hypot(sum.x, sum.y) / grown.leafArea;
+  for (const Vec3f& p : mesh.positions) {
+    grown.farthest = std::max({grown.farthest, std::abs(double{p.x}), std::abs(double{p.y})});
+  }
+  return grown;
+}
+
+TEST(Trees, HaveTheSameAreaOfLeavesWhateverTheDetailAndHoweverRagged) {
+  for (int form = 0; form < kBroadleafForms; ++form) {
+    const Grown full = grow(3, form, 1, 0);
+    EXPECT_NEAR(grow(3, form, 0.3, 0).leafArea, full.leafArea, 0.1 * full.leafArea) << form;
+    EXPECT_NEAR(grow(3, form, 1, 1).leafArea, full.leafArea, 0.15 * full.leafArea) << form;
+  }
+}
+
+TEST(Trees, AreHeavierOnOneSideIfRagged) {
+  double round = 0;
+  double ragged = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    for (int form = 0; form < kBroadleafForms; ++form) {
+      round += grow(seed, form, 0.2, 0).lopsided;
+      const Grown tree = grow(seed, form, 0.2, 1);
+      ragged += tree.lopsided;
+      EXPECT_GE(tree.crownRadius, tree.farthest - 1e-6) << "nothing reaches beyond what is kept clear";
+    }
+  }
+  EXPECT_GT(ragged, 1.5 * round);
+}
+
+}  // namespace
+}  // namespace scanmill::models

@@ -1,0 +1,234 @@
+#include "scene/texture.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "images/images.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+namespace {
+
+using testing::HasSubstr;
+
+// `pixels` as files have them: the top row first.
+void writeImage(const std::filesystem::path& path, int width, int height, int channels,
+                const std::vector<std::uint8_t>& pixels) {
+  auto output = OIIO::ImageOutput::create(path.string());
+  ASSERT_TRUE(output) << OIIO::geterror();
+  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  spec.attribute("CompressionQuality", 100);
+  ASSERT_TRUE(output->open(path.string(), spec)) << output->geterror();
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::UINT8, pixels.data())) << output->geterror();
+  ASSERT_TRUE(output->close());
+}
+
+std::vector<int> texel(const Texture& texture, float u, float v) {
+  const std::uint8_t* rgba = texture.texel(u, v);
+  return {rgba[0], rgba[1], rgba[2], rgba[3]};
+}
+
+const std::vector<int> kRed{255, 0, 0, 255}, kGreen{0, 255, 0, 255}, kBlue{0, 0, 255, 255}, kGrey{128, 128, 128, 255};
+
+TEST(Texture, FirstRowIsTheBottomAndCoordinatesRepeat) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.tga", "a.rgb", "a.bmp", "a.tif"}) {
+    writeImage(folder.path() / name, 2, 2, 3, {255, 0, 0, 0, 255, 0, 0, 0, 255, 128, 128, 128});
+    const auto texture = loadTexture(folder.path() / name);
+    ASSERT_EQ(texture->width, 2u) << name;
+    ASSERT_EQ(texture->height, 2u);
+    EXPECT_FALSE(texture->hasAlpha);
+    EXPECT_EQ(texel(*texture, 0.25f, 0.75f), kRed) << name;
+    EXPECT_EQ(texel(*texture, 0.75f, 0.75f), kGreen) << name;
+    EXPECT_EQ(texel(*texture, 0.25f, 0.25f), kBlue) << name;
+    EXPECT_EQ(texel(*texture, 0.75f, 0.25f), kGrey) << name;
+    for (const float shift : {-3.0f, -1.0f, 1.0f, 7.0f}) {
+      EXPECT_EQ(texel(*texture, 0.25f + shift, 0.75f - shift), kRed);
+      EXPECT_EQ(texel(*texture, 0.75f - shift, 0.25f + shift), kGrey);
+    }
+  }
+}
+
+TEST(Texture, AnyCoordinateHasATexel) {
+  Texture texture;
+  texture.width = 3;
+  texture.height = 2;
+  texture.rgba.assign(24, 7);
+  for (const float u : {0.0f, 1.0f, -0.0f, -1e-9f, 1e30f, -1e30f, std::nextafter(1.0f, 0.0f), INFINITY, NAN}) {
+    for (const float v : {0.0f, 1.0f, -1e-9f, 1e30f, -INFINITY, NAN}) {
+      const std::uint8_t* found = texture.texel(u, v);
+      EXPECT_GE(found, texture.rgba.data());
+      EXPECT_LE(found + 4, texture.rgba.data() + texture.rgba.size());
+    }
+  }
+  texture.rgba[8] = 9;  // the last of the first row
+  EXPECT_EQ(texture.texel(-1e-3f, 0)[0], 9);
+}
+
+TEST(Texture, AlphaIsKeptAndColourIsNotMultipliedByIt) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.tga", "a.webp"}) {
+    std::vector<std::uint8_t> pixels;
+    for (int i = 0; i < 32 * 32; ++i) {
+      pixels.insert(pixels.end(), {200, 100, 50, static_cast<std::uint8_t>(i % 32 < 16 ? 255 : 204)});
+    }
+    writeImage(folder.path() / name, 32, 32, 4, pixels);
+    const auto texture = loadTexture(folder.path() / name);
+    EXPECT_TRUE(texture->hasAlpha) << name;
+    const int tolerance = std::string(name) == "a.webp" ? 12 : 0;  // it loses a little
+    for (const float u : {0.25f, 0.75f}) {
+      const std::vector<int> found = texel(*texture, u, 0.5f);
+      EXPECT_NEAR(found[0], 200, tolerance) << name;
+      EXPECT_NEAR(found[1], 100, tolerance) << name;
+      EXPECT_NEAR(found[2], 50, tolerance) << name;
+      EXPECT_EQ(found[3], u < 0.5f ? 255 : 204) << name;
+    }
+    EXPECT_TRUE(mayHaveAlpha(folder.path() / name));
+  }
+  writeImage(folder.path() / "opaque.png", 1, 1, 4, {1, 2, 3, 255});
+  EXPECT_FALSE(loadTexture(folder.path() / "opaque.png")->hasAlpha);
+  writeImage(folder.path() / "plain.png", 1, 1, 3, {1, 2, 3});
+  EXPECT_FALSE(mayHaveAlpha(folder.path() / "plain.png"));
+}
+
+TEST(Texture, GreyIsReadAsColour) {
+  const TemporaryFolder folder;
+  writeImage(folder.path() / "a.png", 1, 1, 1, {77});
+  EXPECT_EQ(texel(*loadTexture(folder.path() / "a.png"), 0, 0), (std::vector<int>{77, 77, 77, 255}));
+}
+
+TEST(Texture, MemoryGivesTheSameAsTheFile) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.webp", "a.jpg", "a.tga", "a.bmp"}) {
+    std::vector<std::uint8_t> pixels(16 * 8 * 3);
+    for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * 7);
+    writeImage(folder.path() / name, 16, 8, 3, pixels);
+    const auto fromFile = loadTexture(folder.path() / name);
+    const auto fromMemory = decodeTexture(readFile(folder.path() / name), name);
+    EXPECT_EQ(fromFile->rgba, fromMemory->rgba) << name;
+    EXPECT_EQ(fromMemory->file, name);
+  }
+}
+
+TEST(Texture, IsDecodedOnceWhileItIsHeld) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "a.png";
+  writeImage(path, 1, 1, 3, {1, 2, 3});
+  const auto first = loadTexture(path);
+  EXPECT_EQ(first, loadTexture(folder.path() / "." / "a.png"));
+  writeImage(path, 1, 1, 3, {4, 5, 6});
+  std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(5));
+  EXPECT_EQ(loadTexture(path)->rgba[0], 4);
+}
+
+TEST(Texture, LuminanceFollowsTheStandards) {
+  const std::uint8_t white[] = {255, 255, 255}, black[] = {0, 0, 0}, grey[] = {128, 128, 128}, green[] = {0, 255, 0};
+  EXPECT_NEAR(luminance(white), 1, 1e-6);
+  EXPECT_EQ(luminance(black), 0);
+  EXPECT_NEAR(luminance(grey), 0.21586, 1e-5);
+  EXPECT_NEAR(luminance(green), 0.7152, 1e-6);
+  Texture texture;
+  texture.width = 2;
+  texture.height = 1;
+  texture.rgba = {255, 255, 255, 255, 0, 0, 0, 10};
+  EXPECT_NEAR(meanLuminance(texture), 0.5, 1e-6);
+  EXPECT_NEAR(meanLuminance(texture, 0.5f), 1, 1e-6);
+}
+
+TEST(Texture, OpacityMapBecomesAlpha) {
+  Texture color;
+  color.width = color.height = 1;
+  color.rgba = {10, 20, 30, 255};
+  Texture map;
+  map.width = 2;
+  map.height = 1;
+  map.rgba = {0, 0, 0, 255, 255, 255, 255, 255};
+  const auto joined = withOpacity(&color, map);
+  EXPECT_EQ(joined->width, 2u);
+  EXPECT_TRUE(joined->hasAlpha);
+  EXPECT_EQ(joined->rgba, (std::vector<std::uint8_t>{10, 20, 30, 0, 10, 20, 30, 255}));
+  EXPECT_EQ(withOpacity(nullptr, map, true)->rgba, (std::vector<std::uint8_t>{255, 255, 255, 255, 255, 255, 255, 0}));
+  map.rgba = {0, 0, 0, 200, 255, 255, 255, 100};
+  map.hasAlpha = true;
+  EXPECT_EQ(withOpacity(&color, map)->rgba[3], 200);
+}
+
+TEST(Texture, BadFilesAreNamedAndNothingIsPrinted) {
+  const TemporaryFolder folder;
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  std::vector<std::uint8_t> pixels(64 * 64 * 3);
+  for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<std::uint8_t>(i * i);
+  int refused = 0;
+  for (const char* name : {"a.png", "a.jpg", "a.webp", "a.tga", "a.rgb", "a.bmp", "a.tif"}) {
+    const auto path = folder.path() / name;
+    writeImage(path, 64, 64, 3, pixels);
+    const std::string whole = readFile(path);
+    for (std::size_t k = 0; k < 50; ++k) {
+      std::string text = whole.substr(0, whole.size() * (k / 2) / 25);
+      if (k % 2 == 1) {
+        text = whole;
+        text[whole.size() * k / 50] = static_cast<char>(~text[whole.size() * k / 50]);
+      }
+      folder.write(name, text);
+      for (const bool memory : {false, true}) {
+        try {
+          const auto texture = memory ? decodeTexture(readFile(path), path.string()) : loadTexture(path);
+          EXPECT_EQ(texture->rgba.size(), std::size_t{texture->width} * texture->height * 4);
+        } catch (const InputError& e) {
+          EXPECT_THAT(e.what(), HasSubstr(name));
+          ++refused;
+        }
+      }
+    }
+    folder.write(name, "this is not an image at all, but a text of some length");
+    EXPECT_THROW(loadTexture(path), InputError);
+  }
+  EXPECT_THROW(loadTexture(folder.path() / "absent.png"), InputError);
+  EXPECT_THROW(loadTexture(folder.path()), InputError);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_GT(refused, 100);
+}
+
+TEST(Texture, HugeImagesAreRefusedByTheirHeader) {
+  const TemporaryFolder folder;
+  // TGA: 18 bytes, uncompressed RGB of 20000 x 4.
+  std::string header(18, '\0');
+  header[2] = 2;
+  header[12] = static_cast<char>(20000 % 256);
+  header[13] = static_cast<char>(20000 / 256);
+  header[14] = 4;
+  header[16] = 24;
+  const auto path = folder.write("huge.tga", header + std::string(20000 * 4 * 3, 'x'));
+  try {
+    loadTexture(path);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), HasSubstr("20000 x 4"));
+    EXPECT_THAT(e.what(), HasSubstr("16384"));
+  }
+}
+
+TEST(Texture, ReadsTheTownsWebp) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  const auto texture = loadTexture(sharedData() / "scenes/truck_town/model/textures/grass_lossy.webp");
+  EXPECT_FALSE(texture->hasAlpha);
+  EXPECT_GT(texture->width, 100u);
+  const float mean = meanLuminance(*texture);
+  EXPECT_GT(mean, 0.05f);
+  EXPECT_LT(mean, 0.9f);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,155 @@
+#include "scenefile/rules.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/message_of.h"
+
+namespace scanmill {
+namespace {
+
+const Location kWhere{"rules.yaml", 1, 1};
+
+std::vector<Rule> rules(const std::string& text) {
+  return readRules(parseYaml(text, "rules.yaml"));
+}
+
+TEST(Globs, matchTheWholeName) {
+  EXPECT_TRUE(matches("tree", "tree", kWhere));
+  EXPECT_FALSE(matches("tree", "tree2", kWhere));
+  EXPECT_FALSE(matches("tree", "Tree", kWhere));
+  EXPECT_TRUE(matches("tree*", "tree", kWhere));
+  EXPECT_TRUE(matches("*", "", kWhere));
+  EXPECT_FALSE(matches("?", "", kWhere));
+  EXPECT_TRUE(matches("House??Mesh", "House01Mesh", kWhere));
+  EXPECT_FALSE(matches("House??Mesh", "House1Mesh", kWhere));
+  EXPECT_TRUE(matches("*/leaf*.png", "textures/oak/leaf_1.png", kWhere));
+  EXPECT_TRUE(matches("*a*b*c", "xxaybbzzabc", kWhere));
+  EXPECT_FALSE(matches("*a*b*c", "xxaybbzzab", kWhere));
+  EXPECT_FALSE(matches("", "a", kWhere));
+  EXPECT_TRUE(matches("a.c", "a.c", kWhere));
+  EXPECT_FALSE(matches("a.c", "abc", kWhere));
+}
+
+TEST(Globs, sets) {
+  EXPECT_TRUE(matches("car_[0-9]", "car_7", kWhere));
+  EXPECT_FALSE(matches("car_[0-9]", "car_x", kWhere));
+  EXPECT_TRUE(matches("[abx-z]*", "yes", kWhere));
+  EXPECT_TRUE(matches("[!a-c]at", "hat", kWhere));
+  EXPECT_FALSE(matches("[!a-c]at", "bat", kWhere));
+  EXPECT_TRUE(matches("[]-]x", "]x", kWhere));
+  EXPECT_TRUE(matches("[a-]x", "-x", kWhere));
+  EXPECT_TRUE(matches("a[b", "a[b", kWhere));  // never closed: itself
+  EXPECT_TRUE(matches("*[0-9]m", "12am3m", kWhere));
+}
+
+TEST(Globs, manyStarsStayCheap) {
+  const std::string pattern = [] {
+    std::string p;
+    for (int i = 0; i < 40; ++i) p += "*a";
+    return p + "b";
+  }();
+  EXPECT_FALSE(matches(pattern, std::string(4000, 'a'), kWhere));
+}
+
+TEST(Regexes, areSearched) {
+  EXPECT_TRUE(matches("/car_[0-9]+/", "old_car_12.obj", kWhere));
+  EXPECT_FALSE(matches("/^car/", "old_car_12.obj", kWhere));
+  EXPECT_TRUE(matches("/^(Road|Grass)Mesh$/", "GrassMesh", kWhere));
+  EXPECT_TRUE(matches("/", "/", kWhere));  // too short for one: a glob
+}
+
+TEST(Regexes, badOnesAreRefusedWithTheirPlace) {
+  expectInputError([] { matches("/(/", "x", kWhere); }, {"rules.yaml:1:1", "/(/"});
+  expectInputError([] { rules("- {match: {node: '/[a/'}, class: car}"); }, {"rules.yaml:1:", "/[a/"});
+  expectInputError([] { matches("/(x+)*y/", std::string(100000, 'x'), kWhere); }, {"rules.yaml:1:1", "100000"});
+}
+
+TEST(Globs, BracesHoldAlternatives) {
+  for (const char* const name : {"tree_1", "bush_1", "hedge_low_1", "hedge_high_1"}) {
+    EXPECT_TRUE(matches("{tree,bush,hedge_{low,high}}_?", name, kWhere)) << name;
+  }
+  EXPECT_FALSE(matches("{tree,bush}_?", "hedge_1", kWhere));
+  EXPECT_TRUE(matches("{,big_}car", "car", kWhere));
+  EXPECT_TRUE(matches("{a}", "{a}", kWhere)) << "no comma: braces";
+  EXPECT_TRUE(matches("{a,b", "{a,b", kWhere)) << "never closed: a brace";
+  std::string many;
+  for (int i = 0; i < 11; ++i) many += "{a,b}";
+  expectInputError([&] { matches(many, "x", kWhere); }, {"rules.yaml:1:1", "alternatives"});
+}
+
+TEST(Rules, AllPatternsMustHold) {
+  const auto list = rules("- {match: {node: a, material: b, texture: '*c*', file: '/d$/'}, class: car}\n");
+  EXPECT_TRUE(matchesNames(list[0], {"a", "b", "xcx", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"A", "b", "xcx", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"a", "B", "xcx", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"a", "b", "", "d"}));
+  EXPECT_FALSE(matchesNames(list[0], {"a", "b", "xcx", "de"}));
+}
+
+// The same rule serves files that write textures' folders and those that do not, with whichever strokes.
+TEST(Rules, TexturesAreMatchedByTheirNameOrTheirPath) {
+  const auto list = rules(
+      "- {match: {texture: 'leaf*.png'}, class: tree}\n"
+      "- {match: {texture: 'trees/*'}, class: tree}\n"
+      "- {match: {texture: '/trees/'}, class: tree}\n");
+  for (const char* const path : {"leaf_1.png", "trees/leaf_1.png", "C:\\art\\trees\\leaf_1.png"}) {
+    EXPECT_TRUE(matchesNames(list[0], {"", "", path, ""})) << path;
+  }
+  EXPECT_TRUE(matchesNames(list[1], {"", "", "trees\\leaf_1.png", ""}));
+  EXPECT_FALSE(matchesNames(list[1], {"", "", "leaf_1.png", ""}));
+  EXPECT_TRUE(matchesNames(list[2], {"", "", "art\\trees\\leaf_1.png", ""}));
+}
+
+TEST(Rules, TrianglesAreMatchedByWhatIsTheirs) {
+  const auto list = rules(
+      "- {match: {color: '#804020', within: 8}, class: tree}\n"
+      "- {match: {color: ['#000000', '#ffffff']}, class: tree}\n"
+      "- {match: {box: [[0, 0, 0], [1, 2, 3]]}, class: tree}\n"
+      "- {match: {height: [0, 2.5], size: [1, 6]}, class: tree}\n");
+  TriangleTraits t;
+  t.color = {0x88, 0x38, 0x20};
+  EXPECT_TRUE(matchesTriangle(list[0], t));
+  t.color = {0x89, 0x40, 0x20};
+  EXPECT_FALSE(matchesTriangle(list[0], t));
+  EXPECT_FALSE(matchesTriangle(list[1], t));
+  t.color = {250, 255, 240};
+  EXPECT_TRUE(matchesTriangle(list[1], t)) << "within 16 where nothing is said";
+  t.middle = {1, 2, 3};
+  EXPECT_TRUE(matchesTriangle(list[2], t));
+  t.middle = {1, 2.1, 3};
+  EXPECT_FALSE(matchesTriangle(list[2], t));
+  t.height = 2.5;
+  t.size = 1;
+  EXPECT_TRUE(matchesTriangle(list[3], t));
+  t.size = 0.9;
+  EXPECT_FALSE(matchesTriangle(list[3], t));
+  EXPECT_TRUE(list[3].byTriangle());
+  EXPECT_EQ(describe(list[3]), "height: 0 to 2.5, size: 1 to 6");
+}
+
+TEST(Rules, badOnesAreRefusedWithTheirPlace) {
+  const auto refuse = [](const std::string& text, const std::vector<std::string>& words) {
+    SCOPED_TRACE(text);
+    expectInputError([&] { rules(text); }, words);
+  };
+  refuse("{match: any, class: car}", {"rules.yaml:1", "list"});
+  refuse("- {class: car}", {"rules.yaml:1", "match"});
+  refuse("- {match: all, class: car}", {"rules.yaml:1", "any", "all"});
+  refuse("- {match: {}, class: car}", {"rules.yaml:1", "any"});
+  refuse("- {match: {nod: x}, class: car}", {"rules.yaml:1", "nod", "node"});
+  refuse("- {match: {node: ''}, class: car}", {"rules.yaml:1", "empty"});
+  refuse("- {match: any}", {"rules.yaml:1", "class"});
+  refuse("- {match: any, class: car, clas: x}", {"rules.yaml:1", "clas"});
+  refuse("- {match: any, class: car, drop: true}", {"rules.yaml:1", "drops"});
+  refuse("- {match: {color: red}, class: car}", {"rules.yaml:1", "#8fb34d"});
+  refuse("- {match: {color: '#12345g'}, class: car}", {"rules.yaml:1", "#8fb34d"});
+  refuse("- {match: {color: []}, class: car}", {"rules.yaml:1", "empty"});
+  refuse("- {match: {within: 3}, class: car}", {"rules.yaml:1", "color"});
+  refuse("- {match: {height: [3, 1]}, class: car}", {"rules.yaml:1", "height"});
+  refuse("- {match: {size: 3}, class: car}", {"rules.yaml:1", "size"});
+  refuse("- {match: {box: [[0, 0, 0]]}, class: car}", {"rules.yaml:1", "box"});
+  refuse("- {match: {box: [[0, 0, 5], [1, 1, 1]]}, class: car}", {"rules.yaml:1", "least"});
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,26 @@
+#include "town/areas.h"
+
+#include <gtest/gtest.h>
+
+namespace scanmill::town {
+namespace {
+
+const Polygon kSquare{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+const Polygon kHole{{4, 4}, {4, 6}, {6, 6}, {6, 4}};
+
+TEST(Areas, TheSmallestAreaIsTold) {
+  Areas areas;
+  areas.add({Land::Grass, {{-100, -100}, {100, -100}, {100, 100}, {-100, 100}}, {}});
+  areas.add({Land::Water, kSquare, {kHole}});
+  EXPECT_EQ(areas.at({50, 50}), Land::Grass);
+  EXPECT_EQ(areas.at({2, 2}), Land::Water);
+  EXPECT_EQ(areas.at({5, 5}), Land::Grass) << "an island";
+  EXPECT_EQ(areas.at({500, 0}), std::nullopt);
+  EXPECT_NEAR(areas.outsideHard({2, 5}), -2, 1e-12);
+  EXPECT_NEAR(areas.outsideHard({13, 5}), 3, 1e-12);
+  EXPECT_NEAR(areas.outsideHard({5, 5}), 1, 1e-12);
+  EXPECT_EQ(areas.outsideHard({60, 60}), Areas::kReach);
+}
+
+}  // namespace
+}  // namespace scanmill::town

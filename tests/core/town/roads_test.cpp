@@ -1,0 +1,100 @@
+#include "town/roads.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/random.h"
+
+namespace scanmill::town {
+namespace {
+
+Road straight(Point2 from, Point2 to, double half) {
+  Road road;
+  const double length = std::hypot(to.x - from.x, to.y - from.y);
+  const int steps = static_cast<int>(length / kRoadStep);
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    road.line.push_back({from.x + (to.x - from.x) * t, from.y + (to.y - from.y) * t});
+  }
+  road.section.half = half;
+  return road;
+}
+
+TEST(RoadNetwork, TellsWhereAPointLiesBesideARoad) {
+  RoadNetwork roads;
+  roads.add(straight({-100, 0}, {100, 0}, 3.5));
+  const Beside left = roads.at(20.3, 5);
+  ASSERT_TRUE(left.known);
+  EXPECT_NEAR(left.edge, 1.5, 1e-12);
+  EXPECT_NEAR(left.lateral, 5, 1e-12);
+  EXPECT_NEAR(left.along, 120.3, 1e-9);
+  EXPECT_NEAR(roads.at(-60, -1).lateral, -1, 1e-12);
+  EXPECT_NEAR(roads.at(-60, -1).edge, -2.5, 1e-12);
+  EXPECT_FALSE(roads.at(0, RoadNetwork::kReach + 0.1).known);
+  EXPECT_TRUE(roads.at(0, RoadNetwork::kReach - 0.1).known);
+  EXPECT_NEAR(roads.at(103, 4).edge, 1.5, 1e-12) << "round about its end";
+}
+
+// Of several roads the nearest, but for the rounded corners: there a quarter of 10 m less at most, and continuous.
+TEST(RoadNetwork, RoundsTheCornersOfCrossings) {
+  const Road a = straight({-100, 0}, {100, 0}, 3);
+  const Road b = straight({10, -80}, {30, 80}, 4);
+  RoadNetwork both;
+  both.add(a);
+  both.add(b);
+  both.addJoint({20, 0});
+  RoadNetwork onlyA;
+  onlyA.add(a);
+  RoadNetwork onlyB;
+  onlyB.add(b);
+  int rounded = 0;
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    const RandomBlock words = randomBlock({.seed = 3, .beam = i});
+    const double x = -20 + 80 * uniform(words[0]);
+    const double y = -40 + 80 * uniform(words[1]);
+    const Beside beside = both.at(x, y);
+    const double edgeA = onlyA.at(x, y).edge;
+    const double edgeB = onlyB.at(x, y).edge;
+    const double least = std::min(edgeA, edgeB);
+    EXPECT_LE(beside.edge, least + 1e-9);
+    EXPECT_GE(beside.edge, least - 2.5 - 1e-9);
+    EXPECT_EQ(beside.road, edgeA <= edgeB ? 0u : 1u);
+    if (std::abs(edgeA - edgeB) > 10 + 1e-9) {
+      EXPECT_NEAR(beside.edge, least, 1e-9);
+    } else {
+      ++rounded;
+    }
+    if (std::abs(edgeA) < 40 && std::abs(edgeB) < 40) {
+      EXPECT_LT(std::abs(both.at(x + 0.01, y).edge - beside.edge), 0.0101 * 1.01);
+    }
+  }
+  EXPECT_GT(rounded, 300);
+}
+
+// Roads that lie side by side stay two.
+TEST(RoadNetwork, RoundsNothingWhereRoadsDoNotMeet) {
+  RoadNetwork roads;
+  roads.add(straight({-100, 0}, {100, 0}, 3));
+  roads.add(straight({-100, 9}, {100, 9}, 3));
+  roads.addJoint({-100, 4});
+  EXPECT_NEAR(roads.at(0, 4.5).edge, 1.5, 1e-3);
+  EXPECT_NEAR(roads.at(-95, 4.5).edge, -1, 1e-3);
+  for (double x = -90; x < 90; x += 0.5) {
+    EXPECT_LT(std::abs(roads.at(x + 0.5, 4.5).edge - roads.at(x, 4.5).edge), 0.2) << "continuous";
+  }
+}
+
+TEST(Road, IsMeasuredAlongItsLine) {
+  RoadNetwork roads;
+  roads.add(straight({1, 2}, {4, 6}, 3));
+  const Road& road = roads.roads().front();
+  EXPECT_NEAR(road.length(), 5, 1e-12);
+  EXPECT_NEAR(road.point(2.5).x, 2.5, 1e-12);
+  EXPECT_NEAR(road.point(99).y, 6, 1e-12);
+  EXPECT_NEAR(road.heading(1).x, 0.6, 1e-12);
+  for (const double at : {-7.0, 5.0, 99.0}) EXPECT_NEAR(road.heading(at).y, 0.8, 1e-12) << at;
+}
+
+}  // namespace
+}  // namespace scanmill::town

@@ -1,0 +1,531 @@
+#include "town/town.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "base/hash.h"
+#include "base/path.h"
+#include "config/fields.h"
+#include "config/value.h"
+#include "models/occupancy.h"
+#include "scene/scene.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/town.h"
+#include "town/lanes.h"
+#include "town/layout.h"
+#include "town/placer.h"
+
+namespace scanmill {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsSupersetOf;
+using testing::Not;
+
+std::string hash(const Scene& scene) {
+  Sha256 sha;
+  for (const Mesh& m : scene.meshes) {
+    sha.add({reinterpret_cast<const char*>(m.positions.data()), m.positions.size() * sizeof(m.positions[0])});
+    sha.add({reinterpret_cast<const char*>(m.triangles.data()), m.triangles.size() * sizeof(m.triangles[0])});
+  }
+  for (const Instance& i : scene.instances) {
+    sha.add(i.name);
+    sha.add({reinterpret_cast<const char*>(&i.worldFromMesh), sizeof(Affine)});
+  }
+  return sha.hex();
+}
+
+std::set<std::string> classesOf(const Scene& scene) {
+  std::set<std::string> names;
+  for (const Instance& i : scene.instances) {
+    for (const Surface& s : scene.meshes[i.mesh].surfaces) names.insert(scene.ontology.find(s.semantic)->name);
+  }
+  return names;
+}
+
+// All that stands on the ground of a town, by the corners of its meshes, in the world's frame.
+template <class Visit>
+void forPoints(const Scene& scene, const Visit& visit) {
+  for (const Instance& i : scene.instances) {
+    if (i.name == "ground" || i.name.starts_with("road ")) continue;
+    for (const Vec3f& p : scene.meshes[i.mesh].positions) visit(i, i.worldFromMesh * Vec3d(p));
+  }
+}
+
+constexpr const char* kSmall = "{length: 120}";
+
+TEST(Town, FollowsFromItsSeed) {
+  EXPECT_EQ(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 5)));
+  EXPECT_NE(hash(makeTown(kSmall, 5)), hash(makeTown(kSmall, 6)));
+}
+
+// No beam slips through: every edge belongs to two triangles, which go along it in opposite directions, but at the end
+// of the world. Curbs are walls between the two.
+TEST(Town, TheGroundIsClosed) {
+  for (const Place& place : {Place{kSmall, 1},
+                             {kSmall, 2},
+                             {"{length: 120, season: winter}", 3},
+                             {onMap("length: 120, road: Mill Road"), 1},
+                             {onMap("length: 200, season: winter"), 2}}) {
+    const Scene scene = makeTown(place.yaml, place.seed);
+    const Mesh& ground = groundOf(scene);
+    const Box box = ground.bounds();
+    std::map<std::tuple<float, float, float, float, float, float>, int> edges;
+    const auto key = [&](const Vec3f& a, const Vec3f& b) { return std::tuple(a.x, a.y, a.z, b.x, b.y, b.z); };
+    for (const auto& t : ground.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) ++edges[key(ground.positions[t[i]], ground.positions[t[(i + 1) % 3]])];
+    }
+    std::size_t open = 0;
+    for (const auto& [edge, count] : edges) {
+      const auto& [ax, ay, az, bx, by, bz] = edge;
+      if (edges.contains({bx, by, bz, ax, ay, az})) continue;
+      const bool border = (ax == bx && (ax == float(box.low.x) || ax == float(box.high.x))) ||
+                          (ay == by && (ay == float(box.low.y) || ay == float(box.high.y)));
+      open += border ? 0 : 1;
+    }
+    EXPECT_EQ(open, 0u) << place << " of " << edges.size();
+  }
+}
+
+TEST(Town, TheGroundHasRoadsCurbsAndLawns) {
+  const Scene scene = makeTown("{district: suburban, length: 120}", 2);
+  std::map<std::string, double> area;
+  const Mesh& ground = groundOf(scene);
+  for (std::size_t t = 0; t < ground.triangles.size(); ++t) {
+    const auto& c = ground.triangles[t];
+    const Vec3d a(ground.positions[c[0]]);
+    const Vec3d n = cross(Vec3d(ground.positions[c[1]]) - a, Vec3d(ground.positions[c[2]]) - a);
+    EXPECT_GE(n.z, -1e-9) << "it faces up";
+    area[scene.ontology.find(ground.surfaces[ground.surfaceOf[t]].semantic)->name] += length(n) / 2;
+  }
+  EXPECT_GT(area["road"], 120 * 5.0);
+  EXPECT_GT(area["sidewalk"], 200);
+  EXPECT_GT(area["curb"], 20);
+  EXPECT_GT(area["terrain"], 20000);
+}
+
+// One can drive: on the road, with nothing in the way below the height of a car.
+TEST(Town, TheLaneIsFree) {
+  for (const Place& place : {Place{kSmall, 1},
+                             {kSmall, 4},
+                             {kSmall, 9},
+                             {onMap("length: 120, road: Mill Road"), 1},
+                             {onMap("length: 120, road: Church Lane"), 2},
+                             {onMap("length: 100, road: School Street"), 1},
+                             {onMap("length: 100, road: School Street"), 2},
+                             {onMap("length: 100, road: School Street"), 3},
+                             {onMap("length: 100, road: School Street"), 4},
+                             {onMap("length: 100"), 4}}) {
+    const Scene scene = makeTown(place.yaml, place.seed);
+    const std::vector<Vec3d> lane = laneOf(place.yaml, place.seed);
+    ASSERT_GT(lane.size(), 8u);
+    std::size_t blocked = 0;
+    std::string what;
+    forPoints(scene, [&](const Instance& i, const Vec3d& p) {
+      for (const Vec3d& l : lane) {
+        if (std::hypot(p.x - l.x, p.y - l.y) > 0.9 || p.z - l.z < 0.05 || p.z - l.z > 1.7) continue;
+        ++blocked;
+        what = i.name;
+      }
+    });
+    EXPECT_EQ(blocked, 0u) << place << ": " << what;
+  }
+}
+
+TEST(Town, StandsOnItsGround) {
+  const Scene scene = makeTown(kSmall, 3);
+  const Mesh& ground = groundOf(scene);
+  for (const Instance& i : scene.instances) {
+    if (!i.name.starts_with("pedestrian") && !i.name.starts_with("car")) continue;
+    const Vec3d foot = i.worldFromMesh.translation;
+    double nearest = 1e9;
+    double height = 0;
+    for (const Vec3f& p : ground.positions) {
+      const double d = std::hypot(p.x - foot.x, p.y - foot.y);
+      if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
+    }
+    EXPECT_NEAR(foot.z, height, 0.25) << i.name;
+  }
+}
+
+TEST(Town, HasTheClassesOfStreets) {
+  std::set<std::string> all;
+  for (const std::uint64_t seed : {1, 2, 3, 4})
+    all.merge(classesOf(makeTown("{length: 200, people: 3, vehicles: 3}", seed)));
+  EXPECT_THAT(
+      all, IsSupersetOf({"road",        "road_marking", "sidewalk",   "curb",  "terrain",    "building", "window",
+                         "wall",        "fence",        "vegetation", "tree",  "trunk",      "pole",     "traffic_sign",
+                         "street_lamp", "car",          "truck",      "bus",   "motorcycle", "bicycle",  "pedestrian",
+                         "rider",       "object",       "parking",    "ground"}));
+}
+
+TEST(Town, FactorsOfZeroLeaveThingsOut) {
+  const std::set<std::string> bare = classesOf(makeTown("{length: 120, greenery: 0, vehicles: 0, people: 0}", 2));
+  for (const char* name : {"vegetation", "tree", "car", "truck", "bus", "pedestrian", "rider", "bicycle"}) {
+    EXPECT_THAT(bare, Not(Contains(name)));
+  }
+  EXPECT_THAT(bare, Contains("building"));
+  const Scene flat = makeTown("{length: 120, slope: 0}", 2);
+  const Scene hilly = makeTown("{length: 120, slope: 3}", 2);
+  const auto rise = [](const Scene& scene) {
+    const Box box = groundOf(scene).bounds();
+    return box.high.z - box.low.z;
+  };
+  EXPECT_GT(rise(hilly), rise(flat) + 2);
+}
+
+// Worn roads have holes, which lie below what is around them, and covers that lie on the road.
+TEST(Town, RoadsAreWorn) {
+  std::size_t holes = 0;
+  std::size_t covers = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Value value = parseYaml("{length: 120}", "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    for (const town::Pothole& h : layout.potholes()) {
+      const auto kind = layout.kindAt(layout.roads().at(h.center.x, h.center.y), h.center);
+      if (kind != town::GroundKind::Road) continue;  // another road's pavement
+      ++holes;
+      double around = 0;
+      for (int k = 0; k < 8; ++k) {
+        const double angle = kPi * k / 4;
+        around += layout.heightAt(
+                      {h.center.x + 1.3 * h.radius * std::cos(angle), h.center.y + 1.3 * h.radius * std::sin(angle)}) /
+                  8;
+      }
+      EXPECT_LT(layout.heightAt(h.center), around - 0.4 * h.depth + 0.012) << seed;
+    }
+    const Scene scene = makeTown("{length: 120}", seed);
+    for (const Instance& i : scene.instances) {
+      if (i.name != "road covers") continue;
+      for (const Vec3f& p : scene.meshes[i.mesh].positions) {
+        ++covers;
+        EXPECT_NEAR(p.z, layout.heightAt({p.x, p.y}), 0.02);
+      }
+    }
+  }
+  EXPECT_GT(holes, 10u);
+  EXPECT_GT(covers, 500u);
+}
+
+// A place is the same in all seasons but for leaves and snow.
+TEST(Town, HasSeasons) {
+  struct Year {
+    std::size_t leaves = 0, things = 0;
+    std::set<std::string> ground;
+    double top = 0;  // m, mean height of the ground
+  };
+  const auto year = [](const std::string& season) {
+    const Scene scene = makeTown("{length: 120, district: suburban, season: " + season + "}", 3);
+    Year y;
+    for (const Instance& i : scene.instances) {
+      const Mesh& mesh = scene.meshes[i.mesh];
+      if (i.name.starts_with("house") || i.name.starts_with("car")) ++y.things;
+      if (!i.name.starts_with("tree")) continue;
+      for (const std::uint16_t s : mesh.surfaceOf) {
+        y.leaves += scene.materials[mesh.surfaces[s].material].name == "leaf" ? 1 : 0;
+      }
+    }
+    const Mesh& ground = groundOf(scene);
+    for (const Surface& s : ground.surfaces) y.ground.insert(scene.materials[s.material].name);
+    for (const Vec3f& p : ground.positions) y.top += double{p.z} / static_cast<double>(ground.positions.size());
+    return y;
+  };
+  const Year summer = year("summer");
+  const Year autumn = year("autumn");
+  const Year winter = year("winter");
+  EXPECT_GT(summer.things, 10u);
+  EXPECT_EQ(summer.things, winter.things);
+  EXPECT_EQ(summer.things, autumn.things);
+  EXPECT_LT(autumn.leaves, 0.75 * static_cast<double>(summer.leaves));
+  EXPECT_LT(winter.leaves, 0.2 * static_cast<double>(autumn.leaves));
+  EXPECT_THAT(winter.ground, Contains("snow"));
+  EXPECT_THAT(winter.ground, Not(Contains("grass")));
+  EXPECT_THAT(autumn.ground, Contains("leaf_litter"));
+  EXPECT_THAT(summer.ground, Not(Contains("snow")));
+  EXPECT_GT(winter.top, summer.top + 0.03);
+  EXPECT_LT(winter.top, summer.top + 0.4);
+}
+
+// What the seeds draw differs from place to place: districts, widths, greenery.
+TEST(Town, NoTwoSeedsAreAlike) {
+  std::set<int> widths;
+  std::size_t fewest = SIZE_MAX;
+  std::size_t most = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Scene scene = makeTown("{length: 100}", seed);
+    const auto trees =
+        static_cast<std::size_t>(std::count_if(scene.instances.begin(), scene.instances.end(), [](const Instance& i) {
+          return i.name.starts_with("tree") || i.name.starts_with("wood") || i.name.starts_with("undergrowth");
+        }));
+    fewest = std::min(fewest, trees);
+    most = std::max(most, trees);
+    const std::vector<Vec3d> lane = laneOf("{length: 100}", seed);
+    widths.insert(static_cast<int>(std::lround(100 * std::hypot(lane[3].x - lane[0].x, lane[3].y - lane[0].y))));
+    widths.insert(static_cast<int>(std::lround(100 * lane[5].y)));
+  }
+  EXPECT_GT(most, 3 * fewest);
+  EXPECT_GE(widths.size(), 8u);
+}
+
+TEST(Town, RefusesWhatItDoesNotKnow) {
+  const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
+  EXPECT_THAT(refusal("{district: rurall}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'rural'")));
+  EXPECT_THAT(refusal("{season: sumer}"), HasSubstr("did you mean 'summer'"));
+  EXPECT_THAT(refusal("{length: 20}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("length")));
+  EXPECT_THAT(refusal("{greenry: 1}"), HasSubstr("did you mean 'greenery'"));
+  EXPECT_THAT(refusal("{people: -1}"), HasSubstr("people"));
+}
+
+// Roads, buildings and land are the map's, whatever the seed that dresses them.
+TEST(Town, StandsWhereTheMapSays) {
+  const Value value = parseYaml(onMap("road: Mill Road"), "town.yaml");
+  Fields fields(value, "town");
+  const town::Parameters parameters = town::readParameters(fields);
+  const town::MapPlace place = town::cutOut(town::readMap(parameters.map, false, {}), parameters, 1, 280, {});
+  const town::Layout one(parameters, 1, place);
+  const town::Layout two(parameters, 2, place);
+  EXPECT_GE(one.houses().size(), 20u);
+  EXPECT_GE(one.blocks().size(), 3u);
+  ASSERT_EQ(one.houses().size(), two.houses().size());
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < one.houses().size(); ++i) {
+    const models::House& a = one.houses()[i];
+    const models::House& b = two.houses()[i];
+    EXPECT_NEAR(
+        std::hypot(a.place.translation.x - b.place.translation.x, a.place.translation.y - b.place.translation.y), 0, 4)
+        << "the same rectangle, perhaps with its front to another road";
+    const Vec3d middle = a.place * Vec3d{a.width / 2, a.depth / 2, 0};
+    for (const town::MapBuilding& building : place.buildings) {
+      inside += town::isInside({&building.outline}, {middle.x, middle.y}) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(inside, one.houses().size());
+  EXPECT_EQ(one.areas().all().size(), two.areas().all().size());
+  ASSERT_EQ(one.roads().roads().size(), two.roads().roads().size());
+  for (std::size_t r = 0; r < one.roads().roads().size(); ++r) {
+    EXPECT_EQ(one.roads().roads()[r].length(), two.roads().roads()[r].length());
+  }
+}
+
+// What keeps to the left is the mirror image of what keeps to the right; on a map, whose places stay, of its lanes
+// alone.
+TEST(Town, TrafficThatKeepsLeftIsAMirrorImage) {
+  const std::string keys = "length: 120, detail: 0.1";
+  const Scene right = makeTown("{" + keys + "}", 4);
+  const Scene left = makeTown("{" + keys + ", driving_side: left}", 4);
+  ASSERT_EQ(left.instances.size(), right.instances.size());
+  const auto mirrored = [](const Vec3d& p) { return Vec3d{p.x, -p.y, p.z}; };
+  for (std::size_t k = 0; k < left.instances.size(); ++k) {
+    for (const double time : {0.0, 3.0}) {
+      const Vec3d origin = left.instances[k].worldFromMeshAt(time) * Vec3d{};
+      EXPECT_LT(length(origin - mirrored(right.instances[k].worldFromMeshAt(time) * Vec3d{})), 1e-6)
+          << left.instances[k].name;
+    }
+  }
+  const std::vector<Vec3d> lane = laneOf("{" + keys + "}", 4);
+  const std::vector<Vec3d> leftLane = laneOf("{" + keys + ", driving_side: left}", 4);
+  ASSERT_EQ(leftLane.size(), lane.size());
+  for (std::size_t k = 0; k < lane.size(); ++k) EXPECT_LT(length(leftLane[k] - mirrored(lane[k])), 1e-9);
+
+  const auto middleOf = [](const Scene& scene, std::string_view name) {
+    Box box;
+    for (const Instance& i : scene.instances) {
+      if (!i.name.starts_with(name)) continue;
+      for (const Vec3f& p : scene.meshes[i.mesh].positions) box.add(i.worldFromMesh * Vec3d(p));
+    }
+    return Vec3d{box.center().x, box.center().y, 0};
+  };
+  const Scene village = makeTown(onMap("road: Mill Road, length: 300, detail: 0.05"), 1);
+  const Scene english = makeTown(onMap("road: Mill Road, length: 300, detail: 0.05, driving_side: left"), 1);
+  EXPECT_EQ(english.about, village.about);
+  EXPECT_LT(length(middleOf(english, "block") - middleOf(village, "block")), 1) << "buildings stay";
+  const std::vector<Vec3d> one = laneOf(onMap("road: Mill Road, length: 300"), 1);
+  const std::vector<Vec3d> other = laneOf(onMap("road: Mill Road, length: 300, driving_side: left"), 1);
+  const Vec3d across = other[other.size() / 2] - one[one.size() / 2];
+  EXPECT_GT(across.y, 1.5) << "the other lane, to the left of the way to +x";
+  EXPECT_LT(across.y, 6);
+}
+
+TEST(Town, GrassGrowsOnSoilAlone) {
+  std::size_t tufts = 0;
+  for (const std::uint64_t seed : {9, 11}) {
+    const std::string yaml = "{district: rural, length: 120, detail: 0.05}";
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    for (const Instance& i : makeTown(yaml, seed).instances) {
+      if (!i.name.starts_with("tuft")) continue;
+      const Vec3d& at = i.worldFromMesh.translation;
+      const town::GroundKind kind = layout.kindAt(layout.roads().at(at.x, at.y), {at.x, at.y});
+      EXPECT_TRUE(kind == town::GroundKind::Verge || kind == town::GroundKind::Shoulder ||
+                  kind == town::GroundKind::Lawn);
+      EXPECT_NEAR(at.z, layout.heightAt({at.x, at.y}), 1e-6);
+      ++tufts;
+    }
+  }
+  EXPECT_GT(tufts, 20u);
+  for (const Instance& i : makeTown("{district: rural, length: 120, detail: 0.05, season: winter}", 9).instances) {
+    EXPECT_FALSE(i.name.starts_with("tuft"));
+  }
+}
+
+// They stand near the main road, and face those who come to it out of a side road.
+TEST(Town, SignsToGiveWayFaceThoseWhoComeOutOfSideRoads) {
+  int signs = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Road& main = layout.roads().roads().front();
+    for (const Instance& i : makeTown(yaml, seed).instances) {
+      if (!i.name.starts_with("sign at a mouth")) continue;
+      const auto fromMain = [&](const Vec3d& p) {
+        double least = 1e9;
+        for (const town::Point2& q : main.line) least = std::min(least, std::hypot(p.x - q.x, p.y - q.y));
+        return least;
+      };
+      const Vec3d at = i.worldFromMesh.translation;
+      EXPECT_LT(fromMain(at), main.section.half + main.section.outer() + 20);
+      EXPECT_GT(fromMain(i.worldFromMesh * Vec3d{5, 0, 0}), fromMain(at) + 2) << "seed " << seed;
+      ++signs;
+    }
+  }
+  EXPECT_GE(signs, 5);
+}
+
+// Where a side road with a sign ends, the lane that comes to it has a line, and the other has none.
+TEST(Town, SideRoadsEndAtALineOfTheirLane) {
+  int lines = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    const Scene scene = makeTown(yaml, seed);
+    const auto markings = std::find_if(scene.instances.begin(), scene.instances.end(),
+                                       [](const Instance& i) { return i.name == "road markings"; });
+    const std::vector<town::Road>& roads = layout.roads().roads();
+    for (std::uint32_t r = 1; r < roads.size(); ++r) {
+      const double at = town::stopAtMouth(layout) - 0.3;
+      const double lane = roads[r].section.half - roads[r].section.parking;
+      const auto painted = [&](double from, double to) {
+        if (markings == scene.instances.end()) return false;
+        const std::vector<Vec3f>& corners = scene.meshes[markings->mesh].positions;
+        return std::any_of(corners.begin(), corners.end(), [&](const Vec3f& corner) {
+          const Vec3d p = markings->worldFromMesh * Vec3d(corner);
+          const town::Beside b = layout.roads().at(p.x, p.y);
+          return b.road == r && std::abs(b.along - at) < 0.5 && b.lateral > from && b.lateral < to;
+        });
+      };
+      const bool sign = town::signAtMouth(layout, r).has_value();
+      EXPECT_EQ(painted(0.5, lane), sign) << "seed " << seed << " road " << r;
+      EXPECT_FALSE(painted(-lane, -0.5)) << "seed " << seed << " road " << r;
+      lines += sign;
+    }
+  }
+  EXPECT_GE(lines, 5);
+}
+
+// What meets the main road from one side leaves the other side as it is, but for what an acute angle rounds off.
+TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
+  int sides = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Value value = parseYaml("{district: suburban, length: 200, detail: 0.05}", "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    const std::vector<town::Road>& roads = layout.roads().roads();
+    for (std::uint32_t r = 1; r < roads.size(); ++r) {
+      if (!roads[r].joins) continue;
+      const double at = *roads[r].joins;
+      const auto isAcross = [&](std::uint32_t other) {
+        return other != r && roads[other].joins && std::abs(*roads[other].joins - at) < 60;
+      };
+      bool alone = true;
+      for (std::uint32_t other = 1; other < roads.size(); ++other) alone = alone && !isAcross(other);
+      if (!alone) continue;
+      const double out = roads[0].section.half * (roads[r].joinsLeft ? -1 : 1);
+      for (const double along : {-8.0, -4.0, 0.0, 4.0, 8.0}) {
+        const town::Point2 p = town::besideRoad(roads[0], at + along, out).at;
+        EXPECT_NEAR(layout.roads().at(p.x, p.y).edge, 0, 0.7) << "seed " << seed << " road " << r << " at " << along;
+      }
+      ++sides;
+    }
+  }
+  EXPECT_GE(sides, 4);
+}
+
+// Lorries pass below the wires, and a span hangs between two poles or on a house.
+TEST(Town, WiresHangClearOfTheRoads) {
+  constexpr double kLorry = 4;  // m
+  int wired = 0;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const std::string yaml =
+        fmt::format("{{district: {}, length: 200, detail: 0.05}}", seed % 2 == 0 ? "rural" : "suburban");
+    const Scene scene = makeTown(yaml, seed);
+    const auto wires = std::find_if(scene.instances.begin(), scene.instances.end(),
+                                    [](const Instance& i) { return i.name == "wires"; });
+    const auto poles = std::count_if(scene.instances.begin(), scene.instances.end(),
+                                     [](const Instance& i) { return i.name.starts_with("utility pole"); });
+    if (wires == scene.instances.end()) continue;
+    EXPECT_GE(poles, 3);
+    ++wired;
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const town::Layout layout(town::readParameters(fields), seed);
+    double lowest = 100;
+    for (const Vec3f& p : scene.meshes[wires->mesh].positions) {
+      const town::Beside beside = layout.roads().at(p.x, p.y);
+      if (beside.known && beside.edge < 0) lowest = std::min(lowest, p.z - layout.heightAt({p.x, p.y}));
+    }
+    EXPECT_GT(lowest, kLorry) << "seed " << seed;
+  }
+  EXPECT_GE(wired, 2);
+}
+
+TEST(Town, OnAMapHasWhatTheMapHas) {
+  const std::string yaml = onMap("road: Mill Road, length: 300, detail: 0.1");
+  const Scene one = makeTown(yaml, 1);
+  EXPECT_EQ(hash(one), hash(makeTown(yaml, 1)));
+  EXPECT_NE(hash(one), hash(makeTown(yaml, 2)));
+  EXPECT_THAT(classesOf(one),
+              IsSupersetOf({"building", "window", "road", "sidewalk", "parking", "water", "tree", "car"}));
+  std::size_t parked = 0;
+  for (const Instance& i : one.instances) parked += i.name.starts_with("car on a lot") ? 1 : 0;
+  EXPECT_GT(parked, 3u);
+  EXPECT_THAT(one.about, AllOf(HasSubstr("'Mill Road'"), testing::ContainsRegex("at (50[.]99|51[.]00)[0-9]*, 0[.]50")));
+}
+
+TEST(Town, RefusesMapsThatItCannotUse) {
+  const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
+  const TemporaryFolder folder;
+  const auto of = [&](std::string_view text) { return "{map: " + folder.write("place.osm", text).string() + "}"; };
+  EXPECT_THAT(refusal("{map: 'http://localhost/place.osm'}"), HasSubstr("is no file"));
+  EXPECT_THAT(refusal("{map: nowhere.osm}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("nowhere.osm")));
+  EXPECT_THAT(refusal(of("a text")),
+              AllOf(HasSubstr("town.yaml:1"), HasSubstr("place.osm"), HasSubstr("OpenStreetMap")));
+  EXPECT_THAT(refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/></osm>")), HasSubstr("no road"));
+  EXPECT_THAT(
+      refusal(of("<osm version='0.6'><node id='1' lat='1' lon='1'/><node id='2' lat='1.0001' lon='1'/><way id='1'>"
+                 "<nd ref='1'/><nd ref='2'/><tag k='highway' v='residential'/></way></osm>")),
+      HasSubstr("100 m"));
+  EXPECT_THAT(refusal(onMap("road: Mil Road")), AllOf(HasSubstr("town.yaml:1"), HasSubstr("did you mean 'Mill Road'")));
+  EXPECT_THAT(refusal("{road: Mill Road}"), HasSubstr("map"));
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include "base/path.h"
+#include "models/models.h"
+#include "models/occupancy.h"
+#include "scene/scene.h"
+#include "tests/support/town.h"
+
+namespace scanmill {
+namespace {
+
+// Who turns stays on the road, meets nobody, and comes to side roads where there are some to the right.
+TEST(Traffic, TurnsAreFreeToo) {
+  std::size_t turning = 0;
+  std::vector<Place> places;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed)
+    places.push_back({"{length: 200, vehicles: 3, greenery: 0.5}", seed});
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) places.push_back({onMap("vehicles: 3, greenery: 0.5"), seed});
+  for (const Place& place : places) {
+    const auto& [yaml, seed] = place;
+    const Value value = parseYaml(yaml, "town.yaml");
+    Fields fields(value, "town");
+    const SceneLanes lanes = townLanes(fields, seed);
+    const Path path(lanes.turns);
+    turning += lanes.turns.size() != lanes.lane.size() ? 1 : 0;
+    const Scene scene = makeTown(yaml, seed);
+    const Mesh& ground = groundOf(scene);
+    std::vector<Affine> driven;
+    for (double d = 0; d < path.length(); d += 2) driven.push_back(toAffine(path.pose(d)));
+    for (const Affine& pose : driven) {
+      for (std::size_t k = 0; k < ground.triangles.size(); ++k) {
+        const auto& corners = ground.triangles[k];
+        const Vec3d a(ground.positions[corners[0]]), b(ground.positions[corners[1]]), c(ground.positions[corners[2]]);
+        const Vec3d& p = pose.translation;
+        const auto side = [&](const Vec3d& u, const Vec3d& v) {
+          return (v.x - u.x) * (p.y - u.y) - (v.y - u.y) * (p.x - u.x);
+        };
+        if (side(a, b) < 0 || side(b, c) < 0 || side(c, a) < 0) continue;
+        const std::string& name = scene.ontology.find(ground.surfaces[ground.surfaceOf[k]].semantic)->name;
+        EXPECT_EQ(name, "road") << place << ": " << p.x << ", " << p.y;
+      }
+    }
+    for (const Instance& i : scene.instances) {
+      const bool onRoad = std::any_of(kOnRoads.begin(), kOnRoads.end(),
+                                      [&](std::string_view name) { return i.name.starts_with(name); });
+      if (!onRoad) continue;
+      for (const double time : {0.0, 11.0, 47.0}) {
+        const Affine there = i.worldFromMeshAt(time);
+        const Box box = scene.meshes[i.mesh].bounds();
+        const Affine meshFromWorld{inverse(there.linear), inverse(there.linear) * there.translation * -1.0};
+        for (const Affine& pose : driven) {
+          for (const double x : {-1.5, 0.0, 1.5}) {
+            const Vec3d local = meshFromWorld * (pose * Vec3d{x, 0, 1});
+            const double away = std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y,
+                                          local.y - box.high.y, box.low.z - local.z, local.z - box.high.z});
+            EXPECT_GT(away, 0.8) << i.name << " of " << place << " at " << time << " s";
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GE(turning, 4u);
+}
+
+// Full of vehicles or not: the boxes of what stands and drives on the road keep clear of a car's width.
+TEST(Traffic, NobodyIsInTheLane) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 5u, 18u, 22u}) {
+    Scene scene = makeTown("{length: 160, vehicles: 3}", seed);
+    const std::vector<Vec3d> lane = laneOf("{length: 160, vehicles: 3}", seed);
+    for (const double time : {0.0, 9.0, 31.0, 77.0}) {
+      for (const Instance& i : scene.instances) {
+        const bool there = std::any_of(kOnRoads.begin(), kOnRoads.end(),
+                                       [&](std::string_view name) { return i.name.starts_with(name); });
+        if (!there || (time > 0 && !i.moves())) continue;
+        const Affine place = i.worldFromMeshAt(time);
+        const Affine meshFromWorld{inverse(place.linear), inverse(place.linear) * place.translation * -1.0};
+        const Box box = scene.meshes[i.mesh].bounds();
+        for (const Vec3d& p : lane) {
+          const Vec3d local = meshFromWorld * (p + Vec3d{0, 0, 1});
+          const double away = std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y,
+                                        local.y - box.high.y, box.low.z - local.z, local.z - box.high.z});
+          EXPECT_GT(away, 0.85) << i.name << " of seed " << seed << " at " << time << " s";
+        }
+      }
+    }
+  }
+}
+
+// Whoever drives or walks keeps clear of all others, and of what stands.
+TEST(Traffic, NobodyRunsIntoAnother) {
+  constexpr const char* kFull = "{length: 250, vehicles: 2, people: 2}";
+  for (const Place& town : {Place{kFull, 1},
+                            {kFull, 2},
+                            {kFull, 4},
+                            {kFull, 7},
+                            {kFull, 9},
+                            {kFull, 18},
+                            {onMap("road: Mill Road, vehicles: 2, people: 2"), 1},
+                            {onMap("vehicles: 2"), 2}}) {
+    const Scene scene = makeTown(town.yaml, town.seed);
+    const double lowest = groundOf(scene).bounds().low.z;
+    std::size_t moving = 0;
+    for (const double time : models::steps(0, 110, 1.5)) {
+      models::Occupancy taken;
+      for (const Instance& i : scene.instances) {
+        if (i.name.starts_with("rider of")) continue;
+        const bool vehicle = std::any_of(kOnRoads.begin(), kOnRoads.end(),
+                                         [&](std::string_view name) { return i.name.starts_with(name); });
+        if (!vehicle && !i.name.starts_with("pedestrian")) continue;
+        const Affine place = i.worldFromMeshAt(time);
+        const Box box = scene.meshes[i.mesh].bounds();
+        const Vec3d middle = place * box.center();
+        if (middle.z < lowest) continue;  // who is still to come, or has gone
+        const double half = i.name.starts_with("pedestrian") ? 0.25 : (box.high.x - box.low.x) / 2;
+        const models::Footprint f{{middle.x, middle.y},
+                                  half - 0.05,
+                                  std::min(half, (box.high.y - box.low.y) / 2) - 0.05,
+                                  std::atan2(place.linear.x.y, place.linear.x.x)};
+        EXPECT_TRUE(taken.isFree(f)) << i.name << " of " << town << " at " << time << " s, " << middle.x << ", "
+                                     << middle.y;
+        taken.add(f);
+        moving += i.moves() ? 1 : 0;
+      }
+    }
+    EXPECT_GT(moving, 100u) << town;
+  }
+}
+
+TEST(Traffic, WhoWalksStaysOnTheGround) {
+  const Scene scene = makeTown("{length: 120, people: 3, district: suburban}", 4);
+  const Mesh& ground = groundOf(scene);
+  std::size_t walk = 0;
+  for (const Instance& i : scene.instances) {
+    if (!i.name.starts_with("pedestrian") || !i.moves()) continue;
+    ++walk;
+    ASSERT_NE(i.animation, nullptr);
+    EXPECT_NE(i.meshAt(0), i.meshAt(i.animation->period / 2)) << "the other foot is in front";
+    EXPECT_EQ(i.meshAt(0), i.meshAt(i.animation->period * 1.01));
+    for (const double time : {0.0, 5.0, 20.0, 100.0}) {
+      const Vec3d foot = i.worldFromMeshAt(time).translation;
+      double nearest = 1e9;
+      double height = 0;
+      for (const Vec3f& p : ground.positions) {
+        const double d = std::hypot(p.x - foot.x, p.y - foot.y);
+        if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
+      }
+      EXPECT_NEAR(foot.z, height, 0.25) << i.name << " at " << time;
+    }
+  }
+  EXPECT_GT(walk, 2u);
+}
+
+}  // namespace
+}  // namespace scanmill

@@ -1,0 +1,326 @@
+#include "draft/draft.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include "scene/scene.h"
+#include "scenefile/scene_file.h"
+#include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill::draft {
+namespace {
+
+const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+
+Draft drafted(const std::vector<std::filesystem::path>& files, const std::filesystem::path& folder,
+              const std::string& ontology = "scanmill") {
+  return draftScene(files, readConcepts(kLabels / "words.yaml"), readOntology(kLabels / (ontology + ".yaml")), ontology,
+                    "draft", folder);
+}
+
+// Of each node and material: the class that the drafted scene gives it.
+std::map<std::pair<std::string, std::string>, std::string> classesOf(const TemporaryFolder& folder,
+                                                                     const Draft& draft) {
+  const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
+  std::map<std::pair<std::string, std::string>, std::string> classes;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Surface& s : mesh.surfaces) {
+      classes[{s.node, scene.materials[s.material].name}] = scene.ontology.find(s.semantic)->name;
+    }
+  }
+  return classes;
+}
+
+// Nodes of one triangle each, with a material of the second name.
+std::string gltfOf(const std::vector<std::pair<std::string, std::string>>& nodes) {
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  b.json["scenes"] = {{{"nodes", nlohmann::json::array()}}};
+  for (const auto& [node, material] : nodes) {
+    const std::size_t i = b.json["meshes"].size();
+    b.json["scenes"][0]["nodes"].push_back(i);
+    b.json["nodes"].push_back({{"name", node}, {"mesh", i}});
+    b.json["materials"].push_back({{"name", material}});
+    b.json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"material", i}}}}});
+  }
+  return b.text();
+}
+
+// What is drafted reads as what was guessed, whatever characters names have.
+TEST(DraftScene, ReadsAsItWasGuessed) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("place.gltf", gltfOf({{"House_1", "brick"},
+                                                                        {"House_2", "glass"},
+                                                                        {"House_2", "brick"},
+                                                                        {"car_17", "glass"},
+                                                                        {"Road \"A\" {main}, [old]*?", "grey"},
+                                                                        {"x", "Asphalt"},
+                                                                        {"x", "Gras\\s"},
+                                                                        {"SkyBox", "blue"},
+                                                                        {"mystery", "thing"}}));
+  const Draft draft = drafted({file}, folder.path());
+  ASSERT_EQ(draft.files.size(), 1u);
+  EXPECT_EQ(draft.files[0].triangles, 9u);
+  EXPECT_EQ(draft.files[0].guessed, 8u);
+  const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
+  std::map<std::string, int> classes;
+  for (const std::uint16_t s : scene.meshes.at(0).surfaceOf) {
+    ++classes[scene.ontology.find(scene.meshes[0].surfaces[s].semantic)->name];
+  }
+  EXPECT_EQ(classes, (std::map<std::string, int>{
+                         {"building", 2}, {"window", 1}, {"car", 1}, {"road", 2}, {"terrain", 1}, {"unlabeled", 1}}));
+  for (const RuleUse& rule : scene.rules) EXPECT_GT(rule.decided, 0u) << rule.match;
+  EXPECT_NE(draft.yaml.find("mystery"), std::string::npos) << "what no word tells is listed";
+}
+
+TEST(DraftScene, OfAnotherOntologyTakesItsClasses) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file =
+      folder.write("place.gltf", gltfOf({{"Sidewalk", ""}, {"Tree_2", ""}, {"Lamp", ""}}));
+  const auto classes = classesOf(folder, drafted({file}, folder.path(), "semantic_kitti"));
+  std::map<std::string, std::string> byNode;
+  for (const auto& [names, c] : classes) byNode[names.first] = c;
+  EXPECT_EQ(byNode,
+            (std::map<std::string, std::string>{{"Sidewalk", "sidewalk"}, {"Tree_2", "vegetation"}, {"Lamp", "pole"}}));
+}
+
+TEST(DraftScene, OfRoomsTakesTheClassesOfRooms) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.write("office.gltf", gltfOf({{"Floor", ""},
+                                                                         {"Ceiling_01", ""},
+                                                                         {"wall.N", ""},
+                                                                         {"Stuhl_3", ""},
+                                                                         {"desk lamp", ""},
+                                                                         {"Bookcase", ""},
+                                                                         {"Fenster", ""},
+                                                                         {"OfficeDoor", ""},
+                                                                         {"mug", ""},
+                                                                         {"Trash bin", ""}}));
+  std::map<std::string, std::string> byNode;
+  for (const auto& [names, c] : classesOf(folder, drafted({file}, folder.path(), "nyu40"))) byNode[names.first] = c;
+  EXPECT_EQ(byNode, (std::map<std::string, std::string>{{"Floor", "floor"},
+                                                        {"Ceiling_01", "ceiling"},
+                                                        {"wall.N", "wall"},
+                                                        {"Stuhl_3", "chair"},
+                                                        {"desk lamp", "lamp"},
+                                                        {"Bookcase", "bookshelf"},
+                                                        {"Fenster", "window"},
+                                                        {"OfficeDoor", "door"},
+                                                        {"mug", "unlabeled"},
+                                                        {"Trash bin", "otherprop"}}));
+}
+
+TEST(DraftScene, SeveralFilesStandBesideOneAnother) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> files;
+  for (const char* const name : {"oak.obj", "pine.obj", "sedan.obj", "house.obj", "sign.obj"}) {
+    files.push_back(folder.write(name, "o a\nv 5 0 -3\nv 9 1 0\nv 6 4 2\nf 1 2 3\n"));
+  }
+  const Scene scene = readScene(folder.write("draft.yaml", drafted(files, folder.path()).yaml), {});
+  ASSERT_EQ(scene.instances.size(), 5u);
+  std::vector<Box> boxes;
+  for (const Instance& i : scene.instances) {
+    Box box;
+    for (const Vec3f& p : scene.meshes[i.mesh].positions) box.add(i.worldFromMesh * Vec3d(p));
+    EXPECT_NEAR(box.low.z, 0, 1e-3) << i.name;
+    for (const Box& other : boxes) {
+      EXPECT_TRUE(box.low.x > other.high.x || other.low.x > box.high.x || box.low.y > other.high.y ||
+                  other.low.y > box.high.y)
+          << i.name;
+    }
+    boxes.push_back(box);
+  }
+}
+
+// Which classes are right for a part of a file; none: it does not count.
+using Truth = std::function<std::vector<std::string>(const std::string& file, const AssetPart& part)>;
+
+// The share of triangles whose drafted class is right.
+double shareRight(const std::filesystem::path& root, const std::vector<std::string>& kinds, const Truth& truth) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
+    const std::string kind = entry.path().extension().string();
+    if (std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  const TemporaryFolder folder;
+  std::uint64_t right = 0;
+  std::uint64_t all = 0;
+  for (const std::filesystem::path& file : files) {
+    const auto classes = classesOf(folder, drafted({file}, folder.path()));
+    for (const AssetPart& part : readAsset(file, {.textures = false}).parts) {
+      const std::vector<std::string> wanted = truth(std::filesystem::relative(file, root).string(), part);
+      if (wanted.empty()) continue;
+      all += part.triangles.size();
+      // Materials of the library replace the file's own: the node alone tells, if it has one class.
+      std::uint64_t fits = 0;
+      std::uint64_t surfaces = 0;
+      for (const auto& [names, c] : classes) {
+        if (names.first != part.node) continue;
+        ++surfaces;
+        fits += std::find(wanted.begin(), wanted.end(), c) != wanted.end();
+      }
+      right += surfaces > 0 && fits == surfaces ? part.triangles.size() : 0;
+    }
+  }
+  return all == 0 ? 0 : static_cast<double>(right) / static_cast<double>(all);
+}
+
+bool contains(const std::string& text, const char* word) {
+  return text.find(word) != std::string::npos;
+}
+
+// Houses of a place, each in a file of its own, and the ground below them all.
+TEST(DraftScene, PartsOfOnePlaceStayWhereTheyAre) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> files{
+      folder.write("terrain.obj", "o a\nv -90 -90 0\nv 90 -90 0\nv 0 90 0\nf 1 2 3\n")};
+  for (int i = 0; i < 3; ++i) {
+    const int x = 30 * i - 40;
+    files.push_back(folder.write(fmt::format("house{}.obj", i), fmt::format("o a\nv {0} 5 0\nv {1} 5 0\nv {0} 15 9\n"
+                                                                            "f 1 2 3\n",
+                                                                            x, x + 10)));
+  }
+  const Draft draft = drafted(files, folder.path());
+  EXPECT_TRUE(draft.onePlace);
+  const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
+  for (const Instance& i : scene.instances) EXPECT_EQ(i.worldFromMesh.translation, Vec3d()) << i.name;
+  EXPECT_FALSE(drafted({files[0], files[0]}, folder.path()).onePlace);
+  EXPECT_EQ(draft.files[1].byFile, 1u) << "no name but the file's says that it is a house";
+}
+
+// Files that say nothing have their folder's name, and no two objects one name.
+TEST(DraftScene, NamesTellObjectsApart) {
+  const TemporaryFolder folder;
+  std::vector<std::filesystem::path> files;
+  for (const char* const name : {"lamp/scene.obj", "tree/scene.obj", "tree/old/tree.obj", "car.obj", "b/car.obj"}) {
+    files.push_back(folder.write(name, "o a\nv 0 0 0\nv 1 0 0\nv 0 1 3\nf 1 2 3\n"));
+  }
+  const Draft draft = drafted(files, folder.path());
+  std::set<std::string> names;
+  for (const DraftedFile& f : draft.files) names.insert(f.name);
+  EXPECT_EQ(names.size(), files.size());
+  EXPECT_EQ(draft.files[0].name, "lamp");
+  EXPECT_EQ(draft.files[1].name, "tree");
+  const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
+  EXPECT_EQ(scene.ontology.find(scene.meshes[0].surfaces[0].semantic)->name, "street_lamp") << "by its folder";
+}
+
+// A tile's ground is its ground, and its trees are trees; tiles have one unit.
+TEST(DraftScene, TilesHaveTheirGroundAndOneUnit) {
+  const TemporaryFolder folder;
+  const std::string plate = "v -0.5 -0.5 0.1\nv 0.5 -0.5 0.1\nv 0.5 0.5 0.1\nv -0.5 0.5 0.1\nf 1 2 3\nf 1 3 4\n";
+  const std::string peak = "v -0.1 0 0.1\nv 0.1 0 0.1\nv 0 0 1.8\nf 5 6 7\n";
+  const std::vector<std::filesystem::path> files{folder.write("road-straight.obj", "o a\n" + plate),
+                                                 folder.write("building-a.obj", "o a\n" + plate + peak),
+                                                 folder.write("grass-trees.obj", "o a\n" + plate + peak)};
+  const Draft draft = drafted(files, folder.path());
+  for (const DraftedFile& f : draft.files) EXPECT_EQ(f.unit, 10) << f.file;
+  const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
+  std::map<std::string, std::size_t> triangles;
+  const Mesh& mesh = scene.meshes[scene.instances[2].mesh];
+  for (const std::uint16_t s : mesh.surfaceOf) ++triangles[scene.ontology.find(mesh.surfaces[s].semantic)->name];
+  EXPECT_EQ(triangles, (std::map<std::string, std::size_t>{{"terrain", 2}, {"tree", 1}}));
+}
+
+// What a person should look at is told: a size that no unit makes usual, an axis that nothing tells.
+TEST(DraftScene, DoubtsAreTold) {
+  const TemporaryFolder folder;
+  const auto doubtsOf = [&](const std::string& name, const std::string& obj) {
+    return drafted({folder.write(name, obj)}, folder.path()).files[0].doubts;
+  };
+  const std::string cube = "o a\nv 0 0 0\nv 1 1 1\nv 1 0 1\nf 1 2 3\n";
+  EXPECT_THAT(doubtsOf("thing.obj", cube), testing::ElementsAre("up axis"));
+  EXPECT_THAT(doubtsOf("grass-trees.obj", "o a\nv 0 0 0\nv 0 3 0\nv 0 0 9\nf 1 2 3\n"),
+              testing::Contains("one class for two in its name"));
+  EXPECT_THAT(doubtsOf("sedan.obj", "o a\nv -1 -1 0\nv 1 -1 0\nv 0 2000000000 1\nf 1 2 3\n"),
+              testing::Contains("size"));
+}
+
+TEST(DraftScene, LabelsMostOfRealSets) {
+  SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
+  const std::filesystem::path scenes = sharedData() / "scenes";
+  const double town = shareRight(scenes / "truck_town", {".gltf"}, [](const auto& file, const AssetPart& p) {
+    if (contains(file, "tree/")) return std::vector<std::string>{"tree", "trunk"};
+    if (contains(file, "lamp/")) return std::vector<std::string>{"street_lamp", "pole"};
+    const std::string& n = p.node;
+    if (contains(n, "RoadMesh") || contains(n, "RacetrackMesh")) return std::vector<std::string>{"road"};
+    if (contains(n, "GrassMesh") || contains(n, "GroundMesh") || contains(n, "Terrain")) {
+      return std::vector<std::string>{"terrain"};
+    }
+    if (contains(n, "Ramp")) return std::vector<std::string>{"structure"};
+    if (contains(n, "Tire")) return std::vector<std::string>{"object"};
+    return std::vector<std::string>{"building", "window"};
+  });
+  EXPECT_GT(town, 0.8);
+  const double kenney = shareRight(scenes / "kenney_city", {".glb"}, [](const auto& file, const AssetPart&) {
+    if (contains(file, "grass-trees")) return std::vector<std::string>{"tree", "terrain"};
+    if (contains(file, "fountain")) return std::vector<std::string>{"structure", "sidewalk"};
+    if (contains(file, "lightposts")) return std::vector<std::string>{"street_lamp", "road"};
+    for (const auto& [word, c] : {std::pair{"building", "building"},
+                                  {"grass", "terrain"},
+                                  {"pavement", "sidewalk"},
+                                  {"road", "road"},
+                                  {"motorcycle", "motorcycle"},
+                                  {"truck", "truck"}}) {
+      if (contains(file, word)) return std::vector<std::string>{c};
+    }
+    return std::vector<std::string>{};
+  });
+  EXPECT_GT(kenney, 0.8);
+  const double gazebo = shareRight(scenes / "gazebo", {".dae", ".obj"}, [](const auto& file, const AssetPart&) {
+    for (const auto& [word, c] : {std::pair{"ambulance", "truck"},
+                                  {"bus_stop", "structure"},
+                                  {"bus", "bus"},
+                                  {"hatchback", "car"},
+                                  {"suv", "car"},
+                                  {"pickup", "car"},
+                                  {"house", "building"},
+                                  {"jersey", "fence"},
+                                  {"lamp", "street_lamp"},
+                                  {"sign", "traffic_sign"},
+                                  {"telephone", "pole"},
+                                  {"dumpster", "object"},
+                                  {"hydrant", "object"},
+                                  {"mailbox", "object"}}) {
+      if (contains(file, word)) return std::vector<std::string>{c};
+    }
+    return contains(file, "tree") ? std::vector<std::string>{"tree", "trunk"} : std::vector<std::string>{};
+  });
+  EXPECT_GT(gazebo, 0.8);
+  const double track = shareRight(scenes / "torcs_dirt4", {".ac"}, [](const auto&, const AssetPart& p) {
+    if (contains(p.texture, "grass")) return std::vector<std::string>{"terrain"};
+    if (contains(p.texture, "dirt") || contains(p.texture, "asphalt"))
+      return std::vector<std::string>{"road", "terrain"};
+    if (contains(p.texture, "barrier")) return std::vector<std::string>{"fence", "wall"};
+    if (contains(p.texture, "concrete")) return std::vector<std::string>{"building", "structure", "wall"};
+    return std::vector<std::string>{"object"};
+  });
+  EXPECT_GT(track, 0.8);
+  // Nothing names the toy blocks: they count as wrong.
+  const double helios = shareRight(scenes / "helios", {".obj"}, [](const auto& file, const AssetPart&) {
+    if (contains(file, "tree1") || contains(file, "birch")) return std::vector<std::string>{"tree", "trunk"};
+    for (const auto& [word, c] : {std::pair{"wheat", "vegetation"},
+                                  {"element", "building"},
+                                  {"Terrain", "terrain"},
+                                  {"Bahn", "other_vehicle"}}) {
+      if (contains(file, word)) return std::vector<std::string>{c};
+    }
+    return std::vector<std::string>{"object"};
+  });
+  EXPECT_GT(helios, 0.8);
+  RecordProperty("helios", std::to_string(helios));
+  RecordProperty("town", std::to_string(town));
+  RecordProperty("kenney", std::to_string(kenney));
+  RecordProperty("gazebo", std::to_string(gazebo));
+  RecordProperty("track", std::to_string(track));
+}
+
+}  // namespace
+}  // namespace scanmill::draft
