@@ -88,11 +88,11 @@ std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
 }
 
 // `method: auto` becomes the setting that is the cheapest here, or that was so when the dataset was begun.
-void chooseMethod(Plan& plan, const GenerateOptions& options) {
-  checkAutoChoice(plan.pipeline());
+Plan withMethod(const Plan& plan, const GenerateOptions& options) {
+  checkAutoChoice(plan.pipeline);
   const bool shared = options.shards.kind != ShardChoice::Kind::All;
   if (options.resume || shared) {
-    if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chooseAgain(plan, *chosen);
+    if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chosenAgain(plan, *chosen);
   }
   // Refused now, not after minutes.
   if (shared) {
@@ -109,7 +109,7 @@ void chooseMethod(Plan& plan, const GenerateOptions& options) {
     printText("method: auto takes {}: {}\n", chosen.setting.setting.name, calibration.why);
     printText("the same again: --set '{}'\n\n", chosen.setting.setting.assignment());
   }
-  plan.choose(chosen.setting.choice, calibration.record());
+  return settled(plan, chosen.setting.choice, calibration.record());
 }
 
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
@@ -148,7 +148,8 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
   std::vector<std::string> overrides = pipelineOverrides(parsed);
   overrides.insert(overrides.end(), more.begin(), more.end());
   const bool keeps = parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0;
-  return Plan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)), keeps ? recordedChannels() : Channels{});
+  return makePlan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)),
+                  keeps ? recordedChannels() : Channels{});
 }
 
 // Makes one dataset. `overrides`: besides those of --set.
@@ -173,19 +174,18 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   generateOptions.stop = &stopSignal();
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
-  if (plan.pipeline().method.automatic) chooseMethod(plan, generateOptions);
+  if (plan.pipeline.method.automatic) plan = withMethod(plan, generateOptions);
   // So that scripts can always say --resume.
   if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return;
   }
-  const double rays =
-      static_cast<double>(plan.pipeline().frames()) * static_cast<double>(plan.pipeline().raysPerFrame());
+  const double rays = static_cast<double>(plan.pipeline.frames()) * static_cast<double>(plan.pipeline.raysPerFrame());
   std::optional<Forecast> told;
   if (overrides.empty() && rays >= kRaysWorthAForecast && !generateOptions.quiet && !generateOptions.resume &&
       generateOptions.shards.kind == ShardChoice::Kind::All) {
     if (const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed))) {
-      told = forecast(*costs, plan.pipeline().frames(), scenesOf(plan.pipeline()));
+      told = forecast(*costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
     }
   }
   const GenerateSummary summary = generate(plan, generateOptions);

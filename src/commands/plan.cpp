@@ -20,9 +20,10 @@
 #include "commands/table.h"
 #include "evaluate/auto/calibrate.h"
 #include "evaluate/feature_costs.h"
+#include "pipeline/checks/warnings.h"
 #include "pipeline/plan/shard_jobs.h"
-#include "pipeline/plan/warnings.h"
 #include "pipeline/run/progress.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -33,9 +34,9 @@ constexpr std::size_t kMostSequences = 40;  // that are listed
 void printSensors(const Plan& plan) {
   std::vector<std::vector<std::string>> rows{
       {"sensor", "model", "rings", "columns", "beams", "revolutions/s", "range m"}};
-  for (std::size_t s = 0; s < plan.beams().size(); ++s) {
-    const BeamTable& b = *plan.beams()[s];
-    rows.push_back({plan.pipeline().sensors[s].name, b.model, std::to_string(b.rings), std::to_string(b.columns),
+  for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
+    const BeamTable& b = *plan.sensors[s].beams;
+    rows.push_back({plan.pipeline.sensors[s].name, b.model, std::to_string(b.rings), std::to_string(b.columns),
                     grouped(b.size()), fmt::format("{:.3g}", 1 / b.period),
                     fmt::format("{:.3g} to {:.3g}", b.minRange, b.maxRange)});
   }
@@ -93,7 +94,7 @@ void printFeatures(const FeatureCosts& costs) {
 }
 
 // With a bar on a terminal, which ends before anything else is printed.
-FeatureCosts measured(const std::function<Pipeline()>& reread) {
+FeatureCosts measured(const Pipeline& pipeline) {
   FeatureEffort effort;
   effort.seconds = 20;
   Progress progress("plan: what features cost", 0, "rounds", "rounds", ::isatty(STDERR_FILENO) == 0);
@@ -101,7 +102,7 @@ FeatureCosts measured(const std::function<Pipeline()>& reread) {
     progress.setTotal(static_cast<std::uint64_t>(of) + 1);
     if (round > 0) progress.advance(1, 1);
   };
-  FeatureCosts costs = measureFeatures(reread, effort);
+  FeatureCosts costs = measureFeatures(pipeline, effort);
   progress.advance(1, 1);
   return costs;
 }
@@ -123,7 +124,7 @@ std::string shardsText(const Plan& plan) {
 
 // Prints how many seeds a dataset of so many frames wants, and what it then takes.
 void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<SampleCosts>& costs) {
-  const Pipeline& pipeline = plan.pipeline();
+  const Pipeline& pipeline = plan.pipeline;
   std::set<std::filesystem::path> files;
   for (const Sequence& sequence : pipeline.sequences) files.insert(sequence.sceneFile);
   const auto scenes = static_cast<double>(scenesOf(pipeline));
@@ -159,7 +160,7 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
 
 // The first lines: frames, shards, time and size.
 void printForecast(const Arguments& parsed, const Plan& plan) {
-  const Pipeline& pipeline = plan.pipeline();
+  const Pipeline& pipeline = plan.pipeline;
   const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;
   constexpr std::uint64_t kMostFrames = 1'000'000'000'000;
   if (parsed.options.count("frames") > 0 && (frames == 0 || frames > kMostFrames)) {
@@ -202,10 +203,11 @@ int runPlan(const std::vector<std::string>& arguments) {
                      "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
   const ResourceLimits limits(parsed);
-  const Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)));
-  const Pipeline& pipeline = plan.pipeline();
+  const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed), recordingOf(parsed)));
+  ShotSource source(plan);
+  const Pipeline& pipeline = plan.pipeline;
   checkAutoChoice(pipeline);
-  for (const std::string& line : vehicleWarnings(plan)) warn(line);
+  for (const std::string& line : vehicleWarnings(pipeline, source.blockedShares())) warn(line);
   for (const std::string& line : driveWarnings(pipeline)) warn(line);
   printForecast(parsed, plan);
   printSensors(plan);
@@ -216,7 +218,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   const bool costs = parsed.options.count("costs") > 0;
   if (recorded && (checks || costs)) warn("--check and --costs look at scenes, and a recording has none");
   const bool loads = checks || recorded;
-  SceneFindings found = loads ? checkScenes(plan) : SceneFindings{plan.modelled(), 0};
+  SceneFindings found = loads ? checkScenes(source) : SceneFindings{modelled(plan, source.blockedShares()), 0};
   if (pipeline.method.automatic) {
     found.modelled.push_back(fmt::format("method: auto, one of {} settings, chosen when the dataset is made",
                                          readAutoChoice(pipeline).settings.size()));
@@ -228,7 +230,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   printText("{}modelled and left out:\n", loads ? "\n" : "");
   for (const std::string& line : found.modelled) printText("  {}\n", line);
   if (costs && !recorded && !pipeline.method.automatic) {
-    printFeatures(measured([&] { return readPipeline(parsed.pipeline(), pipelineOverrides(parsed)); }));
+    printFeatures(measured(pipeline));
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());

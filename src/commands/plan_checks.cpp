@@ -10,10 +10,11 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/table.h"
-#include "pipeline/plan/heading_warnings.h"
-#include "pipeline/plan/scene_shares.h"
-#include "pipeline/plan/warnings.h"
-#include "pipeline/plan/way_warnings.h"
+#include "pipeline/checks/heading_warnings.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/checks/way_warnings.h"
+#include "pipeline/scenes/scene_shares.h"
+#include "pipeline/scenes/shot_source.h"
 #include "scene/thing_boxes.h"
 
 namespace scanmill {
@@ -66,9 +67,10 @@ std::string placeOf(const Scene& scene) {
 
 }  // namespace
 
-SceneFindings checkScenes(const Plan& plan) {
-  const Pipeline& pipeline = plan.pipeline();
-  SceneFindings found{plan.modelled(), 0};
+SceneFindings checkScenes(ShotSource& source) {
+  const Plan& plan = source.plan();
+  const Pipeline& pipeline = plan.pipeline;
+  SceneFindings found{modelled(plan, source.blockedShares()), 0};
   std::vector<std::vector<std::string>> scenes{
       {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<UnlabeledPart, std::uint64_t> unlabeled;
@@ -82,8 +84,8 @@ SceneFindings checkScenes(const Plan& plan) {
       continue;
     }
     const std::string name = fmt::format("{} seed {}", s.scene, s.sceneSeed);
-    const Scene scene = plan.loadScene(s);
-    const auto method = pipeline.method.automatic ? nullptr : plan.makeMethod(scene);
+    const Scene scene = source.load(i);
+    const auto method = pipeline.method.automatic ? nullptr : source.method(scene);
     scenes.push_back({name, grouped(scene.triangles()), grouped(scene.placedTriangles()),
                       grouped(scene.instances.size()), grouped(scene.things()), grouped(scene.materials.size()),
                       grouped(scene.dropped.total()), placeOf(scene)});
@@ -94,13 +96,13 @@ SceneFindings checkScenes(const Plan& plan) {
     for (const std::string& line : shareWarnings(scene)) warn(line);
     for (const std::string& line : ruleWarnings(scene)) rules.insert(line);
     for (const std::string& line : withoutWarnings(scene)) rules.insert(line);
-    if (pipeline.objects) {
+    if (pipeline.output.objects) {
       for (const std::string& line : headingWarnings(scene, ThingBoxes(scene))) warn(line);
     }
     if (pipeline.recording == nullptr) {
       const SceneProbe probe(scene, method.get(), pipeline.method.entry);
       for (std::size_t k = i; k < pipeline.sequences.size() && pipeline.sequences[k].sameScene(s); ++k) {
-        for (const std::string& line : wayWarnings(plan, k, probe)) warn(line);
+        for (const std::string& line : wayWarnings(source, k, probe)) warn(line);
       }
     }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;

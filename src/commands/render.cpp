@@ -79,8 +79,8 @@ int runRender(const std::vector<std::string>& arguments) {
   const ResourceLimits limits(parsed);
   RenderOptions render;
   render.passes = readPassList(parsed.options["passes"].as<std::string>());
-  const Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)), render.passes.channels);
-  checkAutoChoice(plan.pipeline());
+  const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)), render.passes.channels);
+  checkAutoChoice(plan.pipeline);
   render.folder = parsed.options["out"].as<std::string>();
   render.overwrite = parsed.options.count("overwrite") > 0;
   render.quiet = parsed.options.count("quiet") > 0;

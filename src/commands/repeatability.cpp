@@ -95,7 +95,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   const ResourceLimits limits(parsed);
   Pipeline pipeline = readPipeline(parsed.pipeline(), pipelineOverrides(parsed));
   const Channels channels = repeatabilityChannels(pipeline);
-  const Plan plan(std::move(pipeline), channels);
+  const Plan plan = makePlan(std::move(pipeline), channels);
   prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);
   RepeatabilityOptions run;
   run.quiet = parsed.options.count("quiet") > 0;

@@ -219,8 +219,8 @@ int runTradeoff(const std::vector<std::string>& arguments) {
     study = readStudy(file);
     prepareReportFolder(folder, kStudyFile, overwrite);
   } else {
-    const Plan plan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)));
-    readStudyChoice(plan.pipeline());
+    const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)));
+    readStudyChoice(plan.pipeline);
     prepareReportFolder(folder, kStudyFile, overwrite);
     study = runStudy(plan, studyOptions);
   }

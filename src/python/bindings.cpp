@@ -226,14 +226,14 @@ void defineSimulator(py::module_& module) {
       .def_property_readonly("sensors",
                              [](const Simulator& s) {
                                std::vector<std::string> names;
-                               for (const MountedSensor& sensor : s.plan().pipeline().sensors)
+                               for (const MountedSensor& sensor : s.plan().pipeline.sensors)
                                  names.push_back(sensor.name);
                                return names;
                              })
       .def_property_readonly("sizes",
                              [](const Simulator& s) {
                                std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes;
-                               for (const auto& beams : s.plan().beams())
+                               for (const auto& [beams, footprint] : s.plan().sensors)
                                  sizes.emplace_back(beams->rings, beams->columns);
                                return sizes;
                              })

@@ -19,19 +19,20 @@ Pipeline pipelineOf(const std::string& text, const std::filesystem::path& folder
 }  // namespace
 
 Simulator::Simulator(const std::string& pipeline, const std::filesystem::path& folder)
-    : plan_(pipelineOf(pipeline, folder)),
-      scene_(plan_.loadScene(plan_.pipeline().sequences.front())),
-      method_(plan_.makeMethod(scene_)) {
+    : plan_(makePlan(pipelineOf(pipeline, folder))),
+      source_(plan_),
+      scene_(source_.load(0)),
+      method_(source_.method(scene_)) {
   plan_.checkMemory(method_->memoryBytes(), "the scene");
 }
 
 std::vector<SimulatedScan> Simulator::scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const {
   std::vector<SimulatedScan> scans;
-  const std::shared_ptr<const FrameSettings> settings = plan_.settings(0, frame);
-  for (Shot& shot : plan_.shots(0, 0)) {
+  const std::shared_ptr<const FrameSettings> settings = source_.settings(0, frame);
+  for (Shot& shot : source_.frame(0, 0).shots) {
     shot.frame = frame;
     shot.time = time;
-    shot.beams = beamsAt(plan_.beams()[shot.sensor], time);
+    shot.beams = beamsAt(plan_.sensors[shot.sensor].beams, time);
     shot.worldFromSensor = {worldFromVehicle * settings->sensors[shot.sensor].vehicleFromSensor};
     ShotBuffers buffers;
     StageClock clock({"trace", "effects"});

@@ -35,6 +35,7 @@ class Simulator {
 
  private:
   Plan plan_;
+  mutable ShotSource source_;  // any thread may call it
   Scene scene_;
   std::unique_ptr<Method> method_;
 };

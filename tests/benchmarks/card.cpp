@@ -203,7 +203,7 @@ MadeDataset make(const std::string& pipeline, std::vector<std::string> set, cons
   options.quiet = true;
   MadeDataset made;
   made.seconds = secondsOf([&] {
-    const Plan plan(readPipeline(resourceFolder() / "pipelines" / pipeline, set));
+    const Plan plan = makePlan(readPipeline(resourceFolder() / "pipelines" / pipeline, set));
     const GenerateSummary summary = generate(plan, options);
     for (const ShardRecord& shard : summary.manifest.shards) made.digest += shard.sha256;
     made.beams = static_cast<double>(summary.beams);

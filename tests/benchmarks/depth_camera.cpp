@@ -173,11 +173,11 @@ void fromHits(benchmark::State& state, const std::string& method) {
   options.overwrite = true;
   options.quiet = true;
   options.keepHits = hits;
-  const double kept = generate(Plan(readPipeline(pipeline, {}), recordedChannels()), options).seconds;
+  const double kept = generate(makePlan(readPipeline(pipeline, {}), recordedChannels()), options).seconds;
   options.keepHits.clear();
   const auto recording = std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
-  const Plan direct(readPipeline(pipeline, {}));
-  const Plan again(readPipeline(pipeline, {}, recording));
+  const Plan direct = makePlan(readPipeline(pipeline, {}));
+  const Plan again = makePlan(readPipeline(pipeline, {}, recording));
   std::vector<double> directSeconds;
   std::vector<double> againSeconds;
   for (auto _ : state) {

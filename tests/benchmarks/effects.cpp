@@ -57,13 +57,14 @@ Room makeRoom(std::uint32_t rings, std::uint32_t columns) {
   return room;
 }
 
-std::vector<std::unique_ptr<Effect>> make(const std::string& yaml) {
+Effects make(const std::string& yaml) {
   const Value list = parseYaml(yaml, "benchmark");
-  std::vector<std::unique_ptr<Effect>> made;
+  Effects made;
   for (const Value& item : list.items) {
     const auto& [name, value] = item.entries.front();
     Fields options(value, name);
-    made.push_back(requireEffect(name, item.where).make(options));
+    const EffectEntry& entry = requireEffect(name, item.where);
+    made.push_back({&entry, entry.make(options), {}});
   }
   return made;
 }

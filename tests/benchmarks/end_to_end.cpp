@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pipeline/run/generate.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/benchmarks/hand_written.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/support/temporary_folder.h"
@@ -74,13 +75,14 @@ std::filesystem::path writePipeline(const TemporaryFolder& folder, bool bowl, co
 
 void endToEnd(benchmark::State& state, bool bowl, const std::string& ourFormat, HandWrittenFormat theirFormat) {
   const TemporaryFolder folder;
-  const Plan plan(readPipeline(writePipeline(folder, bowl, ourFormat), {}));
-  const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
+  const Plan plan = makePlan(readPipeline(writePipeline(folder, bowl, ourFormat), {}));
+  ShotSource source(plan);
+  const Scene scene = source.load(0);
   std::vector<Pose> poses;
   for (std::uint32_t frame = 0; frame < kFrames; ++frame) {
-    poses.push_back(plan.shots(0, frame).front().worldFromSensor.front());
+    poses.push_back(source.frame(0, frame).shots.front().worldFromSensor.front());
   }
-  const HandWritten handWritten(scene, *plan.beams().front(), poses[kFrames / 2].translation);
+  const HandWritten handWritten(scene, *plan.sensors.front().beams, poses[kFrames / 2].translation);
   GenerateOptions options;
   options.folder = outFolder();
   options.overwrite = true;
@@ -99,7 +101,7 @@ void endToEnd(benchmark::State& state, bool bowl, const std::string& ourFormat, 
     std::filesystem::remove_all(outFolder());
     state.SetIterationTime(ours.back());
   }
-  const double beams = static_cast<double>(plan.pipeline().beamsPerFrame()) * kFrames;
+  const double beams = static_cast<double>(plan.pipeline.beamsPerFrame()) * kFrames;
   state.counters["beams/s"] = beams / median(ours);
   state.counters["hand_written_beams/s"] = beams / median(theirs);
   state.counters["of_hand_written"] = median(theirs) / median(ours);

@@ -37,11 +37,11 @@ void compare(const std::string& name, const std::filesystem::path& file, const s
     all.insert(all.end(), more.begin(), more.end());
     return readPipeline(file, all);
   };
-  const Plan plan(reread({}));
+  const Plan plan = makePlan(reread({}));
   const WallTimer timer;
   const SampleCosts costs = measureSampleCosts(plan, reread);
   const double took = timer.seconds();
-  const Forecast expected = forecast(costs, plan.pipeline().frames(), scenesOf(plan.pipeline()));
+  const Forecast expected = forecast(costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
   GenerateOptions options;
   options.folder = folder.path() / "dataset";
   options.quiet = true;

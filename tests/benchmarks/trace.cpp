@@ -89,10 +89,11 @@ void footprintAgainstBeams(benchmark::State& state) {
   const Channels channels = Channel::Range | Channel::Semantic | Channels(Channel::Instance) | Channel::Material |
                             Channel::Reflectance | Channel::Incidence;
   const Value list = parseYaml("[{intensity: {}}, {detection: {}}]", "benchmark");
-  std::vector<std::unique_ptr<Effect>> effects;
+  Effects effects;
   for (const Value& item : list.items) {
     Fields options(item.entries.front().value, item.entries.front().key);
-    effects.push_back(requireEffect(item.entries.front().key, item.where).make(options));
+    const EffectEntry& entry = requireEffect(item.entries.front().key, item.where);
+    effects.push_back({&entry, entry.make(options), {}});
   }
   Hits hits;
   Returns returns;

@@ -56,10 +56,11 @@ inline Scan noisyScan(const std::shared_ptr<const BeamTable>& beams, const std::
   hits.reset(beams->rings, beams->columns, Channel::Range);
   for (std::size_t beam = 0; beam < hits.size(); ++beam) hits.range[beam] = range(beam);
   const Value list = parseYaml(effects, "effects.yaml");
-  std::vector<std::unique_ptr<Effect>> made;
+  Effects made;
   for (const Value& item : list.items) {
     Fields options(item.entries.front().value, "effect");
-    made.push_back(requireEffect(item.entries.front().key, item.where).make(options));
+    const EffectEntry& entry = requireEffect(item.entries.front().key, item.where);
+    made.push_back({&entry, entry.make(options), {}});
   }
   const ScanLayout layout{ColumnSet(kRing, kColumn, kTime), organised};
   Returns scratch;

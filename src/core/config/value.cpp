@@ -61,6 +61,12 @@ const Value* Value::find(std::string_view key) const {
   return found == entries.end() ? nullptr : &found->value;
 }
 
+const Value& Value::valueOf(std::string_view key) const {
+  static const Value none;
+  const Value* const found = find(key);
+  return found == nullptr ? none : *found;
+}
+
 Value readYaml(const std::filesystem::path& path) {
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);

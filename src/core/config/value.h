@@ -25,7 +25,8 @@ struct Value {
   int keyColumn = 0;
   std::string folder;  // where its relative paths start, of what --set made; else empty: the folder of where.file
 
-  const Value* find(std::string_view key) const;  // Map: null where absent
+  const Value* find(std::string_view key) const;     // Map: null where absent
+  const Value& valueOf(std::string_view key) const;  // Map: one of kind Null where absent
 };
 
 struct Value::Entry {

@@ -72,6 +72,13 @@ const SemanticClass& Ontology::require(std::string_view nameOrAlias, const Locat
                    fmt::format("ontology '{}' has no class '{}'{}", name, nameOrAlias, suggestion(nameOrAlias, names)));
 }
 
+bool sameClasses(const Ontology& a, const Ontology& b) {
+  return std::equal(a.classes.begin(), a.classes.end(), b.classes.begin(), b.classes.end(),
+                    [](const SemanticClass& x, const SemanticClass& y) {
+                      return x.id == y.id && x.name == y.name && x.thing == y.thing;
+                    });
+}
+
 std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to) {
   std::map<std::uint16_t, std::vector<std::string>> sources;  // by the class that they become
   std::vector<std::string> homeless;

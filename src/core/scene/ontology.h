@@ -37,6 +37,9 @@ struct Ontology {
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 
+// Returns true if both have the same ids, names and things, whatever their colours and aliases.
+bool sameClasses(const Ontology& a, const Ontology& b);
+
 // What becomes of the classes of one ontology where another takes its place, one line each: those that become one, and
 // those that have no class there, which a scene that uses them would be refused for. Empty where nothing is lost.
 std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to);

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -58,8 +59,19 @@ struct EffectEntry {
   std::unique_ptr<Effect> (*make)(Fields& options);
 };
 
+// An effect as a pipeline chooses it.
+struct ChosenEffect {
+  const EffectEntry* entry = nullptr;
+  std::shared_ptr<const Effect> effect;
+  std::string options;  // as the pipeline has them, on one line: "{rays: 7}"; empty: none
+
+  const Effect* operator->() const { return effect.get(); }
+  const Effect& operator*() const { return *effect; }
+};
+using Effects = std::vector<ChosenEffect>;  // in the order in which they run
+using EffectList = std::span<const ChosenEffect>;
+
 // What the effects of a sensor together ask for.
-using EffectList = std::span<const std::unique_ptr<Effect>>;
 std::uint32_t raysPerBeam(EffectList effects);                     // 1 where none samples the footprint
 const LightPaths* lightPaths(EffectList effects);                  // null: rays end at what they meet first
 std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // of a beam, whose rays meet so many surfaces

@@ -30,14 +30,14 @@ void checkHits(const Hits& hits, const Shot& shot, Channels needed) {
 
 }  // namespace
 
-Channels channelsFor(std::span<const std::unique_ptr<Effect>> effects, ColumnSet columns) {
+Channels channelsFor(EffectList effects, ColumnSet columns) {
   Channels channels = Channels(Channel::Range) | columns.channels();
   for (const auto& effect : effects) channels |= effect->reads();
   return channels;
 }
 
-void detect(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
-            std::span<const Material> materials, Returns& returns) {
+void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
+            Returns& returns) {
   if (hits.beamOfRay.empty()) return returns.start(hits);
   std::vector<float> power;
   const bool powered = std::any_of(effects.begin(), effects.end(),
@@ -45,9 +45,8 @@ void detect(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<
   returns.start(findEchoes(hits, power, pulseLength(shot.beams->pulse)), powered);
 }
 
-void sense(const Hits& hits, const Shot& shot, std::span<const std::unique_ptr<Effect>> effects,
-           std::span<const Material> materials, const ScanLayout& layout, Returns& returns, Scan& scan,
-           const ThingMotions* motions) {
+void sense(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
+           const ScanLayout& layout, Returns& returns, Scan& scan, const ThingMotions* motions) {
   checkHits(hits, shot, channelsFor(effects, layout.columns));
   detect(hits, shot, effects, materials, returns);
   if (layout.reasons) returns.tellReasons();

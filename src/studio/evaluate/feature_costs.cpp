@@ -11,6 +11,7 @@
 #include "base/stage_clock.h"
 #include "base/wall_timer.h"
 #include "pipeline/run/run_shot.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -27,6 +28,7 @@ struct Variant {
   std::string feature;
   bool present = true;
   std::unique_ptr<const Plan> plan;
+  std::unique_ptr<ShotSource> source;
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Method> method;
   std::vector<double> trace, effects, encode;
@@ -35,17 +37,17 @@ struct Variant {
 };
 
 void runOnce(Variant& v, std::uint32_t frame) {
-  const Pipeline& pipeline = v.plan->pipeline();
+  const Pipeline& pipeline = v.plan->pipeline;
   ShotBuffers buffers;
   StageClock clock{"trace", "effects", "encode"};
   v.bytes = 0;
   v.points = 0;
-  for (const Shot& shot : v.plan->shots(0, frame)) {
-    runShot(setupOf(*v.plan, *v.scene, *v.method, shot.sensor), shot, buffers, clock);
+  for (const Shot& shot : v.source->frame(0, frame).shots) {
+    runShot(setupOf(*v.source, *v.scene, *v.method, shot.sensor), shot, buffers, clock);
     for (const Vec3f& p : buffers.scan.position) v.points += isFinite(p) ? 1 : 0;
     const ThreadLimit one(1);
     const StageTimer timer(clock, "encode");
-    for (const FormatChoice& f : pipeline.formats) {
+    for (const ChosenFormat& f : pipeline.output.formats) {
       v.bytes += static_cast<double>(f.format->encode(buffers.scan).size());
     }
   }
@@ -78,66 +80,56 @@ FrameCost difference(const FrameCost& with, const FrameCost& without) {
           with.encodeSeconds - without.encodeSeconds, with.bytes - without.bytes};
 }
 
-// Those that go with an effect: itself and, where it sets the intensity or the signal to noise ratio, what looks at
-// that.
-std::vector<bool> dependents(std::span<const std::unique_ptr<Effect>> effects,
-                             std::span<const EffectEntry* const> entries, const EffectEntry* entry) {
-  bool lights = false;
-  bool measures = false;
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    lights |= entries[e] == entry && effects[e]->setsIntensity();
-    measures |= entries[e] == entry && effects[e]->setsSnr();
-  }
+// Returns which effects go with one: itself and, where it sets the intensity or the signal to noise ratio, what looks
+// at that.
+std::vector<bool> dependents(EffectList effects, const EffectEntry* entry) {
+  const auto any = [&](auto sets) {
+    return std::any_of(effects.begin(), effects.end(),
+                       [&](const ChosenEffect& e) { return e.entry == entry && sets(*e); });
+  };
+  const bool lights = any([](const Effect& e) { return e.setsIntensity(); });
+  const bool measures = any([](const Effect& e) { return e.setsSnr(); });
   std::vector<bool> go;
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    go.push_back(entries[e] == entry || (lights && effects[e]->needsIntensity()) ||
-                 (measures && effects[e]->needsSnr()));
+  for (const ChosenEffect& e : effects) {
+    go.push_back(e.entry == entry || (lights && e->needsIntensity()) || (measures && e->needsSnr()));
   }
   return go;
 }
 
-void removeEffect(std::vector<std::unique_ptr<Effect>>& effects, std::vector<const EffectEntry*>& entries,
-                  const EffectEntry* entry) {
-  const std::vector<bool> go = dependents(effects, entries, entry);
-  for (std::size_t e = go.size(); e-- > 0;) {
-    if (!go[e]) continue;
-    effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(e));
-    entries.erase(entries.begin() + static_cast<std::ptrdiff_t>(e));
-  }
-}
-
-// From the pipeline's list and from those of its sensors.
+// Takes an effect out of the lists of all sensors.
 void removeEffect(Pipeline& pipeline, const EffectEntry* entry) {
-  removeEffect(pipeline.effects, pipeline.effectEntries, entry);
   for (MountedSensor& sensor : pipeline.sensors) {
-    if (sensor.ownEffects != nullptr) removeEffect(sensor.ownEffects->effects, sensor.ownEffects->entries, entry);
+    const std::vector<bool> go = dependents(*sensor.effects, entry);
+    Effects left;
+    for (std::size_t e = 0; e < go.size(); ++e) {
+      if (!go[e]) left.push_back((*sensor.effects)[e]);
+    }
+    sensor.effects = std::make_shared<const Effects>(std::move(left));
   }
 }
 
 class Features {
  public:
-  explicit Features(const std::function<Pipeline()>& reread) : reread_(reread) {
+  explicit Features(const Pipeline& pipeline) : pipeline_(pipeline) {
     whole_ = variant("", true, [](Pipeline&) {});
-    const Plan& plan = *whole_.plan;
-    whole_.scene = std::make_shared<const Scene>(plan.loadScene(plan.pipeline().sequences.front()));
-    whole_.method = plan.makeMethod(*whole_.scene);
+    whole_.scene = std::make_shared<const Scene>(whole_.source->load(0));
+    whole_.method = whole_.source->method(*whole_.scene);
     again_ = variant("", true, [](Pipeline&) {});
     share(again_);
     addEffects();
     addColumns();
     addFormats();
     addMotion();
-    addNormals();
     addAlpha();
   }
 
   FeatureCosts measure(const FeatureEffort& effort) {
-    const Sequence& sequence = whole_.plan->pipeline().sequences.front();
+    const Sequence& sequence = pipeline_.sequences.front();
     const std::uint32_t frame = sequence.frames / 2;
     std::vector<Variant*> all{&whole_, &again_};
     for (Variant& v : variants_) all.push_back(&v);
     for (Variant* v : all) {
-      for (const Shot& shot : v->plan->shots(0, frame)) v->method->prepare(shot);
+      for (const Shot& shot : v->source->frame(0, frame).shots) v->method->prepare(shot);
     }
     // In turn, so that what else the machine does falls on all alike; the first round warms up.
     int rounds = effort.rounds;
@@ -168,13 +160,14 @@ class Features {
 
  private:
   template <class Change>
-  Variant variant(std::string feature, bool present, const Change& change, Channels kept = {}) const {
-    Pipeline pipeline = reread_();
+  Variant variant(std::string feature, bool present, const Change& change) const {
+    Pipeline pipeline = pipeline_;
     change(pipeline);
     Variant v;
     v.feature = std::move(feature);
     v.present = present;
-    v.plan = std::make_unique<const Plan>(std::move(pipeline), kept);
+    v.plan = std::make_unique<const Plan>(makePlan(std::move(pipeline)));
+    v.source = std::make_unique<ShotSource>(*v.plan);
     return v;
   }
 
@@ -185,26 +178,25 @@ class Features {
   }
 
   template <class Change>
-  void add(std::string feature, bool present, const Change& change, Channels kept = {}) {
-    variants_.push_back(variant(std::move(feature), present, change, kept));
+  void add(std::string feature, bool present, const Change& change) {
+    variants_.push_back(variant(std::move(feature), present, change));
     share(variants_.back());
   }
 
   // Each effect once, whatever sensors have it.
   void addEffects() {
-    const Pipeline& pipeline = whole_.plan->pipeline();
     std::vector<const EffectEntry*> seen;
-    for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-      const auto entries = pipeline.effectEntriesOf(s);
-      for (const EffectEntry* entry : entries) {
-        if (std::find(seen.begin(), seen.end(), entry) != seen.end()) continue;
-        seen.push_back(entry);
-        const std::vector<bool> go = dependents(pipeline.effectsOf(s), entries, entry);
-        std::string name = fmt::format("effect {}", entry->name);
+    for (const MountedSensor& sensor : pipeline_.sensors) {
+      for (const ChosenEffect& effect : *sensor.effects) {
+        if (std::find(seen.begin(), seen.end(), effect.entry) != seen.end()) continue;
+        seen.push_back(effect.entry);
+        const std::vector<bool> go = dependents(*sensor.effects, effect.entry);
+        std::string name = fmt::format("effect {}", effect.entry->name);
         for (std::size_t e = 0; e < go.size(); ++e) {
-          if (go[e] && entries[e] != entry) name += fmt::format(" and {}", entries[e]->name);
+          const EffectEntry* const other = (*sensor.effects)[e].entry;
+          if (go[e] && other != effect.entry) name += fmt::format(" and {}", other->name);
         }
-        add(std::move(name), true, [&](Pipeline& p) { removeEffect(p, entry); });
+        add(std::move(name), true, [&](Pipeline& p) { removeEffect(p, effect.entry); });
       }
     }
   }
@@ -212,32 +204,25 @@ class Features {
   // The intensity goes with its effect.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
-      if (c == kIntensity.index || (c == kPower.index && !setsIntensity(whole_.plan->pipeline()))) continue;
-      const bool present = whole_.plan->pipeline().layout.columns.has(c);
+      if (c == kIntensity.index || (c == kPower.index && !setsIntensity(pipeline_))) continue;
+      const bool present = pipeline_.output.layout.columns.has(c);
       add(fmt::format("column {}", kColumns[c].name), present,
-          [&](Pipeline& p) { present ? p.layout.columns.remove(c) : p.layout.columns.add(c); });
+          [&](Pipeline& p) { present ? p.output.layout.columns.remove(c) : p.output.layout.columns.add(c); });
     }
   }
 
   void addFormats() {
-    const Pipeline& pipeline = whole_.plan->pipeline();
-    for (std::size_t f = 0; pipeline.formats.size() > 1 && f < pipeline.formats.size(); ++f) {
-      add(fmt::format("format {}", pipeline.formats[f].entry->name), true,
-          [&](Pipeline& p) { p.formats.erase(p.formats.begin() + static_cast<std::ptrdiff_t>(f)); });
+    for (std::size_t f = 0; pipeline_.output.formats.size() > 1 && f < pipeline_.output.formats.size(); ++f) {
+      add(fmt::format("format {}", pipeline_.output.formats[f].entry->name), true,
+          [&](Pipeline& p) { p.output.formats.erase(p.output.formats.begin() + static_cast<std::ptrdiff_t>(f)); });
     }
   }
 
   void addMotion() {
-    const MotionKind kind = whole_.plan->pipeline().motion.kind;
+    const MotionKind kind = pipeline_.motion.kind;
     const bool present = kind != MotionKind::None;
     add("ego motion", present,
         [&](Pipeline& p) { p.motion.kind = present ? MotionKind::None : MotionKind::PerColumn; });
-  }
-
-  // No scan holds normals; recordings do.
-  void addNormals() {
-    add(
-        "normals (kept by --keep-hits)", false, [](Pipeline&) {}, Channel::Normal);
   }
 
   void addAlpha() {
@@ -246,12 +231,12 @@ class Features {
     Variant v = variant("alpha cut-outs", true, [](Pipeline&) {});
     auto solid = std::make_shared<Scene>(*whole_.scene);
     for (Material& m : solid->materials) m.alphaTested = false;
-    v.method = v.plan->makeMethod(*solid);
+    v.method = v.source->method(*solid);
     v.scene = std::move(solid);
     variants_.push_back(std::move(v));
   }
 
-  const std::function<Pipeline()>& reread_;
+  const Pipeline& pipeline_;
   Variant whole_;
   Variant again_;  // the same once more: how much equal frames differ
   std::vector<Variant> variants_;
@@ -259,8 +244,8 @@ class Features {
 
 }  // namespace
 
-FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, const FeatureEffort& effort) {
-  return Features(reread).measure(effort);
+FeatureCosts measureFeatures(const Pipeline& pipeline, const FeatureEffort& effort) {
+  return Features(pipeline).measure(effort);
 }
 
 }  // namespace scanmill

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/plan/plan.h"
+#include "pipeline/read/pipeline.h"
 
 namespace scanmill {
 
@@ -41,8 +41,8 @@ struct FeatureEffort {
   std::function<void(int round, int of)> begun{};  // called before each round; the first warms up
 };
 
-// `reread` gives the pipeline that `plan` is of, again and again. Takes the middle frame of the first sequence, each
-// variant in turn, and the least time of each stage. The pipeline needs scenes and a method, not a recording or `auto`.
-FeatureCosts measureFeatures(const std::function<Pipeline()>& reread, const FeatureEffort& effort);
+// Runs the middle frame of the first sequence, each variant in turn, and takes the least time of each stage. The
+// pipeline needs scenes and a method, not a recording or `auto`.
+FeatureCosts measureFeatures(const Pipeline& pipeline, const FeatureEffort& effort);
 
 }  // namespace scanmill

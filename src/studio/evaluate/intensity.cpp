@@ -8,7 +8,7 @@ std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(c
   return [&pipeline, &scene](const Shot& shot, const Hits& hits) {
     Returns returns;
     returns.start(hits);
-    for (const auto& effect : pipeline.effectsOf(shot.sensor)) {
+    for (const auto& effect : *pipeline.sensors[shot.sensor].effects) {
       if (effect->setsIntensity()) effect->apply(hits, shot, scene.materials, returns);
     }
     return std::move(returns.intensity);

@@ -93,7 +93,7 @@ class Yard : public testing::Test {
     options.overwrite = overwrite;
     options.quiet = true;
     options.stop = stop;
-    return generate(Plan(readPipeline(pipeline_, overrides)), options);
+    return generate(makePlan(readPipeline(pipeline_, overrides)), options);
   }
 
   // Every dataset that these tests make must be sound.

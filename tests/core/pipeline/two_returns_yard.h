@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/two_returns.h"
 
@@ -28,7 +29,7 @@ class TwoReturnsYard : public Yard {
 
   // `options`: the method's map in YAML.
   Plan planned(const std::vector<std::string>& overrides, const std::string& options = "{}") const {
-    return Plan(withTwoReturns(readPipeline(pipeline_, overrides), options));
+    return makePlan(withTwoReturns(readPipeline(pipeline_, overrides), options));
   }
 
   // Every dataset must be sound.
@@ -46,7 +47,7 @@ class TwoReturnsYard : public Yard {
 
   Scene scene() const {
     const Plan plan = planned({});
-    return plan.loadScene(plan.pipeline().sequences[0]);
+    return ShotSource(plan).load(0);
   }
 };
 

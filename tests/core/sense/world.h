@@ -85,9 +85,9 @@ inline std::unique_ptr<Effect> makeEffect(const std::string& yaml) {
   return requireEffect(name, value.where).make(fields);
 }
 
-inline std::vector<std::unique_ptr<Effect>> makeEffects(const std::vector<std::string>& yaml) {
-  std::vector<std::unique_ptr<Effect>> made;
-  for (const std::string& text : yaml) made.push_back(makeEffect(text));
+inline Effects makeEffects(const std::vector<std::string>& yaml) {
+  Effects made;
+  for (const std::string& text : yaml) made.push_back({nullptr, makeEffect(text), {}});
   return made;
 }
 

@@ -8,7 +8,7 @@
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;
-  const scanmill::Plan plan(scanmill::readPipeline(
+  const scanmill::Plan plan = scanmill::makePlan(scanmill::readPipeline(
       argv[1], {"scenes.0.seeds=1", "splits=null", "trajectories.0.frames=1", "sensors.0.columns=256"}));
   const auto summary = scanmill::generate(plan, {.folder = argv[2], .quiet = true});
   const auto verification = scanmill::verifyDataset(argv[2]);

@@ -2,6 +2,7 @@
 
 #include "base/random.h"
 #include "config/flow_text.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/same_hits.h"
 
@@ -117,27 +118,29 @@ TEST_F(SettingOfYard, AnAssignmentGivesTheSameMethod) {
       "{particle: {refine: [triangle, none], voxel_m: 0.5}}]");
   for (const MethodSetting& s : settings) {
     SCOPED_TRACE(s.setting.assignment());
-    const Plan plan(readPipeline(pipeline_, {s.setting.assignment()}));
-    EXPECT_EQ(plan.pipeline().method.entry, s.choice.entry);
-    EXPECT_EQ(flowText(plan.pipeline().method.options), s.setting.options);
-    const Scene scene = plan.loadScene(plan.pipeline().sequences[0]);
-    const auto assigned = plan.makeMethod(scene);
+    const Plan plan = makePlan(readPipeline(pipeline_, {s.setting.assignment()}));
+    EXPECT_EQ(plan.pipeline.method.entry, s.choice.entry);
+    EXPECT_EQ(flowText(plan.pipeline.method.options), s.setting.options);
+    ShotSource source(plan);
+    const Scene scene = source.load(0);
+    const auto assigned = source.method(scene);
     const auto chosen = makeMethod(s.choice, scene);
     EXPECT_EQ(assigned->modelled(), chosen->modelled());
     Hits a;
     Hits b;
-    const Shot shot = plan.shots(0, 1).front();
-    assigned->trace(shot, plan.channels(), a);
-    chosen->trace(shot, plan.channels(), b);
+    const Shot shot = source.frame(0, 1).shots.front();
+    assigned->trace(shot, plan.channels, a);
+    chosen->trace(shot, plan.channels, b);
     expectSameHits(a, b);
   }
 }
 
 TEST_F(SettingOfYard, AMethodThatIsStillToBeChosenCannotBeMade) {
-  const Plan plan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}));
-  EXPECT_EQ(plan.pipeline().methodName(), "auto");
-  const Scene scene = plan.loadScene(plan.pipeline().sequences[0]);
-  EXPECT_THAT(messageOf<Error>([&] { plan.makeMethod(scene); }), HasSubstr("still to be chosen"));
+  const Plan plan = makePlan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}));
+  EXPECT_EQ(plan.pipeline.methodName(), "auto");
+  ShotSource source(plan);
+  const Scene scene = source.load(0);
+  EXPECT_THAT(messageOf<Error>([&] { source.method(scene); }), HasSubstr("still to be chosen"));
 }
 
 }  // namespace

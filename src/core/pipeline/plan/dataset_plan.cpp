@@ -19,9 +19,8 @@ namespace {
 
 // `file`: where the pipeline would lie.
 Plan planAt(const Manifest& manifest, const fs::path& file) {
-  Plan plan(readPipelineText(manifest.pipelineText, file));
-  if (plan.pipeline().method.automatic && manifest.chosen) chooseAgain(plan, *manifest.chosen);
-  return plan;
+  Plan plan = makePlan(readPipelineText(manifest.pipelineText, file));
+  return plan.pipeline.method.automatic && manifest.chosen ? chosenAgain(plan, *manifest.chosen) : plan;
 }
 
 void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
@@ -44,7 +43,7 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
     if (jobs[job].samples.size() != keys[job].size()) differs("other samples in " + jobs[job].file);
     for (std::size_t i = 0; i < keys[job].size(); ++i) {
       const auto& [sequence, frame, number] = jobs[job].samples[i];
-      const std::string key = plan.pipeline().sequences[sequence].key(frame);
+      const std::string key = plan.pipeline.sequences[sequence].key(frame);
       if (key != keys[job][i]) differs("the sample " + key);
     }
   }
@@ -52,11 +51,11 @@ void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& dat
 
 }  // namespace
 
-void chooseAgain(Plan& plan, const MethodRecord& chosen) {
-  const Pipeline& pipeline = plan.pipeline();
+Plan chosenAgain(const Plan& plan, const MethodRecord& chosen) {
+  const Pipeline& pipeline = plan.pipeline;
   const std::string text =
       fmt::format("{}{}# --set {}\n", pipeline.text, pipeline.text.ends_with('\n') ? "" : "\n", chosen.assignment);
-  plan.choose(readPipelineText(text, pipeline.file).method, chosen);
+  return settled(plan, readPipelineText(text, pipeline.file).method, chosen);
 }
 
 std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {

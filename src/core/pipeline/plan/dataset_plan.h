@@ -20,7 +20,7 @@ std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& 
 Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
                    const std::filesystem::path& pipeline);
 
-// Gives a plan of `method: auto` the setting that was chosen before, without measuring.
-void chooseAgain(Plan& plan, const MethodRecord& chosen);
+// Returns a plan of `method: auto` with the setting that was chosen before, without measuring.
+Plan chosenAgain(const Plan& plan, const MethodRecord& chosen);
 
 }  // namespace scanmill

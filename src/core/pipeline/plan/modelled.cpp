@@ -10,8 +10,9 @@
 #include "config/flow_text.h"
 #include "config/named_options.h"
 #include "methods/interface/light_paths.h"
-#include "pipeline/plan/own_vehicle.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/read/drawn_sensors.h"
+#include "pipeline/read/effects.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {
@@ -21,32 +22,33 @@ namespace {
 // The sensors' own effects that the pipeline leaves out: `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
-  for (const Value& item : pipeline.effectItems) {
+  for (const Value& item : effectItems(pipeline)) {
     const NamedOptions named = readNamed(item, "an effect");
     if (named.options.kind == Value::Kind::Scalar && named.options.text == "none") names.push_back(named.name);
   }
   return names;
 }
 
+// Sensors of which all share one list are told of as one.
 void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
-  const bool own = pipeline.sensors.front().ownEffects != nullptr;
+  const bool own = takesSensorEffects(pipeline);
+  const std::vector<std::string> leftOut = leftOutOf(pipeline);
   for (std::size_t s = 0; s < (own ? pipeline.sensors.size() : 1); ++s) {
     const std::string of = own ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
-    const auto entries = pipeline.effectEntriesOf(s);
-    if (entries.empty() && pipeline.drawn == nullptr)
+    const Effects& effects = *pipeline.sensors[s].effects;
+    if (effects.empty() && pipeline.drawn == nullptr) {
       lines.push_back(fmt::format("effects{}: none, the scans are noise-free", of));
-    for (std::size_t e = 0; e < entries.size(); ++e) {
-      const EffectEntry* const entry = entries[e];
-      const Effect& effect = *pipeline.effectsOf(s)[e];
-      if (pipeline.recording != nullptr && (effect.raysPerBeam() > 1 || effect.lightPaths() != nullptr)) {
-        lines.push_back(fmt::format("effect {}{}: left out, a recording holds one ray a beam", entry->name, of));
+    }
+    for (const ChosenEffect& effect : effects) {
+      const EffectEntry& entry = *effect.entry;
+      if (pipeline.recording != nullptr && (effect->raysPerBeam() > 1 || effect->lightPaths() != nullptr)) {
+        lines.push_back(fmt::format("effect {}{}: left out, a recording holds one ray a beam", entry.name, of));
         continue;
       }
-      const std::string options = pipeline.effectOptionsOf(s, entry->name);
-      lines.push_back(
-          fmt::format("effect {}{}{}{}: {}", entry->name, of, options.empty() ? "" : " ", options, entry->summary));
+      lines.push_back(fmt::format("effect {}{}{}{}: {}", entry.name, of, effect.options.empty() ? "" : " ",
+                                  effect.options, entry.summary));
     }
-    for (const std::string& name : leftOutOf(pipeline)) {
+    for (const std::string& name : leftOut) {
       lines.push_back(fmt::format("effect {}{}: left out, as the pipeline says", name, of));
     }
   }
@@ -84,8 +86,8 @@ std::string motionLine(const Pipeline& pipeline) {
 }
 
 std::string voxelsLine(const Pipeline& pipeline) {
-  if (!pipeline.voxels) return "voxels: left out (`output.voxels: true` labels what stands about the sensors)";
-  const VoxelGrid& grid = *pipeline.voxels;
+  if (!pipeline.output.voxels) return "voxels: left out (`output.voxels: true` labels what stands about the sensors)";
+  const VoxelGrid& grid = *pipeline.output.voxels;
   return fmt::format("voxels: {} x {} x {} of {:g} m about each sensor, by the area of triangles in them",
                      grid.counts[0], grid.counts[1], grid.counts[2], grid.size);
 }
@@ -98,47 +100,47 @@ std::string missesLine(const ScanLayout& layout) {
                                : "name ring and column in output.columns to know the beam of a point");
 }
 
-}  // namespace
-
-std::string Plan::vehicleLine() const {
-  if (vehicle_ == nullptr) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
+std::string vehicleLine(const Pipeline& pipeline, std::span<const double> blocked) {
+  if (blocked.empty()) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
   std::string shares;
-  const std::vector<Hits>& vehicles = *settings_.vehicles;
-  for (std::size_t s = 0; s < vehicles.size(); ++s) {
-    const std::string of = vehicles.size() > 1 ? fmt::format(" of '{}'", pipeline_.sensors[s].name) : "";
-    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blockedShare(vehicles[s]), of);
+  for (std::size_t s = 0; s < blocked.size(); ++s) {
+    const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
+    shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blocked[s], of);
   }
-  return fmt::format("own vehicle: {}, in the way of {}", pipeline_.vehicle.filename().string(), shares);
+  return fmt::format("own vehicle: {}, in the way of {}", pipeline.vehicle.filename().string(), shares);
 }
 
-std::vector<std::string> Plan::modelled() const {
-  const ColumnSet columns = pipeline_.layout.columns;
+}  // namespace
+
+std::vector<std::string> modelled(const Plan& plan, std::span<const double> blocked) {
+  const Pipeline& pipeline = plan.pipeline;
+  const ColumnSet columns = pipeline.output.layout.columns;
   std::vector<std::string> lines;
-  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(traced_), ", ")));
+  lines.push_back(fmt::format("channels: {}", fmt::join(channelNames(plan.channels), ", ")));
   std::string left;
   for (const std::string& name : channelNames(Channels::all())) {
-    const auto asked = channelNames(traced_);
+    const auto asked = channelNames(plan.channels);
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
   if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
-  if (columns.has(kIntensity) && !setsIntensity(pipeline_)) {
+  if (columns.has(kIntensity) && !setsIntensity(pipeline)) {
     lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
   }
-  if (columns.has(kPower) && !setsIntensity(pipeline_)) {
+  if (columns.has(kPower) && !setsIntensity(pipeline)) {
     lines.emplace_back("power: left out, no effect sets it (add `effects: [intensity]`)");
   }
-  if (!traced_.has(Channel::Reflectance)) {
+  if (!plan.channels.has(Channel::Reflectance)) {
     lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
   }
-  addLabelLines(pipeline_, lines);
-  addEffectLines(pipeline_, lines);
-  if (pipeline_.drawn != nullptr) {
-    const std::vector<std::string> drawn = pipeline_.drawn->lines();
+  addLabelLines(pipeline, lines);
+  addEffectLines(pipeline, lines);
+  if (pipeline.drawn != nullptr) {
+    const std::vector<std::string> drawn = pipeline.drawn->lines();
     lines.emplace_back("what is drawn at random: above as the first frame has it, else as the samples tell");
     lines.insert(lines.end(), drawn.begin(), drawn.end());
   }
   std::set<std::string> takenOut;
-  for (const Sequence& s : pipeline_.sequences) {
+  for (const Sequence& s : pipeline.sequences) {
     if (s.without.empty()) continue;
     Value list;
     list.kind = Value::Kind::Sequence;
@@ -146,21 +148,21 @@ std::vector<std::string> Plan::modelled() const {
     takenOut.insert(fmt::format("taken out of {}: {}", s.scene, flowText(list)));
   }
   lines.insert(lines.end(), takenOut.begin(), takenOut.end());
-  lines.push_back(motionLine(pipeline_));
+  lines.push_back(motionLine(pipeline));
   std::map<std::string, std::set<std::string>> ways;  // and whose they are
-  for (const Sequence& s : pipeline_.sequences) {
+  for (const Sequence& s : pipeline.sequences) {
     const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
     if (!about.empty()) ways[about].insert(s.trajectoryName);
   }
   for (const auto& [about, names] : ways) lines.push_back(fmt::format("way of {}: {}", fmt::join(names, ", "), about));
-  if (pipeline_.recording == nullptr) lines.push_back(vehicleLine());
-  lines.push_back(missesLine(pipeline_.layout));
-  if (pipeline_.recording == nullptr) {
-    lines.emplace_back(pipeline_.objects
+  if (pipeline.recording == nullptr) lines.push_back(vehicleLine(pipeline, blocked));
+  lines.push_back(missesLine(pipeline.output.layout));
+  if (pipeline.recording == nullptr) {
+    lines.emplace_back(pipeline.output.objects
                            ? "objects: boxes, and visibility by one ray more for each beam that crosses a box"
                            : "objects: left out (`output.objects: true` lists their boxes and how much is seen)");
   }
-  if (pipeline_.recording == nullptr) lines.push_back(voxelsLine(pipeline_));
+  if (pipeline.recording == nullptr) lines.push_back(voxelsLine(pipeline));
   if (!columns.has(kRangeTrue)) {
     lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
   }

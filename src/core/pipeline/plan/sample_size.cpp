@@ -14,22 +14,22 @@ double mostSampleBytes(const Plan& plan) {
   constexpr double kObject = 700;         // without its views; names are seldom longer than this leaves for them
   constexpr double kView = 450;           // of an object by a sensor
   constexpr double kReserve = 10;         // m; with twice the range: noise, and the way of a revolution
-  const Pipeline& pipeline = plan.pipeline();
-  const auto sensors = static_cast<double>(plan.beams().size());
+  const Pipeline& pipeline = plan.pipeline;
+  const auto sensors = static_cast<double>(plan.sensors.size());
   double bytes = kHeaders + kDescription * sensors;
-  if (pipeline.objects) bytes += kHeaders + kObjects * (kObject + kView * sensors);
+  if (pipeline.output.objects) bytes += kHeaders + kObjects * (kObject + kView * sensors);
   ScanOutline outline;
   outline.held = plan.columns();
-  for (const auto& beams : plan.beams()) {
+  for (const auto& [beams, footprint] : plan.sensors) {
     outline.points = beams->size() * pipeline.mostReturns();
     outline.rings = beams->rings;
     outline.columns = beams->columns;
     outline.reach = 2 * beams->maxRange + kReserve;
-    for (const FormatChoice& f : pipeline.formats) bytes += kHeaders + std::ceil(f.format->mostBytes(outline));
-    if (pipeline.layout.reasons) {
+    for (const ChosenFormat& f : pipeline.output.formats) bytes += kHeaders + std::ceil(f.format->mostBytes(outline));
+    if (pipeline.output.layout.reasons) {
       bytes += kHeaders + static_cast<double>(mostReasonsBytes(beams->rings, beams->columns));
     }
-    if (pipeline.voxels) bytes += kHeaders + static_cast<double>(mostVoxelsBytes(*pipeline.voxels));
+    if (pipeline.output.voxels) bytes += kHeaders + static_cast<double>(mostVoxelsBytes(*pipeline.output.voxels));
   }
   return bytes;
 }

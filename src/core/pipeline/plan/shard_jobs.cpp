@@ -47,13 +47,13 @@ void addRecording(const std::filesystem::path& folder, const std::function<void(
 }
 
 std::string planHash(const Plan& plan) {
-  const Pipeline& pipeline = plan.pipeline();
+  const Pipeline& pipeline = plan.pipeline;
   Sha256 hash;
   const auto add = [&](std::string_view text) { hash.add(fmt::format("{}:{}\n", text.size(), text)); };
   add(kVersion);
   add(pipeline.text);
-  if (plan.chosen()) add(plan.chosen()->assignment);
-  for (const auto& beams : plan.beams()) add(beamsHash(*beams));
+  if (plan.chosen) add(plan.chosen->assignment);
+  for (const auto& [beams, footprint] : plan.sensors) add(beamsHash(*beams));
   for (const MountedSensor& sensor : pipeline.sensors) addValue(sensor.description, add);
   std::set<std::filesystem::path> scenes;
   for (const Sequence& sequence : pipeline.sequences) scenes.insert(sequence.sceneFile);
@@ -81,7 +81,7 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
 }  // namespace
 
 std::vector<ShardJob> shardJobs(const Plan& plan) {
-  const Pipeline& pipeline = plan.pipeline();
+  const Pipeline& pipeline = plan.pipeline;
   std::vector<std::pair<std::string, std::vector<SampleAddress>>> splits;  // in the order of their first sequences
   std::uint64_t number = 0;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
@@ -91,13 +91,13 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
     if (split == splits.end()) split = splits.emplace(splits.end(), sequence.split, std::vector<SampleAddress>{});
     for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) split->second.push_back({s, frame, number++});
   }
-  const double room = static_cast<double>(pipeline.shardBytes) - ShardFile::kEndBytes;
+  const double room = static_cast<double>(pipeline.output.shards.bytes) - ShardFile::kEndBytes;
   const auto fit = static_cast<std::size_t>(std::max(1.0, std::floor(room / mostSampleBytes(plan))));
   std::vector<ShardJob> jobs;
   for (auto& [name, samples] : splits) {
-    if (pipeline.shuffled) shuffle(pipeline.seed, samples);
+    if (pipeline.output.shards.shuffled) shuffle(pipeline.seed, samples);
     const std::size_t all = samples.size();
-    const std::size_t given = pipeline.shardSamples;
+    const std::size_t given = pipeline.output.shards.samples;
     const std::size_t count =
         given > 0 ? (all + given - 1) / given : std::max((all + fit - 1) / fit, std::min<std::size_t>(2, all));
     for (std::size_t i = 0; i < count; ++i) {
@@ -115,7 +115,7 @@ std::vector<ShardJob> shardJobs(const Plan& plan) {
 }
 
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs) {
-  DatasetPlan planned{planHash(plan), 0, {}, plan.chosen()};
+  DatasetPlan planned{planHash(plan), 0, {}, plan.chosen};
   for (const ShardJob& job : jobs) {
     auto& splits = planned.shardsOfSplit;
     if (splits.empty() || splits.back().first != job.split) splits.emplace_back(job.split, 0);

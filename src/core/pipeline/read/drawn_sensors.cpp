@@ -67,10 +67,10 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
 void DrawnSensors::checkCases() const {
   for (const SensorDraw& one : cases_) {
     for (std::size_t s = 0; s < one.effects.size(); ++s) {
-      const SensorEffects& first = cases_.front().effects[s];
-      const SensorEffects& other = one.effects[s];
-      const bool rays = raysPerBeam(other.effects) == raysPerBeam(first.effects);
-      if (rays && intensityFullScale(other.effects) == intensityFullScale(first.effects)) continue;
+      const Effects& first = *cases_.front().effects[s];
+      const Effects& other = *one.effects[s];
+      const bool rays = raysPerBeam(other) == raysPerBeam(first);
+      if (rays && intensityFullScale(other) == intensityFullScale(first)) continue;
       throw InputError(
           written_.effects.where,
           fmt::format("what is drawn of the effects changes {} of '{}', which all scans of a dataset have "
@@ -103,7 +103,7 @@ SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) co
     if (Value* own = effectsIn(sensor.description)) {
       *own = change(*own, fmt::format("sensors.{}.effects", s), drawn.draws);
     }
-    drawn.effects.push_back(readSensorEffects(effects, *classes_, sensor));
+    drawn.effects.push_back(std::make_shared<const Effects>(readSensorEffects(effects, *classes_, sensor)));
   }
   return drawn;
 }

@@ -18,8 +18,8 @@ namespace scanmill {
 
 // How the sensors stand and what runs on their scans in one frame.
 struct SensorDraw {
-  std::vector<Pose> mounts;            // vehicleFromSensor
-  std::vector<SensorEffects> effects;  // of each sensor
+  std::vector<Pose> mounts;                             // vehicleFromSensor
+  std::vector<std::shared_ptr<const Effects>> effects;  // of each sensor
   std::vector<DrawnValue> draws;
 };
 

@@ -11,6 +11,7 @@
 #include "config/fields.h"
 #include "config/flow_text.h"
 #include "config/named_options.h"
+#include "pipeline/read/corruption.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {
@@ -21,7 +22,7 @@ struct MadeEffect {
   const EffectEntry* entry;
   Location where;
   std::unique_ptr<Effect> effect;
-  std::string options;  // on one line; empty: none
+  std::string options;  // see ChosenEffect
 };
 
 bool meansSensor(const Value& item) {
@@ -93,11 +94,11 @@ void addDetection(std::vector<MadeEffect>& made) {
 }
 
 // They run in the order of their stages, whatever the order of the file.
-SensorEffects inOrder(std::vector<MadeEffect> made) {
+Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
   std::stable_sort(made.begin(), made.end(),
                    [](const MadeEffect& a, const MadeEffect& b) { return a.entry->stage < b.entry->stage; });
-  SensorEffects ordered;
+  Effects ordered;
   bool intensity = false;
   bool snr = false;
   const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
@@ -125,9 +126,7 @@ SensorEffects inOrder(std::vector<MadeEffect> made) {
     }
     intensity = intensity || m.effect->setsIntensity();
     snr = snr || m.effect->setsSnr();
-    ordered.entries.push_back(m.entry);
-    ordered.options[m.entry->name] = std::move(m.options);
-    ordered.effects.push_back(std::move(m.effect));
+    ordered.push_back({m.entry, std::move(m.effect), std::move(m.options)});
   }
   return ordered;
 }
@@ -163,7 +162,7 @@ std::vector<Value> effectItems(const Value& list) {
                    "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
 }
 
-SensorEffects makeEffects(const std::vector<Value>& items, const EffectClasses& classes) {
+Effects makeEffects(const std::vector<Value>& items, const EffectClasses& classes) {
   std::vector<MadeEffect> made;
   addEffects(items, classes, made);
   return inOrder(std::move(made));
@@ -255,35 +254,45 @@ const Ontology* EffectClasses::find() const {
   return ontology_ ? &*ontology_ : nullptr;
 }
 
-SensorEffects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor) {
+Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor) {
   return makeEffects(sensorEffectItems(effectItems(list), sensor), classes);
 }
 
-void readEffects(const Value* list, Pipeline& pipeline) {
+Value writtenEffects(const Value& root) {
+  const Value& written = root.valueOf("effects");
+  const Value* const corruption = root.find("corruption");
+  return corruption == nullptr ? written : withCorruption(written, *corruption);
+}
+
+std::vector<Value> effectItems(const Pipeline& pipeline) {
+  std::vector<DrawnValue> ignored;
+  return effectItems(withDraws(writtenEffects(pipeline.root), "effects", {.seed = pipeline.seed}, ignored));
+}
+
+bool takesSensorEffects(const Pipeline& pipeline) {
+  const std::vector<Value> items = effectItems(pipeline);
+  return std::any_of(items.begin(), items.end(), meansSensor);
+}
+
+void readEffects(Pipeline& pipeline) {
   const EffectClasses classes(pipeline);
   checkSensorEffects(pipeline, classes);
-  if (list == nullptr) return;
-  pipeline.effectItems = effectItems(*list);
-  const std::vector<Value>& items = pipeline.effectItems;
+  const std::vector<Value> items = effectItems(pipeline);
   if (std::none_of(items.begin(), items.end(), meansSensor)) {
-    SensorEffects shared = makeEffects(items, classes);
-    pipeline.effects = std::move(shared.effects);
-    pipeline.effectEntries = std::move(shared.entries);
-    pipeline.effectOptions = std::move(shared.options);
+    const auto shared = std::make_shared<const Effects>(makeEffects(items, classes));
+    for (MountedSensor& sensor : pipeline.sensors) sensor.effects = shared;
     return;
   }
   std::vector<bool> lit;
   for (MountedSensor& sensor : pipeline.sensors) {
-    auto own = std::make_shared<SensorEffects>(makeEffects(sensorEffectItems(items, sensor), classes));
-    lit.push_back(
-        std::any_of(own->effects.begin(), own->effects.end(), [](const auto& e) { return e->setsIntensity(); }));
+    sensor.effects = std::make_shared<const Effects>(makeEffects(sensorEffectItems(items, sensor), classes));
+    lit.push_back(intensityFullScale(*sensor.effects) > 0);
     if (lit.back() != lit.front()) {
-      throw InputError(list->where,
+      throw InputError(items.front().where,
                        fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
                                    "have the same columns: add `intensity` to the effects of the other",
                                    pipeline.sensors.front().name, sensor.name));
     }
-    sensor.ownEffects = std::move(own);
   }
 }
 

@@ -33,14 +33,23 @@ class EffectClasses {
   mutable std::optional<Ontology> ontology_;
 };
 
-// `list`: the key `effects`, null where it is absent. Fills effectItems, effects and effectEntries, or the sensors' own
-// where the list says `sensor`. All else of the
-// pipeline that effects depend on is read already: sequences, sensors, ontology. The sensors' own lists are checked
-// whether or not they are used. Throws InputError.
-void readEffects(const Value* list, Pipeline& pipeline);
+// Returns the key `effects` of a pipeline with its `corruption` applied; Null where there is neither. What it draws at
+// random is not drawn yet. Throws InputError.
+Value writtenEffects(const Value& root);
+
+// Returns the items of that list with what is drawn for the first frame of the first sequence, for studies that vary
+// them. The word `sensor` stands for the sensors' own. Throws InputError.
+std::vector<Value> effectItems(const Pipeline& pipeline);
+
+// Returns true if that list says `sensor`: each sensor has effects of its own then.
+bool takesSensorEffects(const Pipeline& pipeline);
+
+// Fills MountedSensor::effects. All else of the pipeline that effects depend on is read already: sequences, sensors,
+// ontology. The sensors' own lists are checked whether or not they are used. Throws InputError.
+void readEffects(Pipeline& pipeline);
 
 // The effects of a sensor, with `list` as the key `effects`; Null: none. Throws InputError.
-SensorEffects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
+Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
 
 // An effect with the keys of another of its name in place of its own, as an item of a list.
 Value withKeysOf(const NamedOptions& own, const NamedOptions& change);

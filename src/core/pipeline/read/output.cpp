@@ -43,34 +43,35 @@ VoxelGrid readVoxels(const Value& value) {
 
 }  // namespace
 
-void readOutput(const Value& value, Pipeline& pipeline) {
+Output readOutput(const Value& value) {
+  Output read;
   Fields output(value, "output");
   output.also({"layout", "columns", "formats", "shard_mb", "shard_samples", "shuffle", "reasons", "objects", "voxels"})
       .finish();
-  pipeline.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
-  pipeline.layout.reasons = output.boolean("reasons", false);
-  pipeline.objects = output.boolean("objects", false);
+  read.layout.organised = output.choice("layout", {"dense", "organised"}, "dense") == "organised";
+  read.layout.reasons = output.boolean("reasons", false);
+  read.objects = output.boolean("objects", false);
   const Value* voxels = output.find("voxels");
   if (voxels != nullptr && voxels->kind == Value::Kind::Map) {
-    pipeline.voxels = readVoxels(*voxels);
+    read.voxels = readVoxels(*voxels);
   } else if (voxels != nullptr && voxels->kind == Value::Kind::Scalar && voxels->text != "true" &&
              voxels->text != "false") {
     throw InputError(voxels->where,
                      "voxels must be true, false or a grid such as {size: 0.2, from: [0, -25.6, -2], to: "
                      "[51.2, 25.6, 4.4]}");
   } else if (output.boolean("voxels", false)) {
-    pipeline.voxels = VoxelGrid();
+    read.voxels = VoxelGrid();
   }
   if (const Value* list = output.find("columns")) {
     if (list->kind != Value::Kind::Sequence) throw InputError(list->where, "columns must be a list of names");
-    pipeline.layout.columns = {};
+    read.layout.columns = {};
     for (const Value& item : list->items) {
       const std::string name = readText(item, "columns");
       const std::size_t column = columnIndex(name);
       if (column == kColumnCount) {
         throw InputError(item.where, "unknown column '" + name + "'" + suggestion(name, allColumnNames()));
       }
-      pipeline.layout.columns.add(column);
+      read.layout.columns.add(column);
     }
   }
   std::set<std::string> suffixes;
@@ -83,17 +84,18 @@ void readOutput(const Value& value, Pipeline& pipeline) {
     const FormatEntry& entry = requireFormat(named.name, named.where);
     Fields options(named.options, "format " + named.name);
     options.alsoDescribed(entry.keys).finish();
-    pipeline.formats.push_back({&entry, entry.make(options)});
+    read.formats.push_back({&entry, entry.make(options)});
     if (!suffixes.insert(std::string(entry.suffix)).second) {
       throw InputError(named.where, fmt::format("two formats write '.{}' files", entry.suffix));
     }
   }
-  pipeline.shardBytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
+  read.shards.bytes = static_cast<std::uint64_t>(output.number("shard_mb", {1, 1e6}, 256) * 1e6);
   if (const Value* samples = output.find("shard_samples")) {
     if (output.has("shard_mb")) throw InputError(samples->where, "give either shard_samples or shard_mb");
-    pipeline.shardSamples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
+    read.shards.samples = static_cast<std::size_t>(output.integer("shard_samples", 1, 1'000'000'000));
   }
-  pipeline.shuffled = output.boolean("shuffle", false);
+  read.shards.shuffled = output.boolean("shuffle", false);
+  return read;
 }
 
 }  // namespace scanmill

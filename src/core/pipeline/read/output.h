@@ -7,7 +7,7 @@
 
 namespace scanmill {
 
-// Fills the layout, formats, voxels, objects and what the pipeline says of shards. Throws InputError.
-void readOutput(const Value& value, Pipeline& pipeline);
+// Throws InputError.
+Output readOutput(const Value& value);
 
 }  // namespace scanmill

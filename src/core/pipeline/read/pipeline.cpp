@@ -153,26 +153,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
 }  // namespace
 
 bool setsIntensity(const Pipeline& pipeline) {
-  return intensityFullScale(pipeline.effectsOf(0)) > 0;  // all sensors' do, or none's
-}
-
-std::span<const std::unique_ptr<Effect>> Pipeline::effectsOf(std::size_t sensor) const {
-  const SensorEffects* own = sensors[sensor].ownEffects.get();
-  if (own != nullptr) return own->effects;
-  return effects;
-}
-
-std::span<const EffectEntry* const> Pipeline::effectEntriesOf(std::size_t sensor) const {
-  const SensorEffects* own = sensors[sensor].ownEffects.get();
-  if (own != nullptr) return own->entries;
-  return effectEntries;
-}
-
-std::string Pipeline::effectOptionsOf(std::size_t sensor, std::string_view effect) const {
-  const SensorEffects* own = sensors[sensor].ownEffects.get();
-  const auto& options = own != nullptr ? own->options : effectOptions;
-  const auto found = options.find(effect);
-  return found == options.end() ? "" : found->second;
+  return intensityFullScale(*pipeline.sensors.front().effects) > 0;  // all sensors' do, or none's
 }
 
 std::uint64_t Pipeline::frames() const {
@@ -196,11 +177,11 @@ std::uint64_t Pipeline::raysPerFrame() const {
 }
 
 std::uint32_t Pipeline::raysPerBeam(std::size_t sensor) const {
-  return recording == nullptr ? scanmill::raysPerBeam(effectsOf(sensor)) : 1;
+  return recording == nullptr ? scanmill::raysPerBeam(*sensors[sensor].effects) : 1;
 }
 
 const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
-  return recording == nullptr ? scanmill::lightPaths(effectsOf(sensor)) : nullptr;
+  return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
 // Recorded hits are of one ray a beam. What `auto` will choose is not known yet.
@@ -216,10 +197,10 @@ std::uint32_t Pipeline::mostReturns() const {
   const std::uint32_t met = mostMet();
   std::uint32_t most = 1;
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    most = std::max(most, scanmill::mostReturns(effectsOf(s), met));
+    most = std::max(most, scanmill::mostReturns(*sensors[s].effects, met));
     if (drawn == nullptr) continue;
     for (const SensorDraw& one : drawn->cases()) {
-      most = std::max(most, scanmill::mostReturns(one.effects[s].effects, met));
+      most = std::max(most, scanmill::mostReturns(*one.effects[s], met));
     }
   }
   return most;
@@ -232,9 +213,11 @@ std::string Pipeline::methodName() const {
 
 namespace {
 
-Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::path& file,
+Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& file,
                     std::shared_ptr<const Recording> recording) {
   Pipeline pipeline;
+  pipeline.root = std::move(read);
+  const Value& root = pipeline.root;
   pipeline.recording = std::move(recording);
   pipeline.file = file;
   pipeline.text = std::move(text);
@@ -271,17 +254,10 @@ Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::
     pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where, "auto"), method.options,
                        automatic && pipeline.recording == nullptr};
   }
-  const Value* effects = fields.find("effects");
-  if (effects != nullptr) written.effects = *effects;
-  if (const Value* corruption = fields.find("corruption")) {
-    written.effects = withCorruption(written.effects, *corruption);
-    effects = &written.effects;
-  }
-  std::vector<DrawnValue> ignored;
-  const Value firstEffects = withDraws(written.effects, "effects", {.seed = pipeline.seed}, ignored);
-  readEffects(effects == nullptr ? nullptr : &firstEffects, pipeline);
+  written.effects = writtenEffects(root);
+  readEffects(pipeline);
   if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
-  readOutput(fields.require("output"), pipeline);
+  pipeline.output = readOutput(fields.require("output"));
   std::vector<SequenceName> names;
   for (const Sequence& s : pipeline.sequences) names.push_back({s.scene, s.sceneSeed, s.trajectoryName});
   const Value* splitting = fields.find("splits");
@@ -289,12 +265,6 @@ Pipeline pipelineOf(const Value& root, std::string text, const std::filesystem::
   const Value* by = splitting == nullptr ? nullptr : splitting->find("by");
   pipeline.splitsBySeed = splitting != nullptr && (by == nullptr || by->text == "seed");
   for (std::size_t i = 0; i < splits.size(); ++i) pipeline.sequences[i].split = splits[i];
-  const auto kept = [&](std::string_view key) {
-    const Value* value = fields.find(key);
-    return value == nullptr ? Value{} : *value;
-  };
-  pipeline.tradeoff = kept("tradeoff");
-  pipeline.repeatability = kept("repeatability");
   pipeline.maxRays = kDefaultMaxRays;
   if (const Value* value = fields.find("limits")) {
     Fields limits(*value, "limits");
@@ -329,13 +299,13 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
     setValue(root, assignment);
     text += "# --set " + commented(assignment) + "\n";
   }
-  return pipelineOf(root, std::move(text), file, std::move(recording));
+  return pipelineOf(std::move(root), std::move(text), file, std::move(recording));
 }
 
 Pipeline readPipelineText(const std::string& text, const std::filesystem::path& file) {
   Value root = parseYaml(text, file.string());
   for (const std::string& assignment : overridesIn(text)) setValue(root, assignment);
-  return pipelineOf(root, text, file, nullptr);
+  return pipelineOf(std::move(root), text, file, nullptr);
 }
 
 // They stand as comments at the end of the text: "# --set scenes.0.seeds=[3]", on further lines where they have

@@ -4,10 +4,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,40 +23,49 @@
 
 namespace scanmill {
 
-// In the order in which they run.
-struct SensorEffects {
-  std::vector<std::unique_ptr<Effect>> effects;
-  std::vector<const EffectEntry*> entries;
-  std::map<std::string_view, std::string>
-      options;  // of each by its name, as the files have them on one line: "{rays: 7}"
-};
-
 // A sensor on the vehicle. Its beam table is made by Plan, once the totals are known to be sane.
 struct MountedSensor {
   std::string name;
   Value description;  // preset and own keys merged
   SensorSize size;
   Pose vehicleFromSensor = {};
-  std::shared_ptr<SensorEffects> ownEffects;  // in place of the pipeline's, where that says `sensor`; else null
+  std::shared_ptr<const Effects> effects;  // never null; sensors with the same list share it
 };
 
 struct MethodChoice {
-  const MethodEntry* entry = nullptr;  // null for `auto`, until Plan::choose()
+  const MethodEntry* entry = nullptr;  // null for `auto`, until it is settled()
   Value options;                       // its map, or that of `auto`; Null where the pipeline gives only the name
   bool automatic = false;              // the pipeline says `method: auto`
 };
 
-struct FormatChoice {
+struct ChosenFormat {
   const FormatEntry* entry = nullptr;
-  std::unique_ptr<Format> format;
+  std::shared_ptr<const Format> format;
+};
+
+struct ShardOptions {
+  std::uint64_t bytes = 0;  // at most
+  std::size_t samples = 0;  // in each; 0: follows from the bytes
+  bool shuffled = false;    // samples are spread over the shards of their split at random
+};
+
+// What is written.
+struct Output {
+  ScanLayout layout;
+  std::vector<ChosenFormat> formats;
+  std::optional<VoxelGrid> voxels;  // about each sensor, that samples have beside scans, see dataset/voxels.h
+  bool objects = false;             // samples list the things near their sensors, see dataset/objects.h
+  ShardOptions shards;
 };
 
 class DrawnSensors;
 
+// A value: copies share what does not change.
 struct Pipeline {
   std::string name;
   std::filesystem::path file;
   std::string text;  // as read, with the overrides as comments
+  Value root;        // the same as values, of which studies read their own keys
   std::uint64_t seed = 1;
   std::filesystem::path ontology;  // empty: the scenes' own
   std::filesystem::path vehicle;   // scene file of the own vehicle, in its frame; empty: none
@@ -69,31 +76,12 @@ struct Pipeline {
                                               // here are of the first frame of the first one
   Motion motion;
   MethodChoice method;
-  std::vector<std::unique_ptr<Effect>> effects;   // in the order in which they run; none where sensors have their own
-  std::vector<const EffectEntry*> effectEntries;  // likewise
-  std::map<std::string_view, std::string> effectOptions;  // likewise, see SensorEffects
-  std::vector<Value> effectItems;                         // the list as the file has it, for studies that vary it
-  ScanLayout layout;                                      // of the scans that are written
-  std::vector<FormatChoice> formats;
-  std::optional<VoxelGrid> voxels;  // about each sensor, that samples have beside scans, see dataset/voxels.h
-  bool objects = false;             // samples list the things near their sensors, see dataset/objects.h
-  bool splitsBySeed = false;        // the splits part scenes by their seeds
-  std::uint64_t shardBytes = 0;     // at most
-  bool shuffled = false;            // samples are spread over the shards of their split at random
-  std::size_t shardSamples = 0;     // in each shard; 0: follows from shardBytes
+  Output output;
+  bool splitsBySeed = false;  // the splits part scenes by their seeds
   double maxRays = 0;
-
-  // The keys of the studies, which read them themselves. Null where absent.
-  Value tradeoff;
-  Value repeatability;
 
   std::shared_ptr<const Recording> recording;  // where its shots come from, in place of scenes and a method; or null
 
-  // What runs on the scans of a sensor.
-  std::span<const std::unique_ptr<Effect>> effectsOf(std::size_t sensor) const;
-  std::span<const EffectEntry* const> effectEntriesOf(std::size_t sensor) const;
-  // As the files have them, "{rays: 7}"; empty where there are none.
-  std::string effectOptionsOf(std::size_t sensor, std::string_view effect) const;
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;

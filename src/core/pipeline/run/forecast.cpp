@@ -20,6 +20,7 @@
 #include "config/value.h"
 #include "dataset/shard_writer.h"
 #include "pipeline/run/sample_maker.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -96,8 +97,9 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
 
 // Makes samples of the plan's first sequence, one for each thread, and fills in what the first scene and a frame cost.
 void measure(const Plan& plan, SampleCosts& costs) {
-  const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline().sequences[0].frames);
-  SampleMaker maker(plan, {}, {}, false, [](const Sequence&) {});
+  const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
+  ShotSource source(plan);
+  SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
   const WallTimer whole;
   const std::clock_t before = std::clock();  // of all threads
   maker.prepare(0);
@@ -157,14 +159,14 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
 
 SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread) {
   SampleCosts costs;
-  if (plan.pipeline().recording != nullptr) {
+  if (plan.pipeline.recording != nullptr) {
     measure(plan, costs);
     costs.timeSpread = 1.5;
     costs.byteSpread = 1.2;
     return costs;
   }
-  measure(Plan(inSmallTown(plan.pipeline(), reread)), costs);
-  scale(plan.pipeline(), costs);
+  measure(makePlan(inSmallTown(plan.pipeline, reread)), costs);
+  scale(plan.pipeline, costs);
   return costs;
 }
 

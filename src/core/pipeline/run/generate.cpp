@@ -26,6 +26,7 @@
 #include "pipeline/run/run_records.h"
 #include "pipeline/run/sample_maker.h"
 #include "pipeline/run/shard_workers.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -51,17 +52,17 @@ struct OpenShard {
 
 class DatasetRun {
  public:
-  DatasetRun(const Plan& plan, const GenerateOptions& options)
-      : plan_(plan),
-        pipeline_(plan.pipeline()),
+  DatasetRun(ShotSource& source, const GenerateOptions& options)
+      : plan_(source.plan()),
+        pipeline_(plan_.pipeline),
         options_(options),
-        jobs_(shardJobs(plan)),
-        planned_(datasetPlan(plan, jobs_)),
+        jobs_(shardJobs(plan_)),
+        planned_(datasetPlan(plan_, jobs_)),
         folder_(options.folder, useOf(options), planned_),
-        base_(startManifest(plan, planned_)),
+        base_(startManifest(source, planned_)),
         open_(jobs_.size()),
         progress_("generate", 0, "frames", "rays", options.quiet),
-        maker_(plan, options.keepHits, options.keepPasses, options.overwrite,
+        maker_(source, options.keepHits, options.keepPasses, options.overwrite,
                [this](const Sequence& sequence) { say("setting up " + sequence.key()); }) {
     summary_.manifest = base_;
   }
@@ -296,7 +297,8 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
       throw InputError("recordings are made by one process: keep nothing, or leave --shards and --worker out");
     }
   }
-  return DatasetRun(plan, options).run();
+  ShotSource source(plan);
+  return DatasetRun(source, options).run();
 }
 
 }  // namespace scanmill

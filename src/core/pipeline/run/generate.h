@@ -53,7 +53,7 @@ struct GenerateSummary {
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   StageSeconds stages;                // of processor time ("trace", "effects", "encode", "write", ...)
   std::size_t resumedShards = 0;      // that were whole already, or were made by others meanwhile
-  std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/plan/warnings.h
+  std::vector<std::string> warnings;  // what is legal, but seldom meant: see pipeline/checks/warnings.h
 };
 
 // The manifest of the whole dataset of a plan, where the folder holds it. Throws InputError where shards of it are

@@ -27,7 +27,7 @@ void Recorder::enter(std::size_t sequence, const Scene& scene, const Method& met
   if (!recordsHits() && !recordsPasses()) return;
   const std::scoped_lock lock(mutex_);
   if (entered_.contains(sequence)) return;
-  const Sequence& own = plan_.pipeline().sequences[sequence];
+  const Sequence& own = plan_.pipeline.sequences[sequence];
   Entered& entered = entered_[sequence];
   entered.record = {own.scene, own.sceneSeed, own.trajectoryName, own.frames, 0, {}};
   for (const Value& item : own.without) entered.record.without.push_back(flowText(item));
@@ -76,14 +76,14 @@ Recording Recorder::describe(RecordingKind kind) const {
   Recording recording;
   recording.kind = kind;
   recording.programVersion = kVersion;
-  recording.method = plan_.pipeline().methodName();
+  recording.method = plan_.pipeline.methodName();
   recording.ontology = ontology_;
-  for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
-    const MountedSensor& sensor = plan_.pipeline().sensors[s];
-    const BeamTable& beams = *plan_.beams()[s];
+  for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+    const MountedSensor& sensor = plan_.pipeline.sensors[s];
+    const BeamTable& beams = *plan_.sensors[s].beams;
     recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
   }
-  const std::vector<Sequence>& all = plan_.pipeline().sequences;
+  const std::vector<Sequence>& all = plan_.pipeline.sequences;
   std::vector<std::size_t> scenes;  // the first sequence of each
   for (const auto& [number, entered] : entered_) {
     const auto known = std::find_if(scenes.begin(), scenes.end(),

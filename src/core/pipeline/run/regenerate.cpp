@@ -17,6 +17,7 @@
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/generate.h"
 #include "pipeline/run/sample_maker.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -67,7 +68,7 @@ std::string hashOf(const fs::path& file) {
 }
 
 SampleAddress addressOf(const Plan& plan, const std::string& key) {
-  const std::vector<Sequence>& sequences = plan.pipeline().sequences;
+  const std::vector<Sequence>& sequences = plan.pipeline.sequences;
   for (std::size_t s = 0; s < sequences.size(); ++s) {
     if (!key.starts_with(sequences[s].key())) continue;
     for (std::uint32_t frame = 0; frame < sequences[s].frames; ++frame) {
@@ -133,7 +134,8 @@ std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& 
     for (const SampleRecord& sample : manifest.samples) keys.push_back(sample.key);
     throw InputError(fmt::format("the dataset has no sample '{}'{}", key, suggestion(key, keys)));
   }
-  SampleMaker maker(plan, {}, {}, false, [](const Sequence&) {});
+  ShotSource source(plan);
+  SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
   const Sample sample = maker.make(addressOf(plan, key)).sample;
   std::vector<std::string> names{key + ".json"};
   std::vector<std::string> contents{sampleJson({sample.key, sample.split, 0, sample.scans, {}})};

@@ -7,12 +7,14 @@
 #include "methods/depth_camera/depth_camera.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/recorder.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
 RenderSummary render(const Plan& plan, const RenderOptions& options) {
   plan.requirePasses();
-  const Pipeline& pipeline = plan.pipeline();
+  const Pipeline& pipeline = plan.pipeline;
+  ShotSource source(plan);
   RenderSummary summary;
   StageClock clock({"setup"});
   TraceAccount account;  // of the method
@@ -28,9 +30,9 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
       addSeconds(account.seconds, summary.stages);
       account = {};
       method.reset();
-      scene = std::make_unique<Scene>(plan.loadScene(sequence));
-      method = plan.makeMethod(*scene);
-      for (const Shot& shot : plan.shots(s, 0)) account += method->prepare(shot);
+      scene = std::make_unique<Scene>(source.load(s));
+      method = source.method(*scene);
+      for (const Shot& shot : source.frame(s, 0).shots) account += method->prepare(shot);
     }
     if (!open) recorder.open({}, options.folder, options.overwrite);
     open = true;
@@ -40,7 +42,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
         throw Error("stopped: the folder holds no recording.json, hence no finished recording");
       }
       double pixels = 0;
-      for (const Shot& shot : plan.shots(s, frame)) {
+      for (const Shot& shot : source.frame(s, frame).shots) {
         RecordedShot record = Recorder::beginPasses(shot);
         account += method->depthCamera()->draw(shot, options.passes, [&](PassStep&& step) {
           for (const PassImage& image : step.images) pixels += static_cast<double>(image.camera.pixels());

@@ -25,7 +25,7 @@ void checkFolders(const Plan& plan, const GenerateOptions& options) {
   add(options.folder);
   add(options.keepHits);
   add(options.keepPasses);
-  if (plan.pipeline().recording != nullptr) add(plan.pipeline().recording->folder);
+  if (plan.pipeline.recording != nullptr) add(plan.pipeline.recording->folder);
 }
 
 }  // namespace scanmill

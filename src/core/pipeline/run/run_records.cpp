@@ -54,8 +54,9 @@ void countPoints(const Scan& scan, ScanRecord& record) {
 
 }  // namespace
 
-Manifest startManifest(const Plan& plan, const DatasetPlan& planned) {
-  const Pipeline& pipeline = plan.pipeline();
+Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
+  const Plan& plan = source.plan();
+  const Pipeline& pipeline = plan.pipeline;
   Manifest manifest;
   manifest.programVersion = kVersion;
   manifest.name = pipeline.name;
@@ -63,23 +64,24 @@ Manifest startManifest(const Plan& plan, const DatasetPlan& planned) {
   manifest.pipelineSha256 = sha256(pipeline.text);
   manifest.planSha256 = planned.hash;
   manifest.seed = pipeline.seed;
-  manifest.organised = pipeline.layout.organised;
+  manifest.organised = pipeline.output.layout.organised;
   manifest.deskewed = pipeline.motion.deskew;
   manifest.columns = scanColumnNames(plan.columns());
-  for (const FormatChoice& f : pipeline.formats) {
+  for (const ChosenFormat& f : pipeline.output.formats) {
     manifest.formats.push_back({std::string(f.entry->name), std::string(f.entry->suffix), f.format->maxError()});
   }
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    manifest.sensors.push_back({pipeline.sensors[s].name, *plan.beams()[s], pipeline.sensors[s].vehicleFromSensor});
-    const double fullScale = intensityFullScale(pipeline.effectsOf(s));
+    manifest.sensors.push_back(
+        {pipeline.sensors[s].name, *plan.sensors[s].beams, pipeline.sensors[s].vehicleFromSensor});
+    const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
     if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
     BeamTable& beams = manifest.sensors.back().beams;  // the manifest holds the table per ring
     beams.direction = {};
     beams.origin = {};
     beams.time = {};
   }
-  manifest.modelled = plan.modelled();
-  manifest.chosen = plan.chosen();
+  manifest.modelled = modelled(plan, source.blockedShares());
+  manifest.chosen = plan.chosen;
   return manifest;
 }
 

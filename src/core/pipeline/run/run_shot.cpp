@@ -2,12 +2,12 @@
 
 #include <optional>
 
-#include "pipeline/plan/own_vehicle.h"
+#include "pipeline/scenes/own_vehicle.h"
 
 namespace scanmill {
 
-ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor) {
-  return setupOf(plan, plan.settings(), scene, method, sensor);
+ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& method, std::size_t sensor) {
+  return setupOf(source.plan(), source.settings(), scene, method, sensor);
 }
 
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
@@ -15,13 +15,13 @@ ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& 
   const SensorSetting& own = settings.sensors[sensor];
   return {method,
           scene.materials,
-          plan.channels(),
-          own.effects,
-          plan.pipeline().layout,
-          plan.footprint(sensor),
-          own.vehicle,
+          plan.channels,
+          *own.effects,
+          plan.pipeline.output.layout,
+          plan.sensors[sensor].footprint.get(),
+          own.vehicle.get(),
           own.paths,
-          ThingMotions::areToldOf(scene, plan.pipeline().layout) ? &scene : nullptr};
+          ThingMotions::areToldOf(scene, plan.pipeline.output.layout) ? &scene : nullptr};
 }
 
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {

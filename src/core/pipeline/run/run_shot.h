@@ -2,13 +2,12 @@
 
 // One shot, from its beams to its scan: what datasets, studies and measurements have in common.
 
-#include <memory>
 #include <span>
 
 #include "base/stage_clock.h"
 #include "methods/interface/light_paths.h"
 #include "methods/method.h"
-#include "pipeline/plan/plan.h"
+#include "pipeline/scenes/shot_source.h"
 #include "scan/hits.h"
 #include "scan/scan.h"
 #include "scene/scene.h"
@@ -23,7 +22,7 @@ struct ShotSetup {
   const Method& method;
   std::span<const Material> materials;  // that Hits::material points into
   Channels channels;                    // that are traced
-  std::span<const std::unique_ptr<Effect>> effects;
+  EffectList effects;
   ScanLayout layout;
   const Footprint* footprint = nullptr;  // of beams that fire several rays
   const Hits* vehicle = nullptr;         // what the rays meet of the own vehicle
@@ -31,8 +30,9 @@ struct ShotSetup {
   const Scene* moving = nullptr;         // the scene, if points tell how objects of it move
 };
 
-// As the plan says of this sensor; with its settings of a certain frame, which must outlive the setup.
-ShotSetup setupOf(const Plan& plan, const Scene& scene, const Method& method, std::size_t sensor);
+// Returns what the plan says of this sensor with its settings in a certain frame, which must outlive the setup; without
+// settings: with those of ShotSource::settings().
+ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& method, std::size_t sensor);
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor);
 

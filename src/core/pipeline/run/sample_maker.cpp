@@ -18,37 +18,39 @@ namespace {
 // Ordered by their keys.
 std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
   std::vector<DrawnValue> draws = scene.draws;
-  draws.insert(draws.end(), settings.drawn.draws.begin(), settings.drawn.draws.end());
+  draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
   std::sort(draws.begin(), draws.end(), [](const DrawnValue& a, const DrawnValue& b) { return a.key < b.key; });
   return draws;
 }
 
 }  // namespace
 
-SampleMaker::SampleMaker(const Plan& plan, std::filesystem::path keepHits, std::filesystem::path keepPasses,
+SampleMaker::SampleMaker(ShotSource& source, std::filesystem::path keepHits, std::filesystem::path keepPasses,
                          bool overwrite, std::function<void(const Sequence&)> loading)
-    : plan_(plan),
+    : source_(source),
+      plan_(source.plan()),
       keepHits_(std::move(keepHits)),
       keepPasses_(std::move(keepPasses)),
       overwrite_(overwrite),
-      scenes_(plan, std::move(loading)),
-      recorder_(plan) {}
+      scenes_(source, std::move(loading)),
+      recorder_(plan_) {}
 
 MadeSample SampleMaker::make(const SampleAddress& address) {
-  const Pipeline& pipeline = plan_.pipeline();
+  const Pipeline& pipeline = plan_.pipeline;
   const Sequence& sequence = pipeline.sequences[address.sequence];
   const std::shared_ptr<const ReadyScene> ready = scenes_.enter(address.sequence);
   // Only now: a scene or a method that cannot be used must not cost the recordings that --overwrite replaces.
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
-  const std::shared_ptr<const FrameSettings> settings = plan_.settings(address.sequence, address.frame);
-  made.sample.draws = allDraws(ready->scene, *settings);
+  const Frame frame = source_.frame(address.sequence, address.frame);
+  const FrameSettings& settings = *frame.settings;
+  made.sample.draws = allDraws(ready->scene, settings);
   TraceAccount account;
   std::optional<ObjectList> objects;
   std::unique_ptr<ShotBuffers> buffers = buffers_.take();
-  for (const Shot& shot : plan_.shots(address.sequence, address.frame)) {
-    const ShotSetup setup = setupOf(plan_, *settings, ready->scene, *ready->method, shot.sensor);
+  for (const Shot& shot : frame.shots) {
+    const ShotSetup setup = setupOf(plan_, settings, ready->scene, *ready->method, shot.sensor);
     if (recorder_.recordsPasses()) {
       account += drawAndRecord(*ready, shot, buffers->hits);
       const StageTimer timer(clock_, "effects");
@@ -65,7 +67,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
     std::vector<ScanRecord>& scans = made.sample.scans;
     scans.push_back(recordOf(shot, buffers->hits, buffers->scan, pipeline.methodName()));
     if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
-      scans.back().vehicleFromSensor = settings->sensors[shot.sensor].vehicleFromSensor;
+      scans.back().vehicleFromSensor = settings.sensors[shot.sensor].vehicleFromSensor;
     }
     addFormats(buffers->scan, made.sample);
     if (ready->voxels != nullptr) addVoxels(*ready->voxels, shot, *buffers, made.sample);
@@ -85,11 +87,11 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
 // Of the scan that the sample's last record is of.
 void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
   const StageTimer timer(clock_, "encode");
-  const Pipeline& pipeline = plan_.pipeline();
-  for (const FormatChoice& f : pipeline.formats) {
+  const Pipeline& pipeline = plan_.pipeline;
+  for (const ChosenFormat& f : pipeline.output.formats) {
     sample.members.push_back({memberSuffix(sample.scans.back(), f.format->suffix()), f.format->encode(scan)});
   }
-  if (pipeline.layout.reasons) {
+  if (pipeline.output.layout.reasons) {
     sample.members.push_back({memberSuffix(sample.scans.back(), kReasonsSuffix),
                               encodeReasons(scan.reasonOfBeam, scan.rings, scan.columns)});
   }
@@ -97,19 +99,19 @@ void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
 
 void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample) {
   const StageTimer timer(clock_, "voxels");
-  const Pipeline& pipeline = plan_.pipeline();
-  VoxelLabels labels = voxels.labels(*pipeline.voxels, shot.worldFromSensor.front(), shot.time);
+  const Pipeline& pipeline = plan_.pipeline;
+  VoxelLabels labels = voxels.labels(*pipeline.output.voxels, shot.worldFromSensor.front(), shot.time);
   sample.members.push_back({memberSuffix(sample.scans.back(), kVoxelsSuffix),
-                            encodeVoxels(viewVoxels(*pipeline.voxels, std::move(labels), shot,
+                            encodeVoxels(viewVoxels(*pipeline.output.voxels, std::move(labels), shot,
                                                     pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
 }
 
 // Passes that are recorded are drawn first, and the hits are sampled from them.
 TraceAccount SampleMaker::drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits) {
   const DepthCamera& camera = *ready.method->depthCamera();
-  hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels());
-  PassChoice choice = camera.passes(plan_.channels());
-  choice.surfaceParameters = plan_.channels().has(Channel::Material);
+  hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels);
+  PassChoice choice = camera.passes(plan_.channels);
+  choice.surfaceParameters = plan_.channels.has(Channel::Material);
   RecordedShot record = Recorder::beginPasses(shot);
   TraceAccount sampling;
   TraceAccount account = camera.draw(shot, choice, [&](PassStep&& step) {

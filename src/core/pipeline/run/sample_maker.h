@@ -28,7 +28,7 @@ struct MadeSample {
 class SampleMaker {
  public:
   // Recordings go to the folders that are not empty. `loading`: see SceneStore.
-  SampleMaker(const Plan& plan, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
+  SampleMaker(ShotSource& source, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
   // Says which samples will be made, so that scenes go when they are no longer needed, and which of them will not be
@@ -52,6 +52,7 @@ class SampleMaker {
   void addVoxels(const SceneVoxels& voxels, const Shot& shot, const ShotBuffers& buffers, Sample& sample);
   TraceAccount drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits);
 
+  ShotSource& source_;
   const Plan& plan_;
   std::filesystem::path keepHits_, keepPasses_;
   bool overwrite_;

@@ -14,10 +14,10 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/tsan_order.h"
-#include "pipeline/plan/heading_warnings.h"
-#include "pipeline/plan/scene_shares.h"
-#include "pipeline/plan/warnings.h"
-#include "pipeline/plan/way_warnings.h"
+#include "pipeline/checks/heading_warnings.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/checks/way_warnings.h"
+#include "pipeline/scenes/scene_shares.h"
 
 namespace scanmill {
 
@@ -40,9 +40,13 @@ struct SceneStore::Slot {
   std::uint64_t lastUse = 0;
 };
 
-SceneStore::SceneStore(const Plan& plan, std::function<void(const Sequence&)> loading)
-    : plan_(plan), loading_(std::move(loading)), told_(plan.pipeline().sequences.size()), clock_({"setup"}) {
-  const std::vector<Sequence>& all = plan.pipeline().sequences;
+SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> loading)
+    : source_(source),
+      plan_(source.plan()),
+      loading_(std::move(loading)),
+      told_(plan_.pipeline.sequences.size()),
+      clock_({"setup"}) {
+  const std::vector<Sequence>& all = plan_.pipeline.sequences;
   for (const Sequence& sequence : all) {
     const auto first =
         std::find_if(all.begin(), all.end(), [&](const auto& other) { return other.sameScene(sequence); });
@@ -119,29 +123,30 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
   const TaskOrder::Task task(slot.loaded, slot.loaded);
   const StageTimer timer(clock_, "setup");
   try {
-    const Pipeline& pipeline = plan_.pipeline();
+    const Pipeline& pipeline = plan_.pipeline;
     const Sequence& own = pipeline.sequences[sequence];
     loading_(own);
     ReadyScene& ready = slot.ready;
     ::malloc_trim(0);  // each thread would keep what it has given back of the scene before
-    ready.scene = plan_.loadScene(own);
-    ready.method = plan_.makeMethod(ready.scene);
-    if (pipeline.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
-    if (pipeline.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
+    ready.scene = source_.load(sequence);
+    ready.method = source_.method(ready.scene);
+    if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
+    if (pipeline.output.voxels) ready.voxels = std::make_unique<SceneVoxels>(ready.scene);
     const std::uint64_t bytes = ready.method->memoryBytes() +
                                 (ready.objects == nullptr ? 0 : ready.objects->memoryBytes()) +
                                 (ready.voxels == nullptr ? 0 : ready.voxels->memoryBytes());
     plan_.checkMemory(bytes, "the scene of " + own.key());
     ready.facts = std::make_shared<const SceneFacts>(SceneFacts{ready.method->modelled(), ready.scene.ontology});
     TraceAccount account;
-    for (const Shot& shot : plan_.shots(sequence, 0)) account += ready.method->prepare(shot);
+    for (const Shot& shot : source_.frame(sequence, 0).shots) account += ready.method->prepare(shot);
     if (pipeline.recording == nullptr) ready.probe.emplace(ready.scene, ready.method.get(), pipeline.method.entry);
     ::malloc_trim(0);
     std::vector<std::string> lines;
     for (const auto& more :
          {damageWarnings(ready.scene), sizeWarnings(ready.scene), thingSizeWarnings(ready.scene),
           ruleWarnings(ready.scene), unlabeledWarnings(ready.scene), seedWarnings(pipeline, own, ready.scene),
-          shareWarnings(ready.scene), withoutWarnings(ready.scene), vehicleWarnings(plan_), driveWarnings(pipeline)}) {
+          shareWarnings(ready.scene), withoutWarnings(ready.scene), vehicleWarnings(pipeline, source_.blockedShares()),
+          driveWarnings(pipeline)}) {
       appendNew(more, lines);
     }
     if (ready.objects != nullptr) appendNew(headingWarnings(ready.scene, ready.objects->boxes()), lines);
@@ -163,7 +168,7 @@ void SceneStore::lookAtWay(std::size_t sequence, const ReadyScene& ready) {
     if (std::exchange(told_[sequence].looked, true)) return;
   }
   const StageTimer timer(clock_, "setup");
-  std::vector<std::string> lines = wayWarnings(plan_, sequence, *ready.probe);
+  std::vector<std::string> lines = wayWarnings(source_, sequence, *ready.probe);
   const std::scoped_lock lock(mutex_);
   told_[sequence].ofWay = std::move(lines);
 }

@@ -14,9 +14,9 @@
 
 #include "base/stage_clock.h"
 #include "methods/method.h"
-#include "pipeline/drive/scene_probe.h"
-#include "pipeline/plan/plan.h"
 #include "pipeline/run/object_list.h"
+#include "pipeline/scenes/scene_probe.h"
+#include "pipeline/scenes/shot_source.h"
 #include "scene/scene.h"
 #include "scene/voxels.h"
 
@@ -42,7 +42,7 @@ struct ReadyScene {
 class SceneStore {
  public:
   // `loading` is called, by any thread, before a scene is loaded for a sequence.
-  SceneStore(const Plan& plan, std::function<void(const Sequence&)> loading);
+  SceneStore(ShotSource& source, std::function<void(const Sequence&)> loading);
   ~SceneStore();
   SceneStore(const SceneStore&) = delete;
   SceneStore& operator=(const SceneStore&) = delete;
@@ -85,6 +85,7 @@ class SceneStore {
   void load(std::size_t sequence, Slot& slot);
   void lookAtWay(std::size_t sequence, const ReadyScene& ready);
 
+  ShotSource& source_;
   const Plan& plan_;
   std::function<void(const Sequence&)> loading_;
   std::vector<std::size_t> sceneOf_;  // of each sequence: the first sequence that has its scene

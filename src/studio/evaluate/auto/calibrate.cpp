@@ -9,6 +9,7 @@
 #include "evaluate/intensity.h"
 #include "evaluate/measure.h"
 #include "pipeline/run/progress.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -76,7 +77,8 @@ class Calibrator {
  public:
   Calibrator(const Plan& plan, bool quiet, const std::atomic<bool>* stop)
       : plan_(plan),
-        pipeline_(plan.pipeline()),
+        source_(plan),
+        pipeline_(plan.pipeline),
         choice_(readAutoChoice(pipeline_)),
         stop_(stop),
         scenes_(sequencesOf(pipeline_, choice_.shots)),
@@ -125,7 +127,7 @@ class Calibrator {
     const std::size_t sequence = scenes_[index];
     const Sequence& own = pipeline_.sequences[sequence];
     progress_.say(fmt::format("reading {}", own.key()));
-    Scene scene = plan_.loadScene(own);
+    Scene scene = source_.load(sequence);
     if (scene.moves()) refuseStill(calibration);
     standStill(scene, 0);
     // Every scene has a share of the shots; the first ones take what is left over.
@@ -134,12 +136,12 @@ class Calibrator {
     std::vector<Shot> shots;
     for (const std::uint32_t frame : own.spreadFrames(count)) {
       ++frames_;
-      for (Shot& shot : plan_.shots(sequence, frame)) shots.push_back(std::move(shot));
+      for (Shot& shot : source_.frame(sequence, frame).shots) shots.push_back(std::move(shot));
     }
     MeasureOptions options;
     options.clouds = false;
     options.leastSeconds = 0.1;
-    options.channels = plan_.channels();
+    options.channels = plan_.channels;
     options.intensity = noiseFreeIntensity(pipeline_, scene);
     options.stop = [this] { return stop_ != nullptr && *stop_; };
     const std::vector<TrueShot> truth = trueShots(scene, std::move(shots), options);
@@ -191,6 +193,7 @@ class Calibrator {
   }
 
   const Plan& plan_;
+  ShotSource source_;
   const Pipeline& pipeline_;
   AutoChoice choice_;
   const std::atomic<bool>* stop_;

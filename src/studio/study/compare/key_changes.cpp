@@ -161,14 +161,14 @@ void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simul
   if (unlike) return none("The sensors are not alike.");
   try {
     const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
-    const Pipeline& read = plan.pipeline();
+    const Pipeline& read = plan.pipeline;
     if (read.drawn != nullptr) return none("The second set's mounts or effects are drawn at random.");
     const auto named = std::find_if(read.sensors.begin(), read.sensors.end(),
                                     [&](const MountedSensor& s) { return s.name == sensor; });
     const MountedSensor& own = named == read.sensors.end() ? read.sensors.front() : *named;
-    comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, own));
+    comparison.advice = adviceFor(comparison, sensorEffectItems(effectItems(read), own));
     if (comparison.advice.empty()) return none("No key of the second set's effects scales what differs by a tenth.");
-    comparison.assignment = assignmentOf(comparison.advice, read.effectItems);
+    comparison.assignment = assignmentOf(comparison.advice, effectItems(read));
   } catch (const InputError& error) {
     none(
         fmt::format("The second set's pipeline cannot be read: {}. Where its files lie elsewhere, name it with "

@@ -17,15 +17,14 @@ namespace scanmill {
 
 namespace {
 
-using Effects = std::vector<std::unique_ptr<Effect>>;
-
 Effects makeEffects(const std::string& yaml) {
   const Value root = parseYaml(yaml, "fitted effects");
   Effects made;
   for (const Value& item : root.find("effects")->items) {
     const Value::Entry& entry = item.entries.front();
     Fields options(entry.value, "effect " + entry.key);
-    made.push_back(requireEffect(entry.key, item.where).make(options));
+    const EffectEntry& effect = requireEffect(entry.key, item.where);
+    made.push_back({&effect, effect.make(options), {}});
   }
   return made;
 }

@@ -10,6 +10,7 @@
 #include "config/version.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/run_shot.h"
+#include "pipeline/scenes/shot_source.h"
 #include "study/repeatability/repeatability_choice.h"
 #include "study/repeatability/repeatability_object.h"
 
@@ -59,16 +60,17 @@ class RepeatabilityRun {
  public:
   RepeatabilityRun(const Plan& plan, const RepeatabilityOptions& options)
       : plan_(plan),
+        source_(plan),
         options_(options),
-        choice_(readRepeatabilityChoice(plan.pipeline())),
-        channels_(repeatabilityChannels(plan.pipeline())),
+        choice_(readRepeatabilityChoice(plan.pipeline)),
+        channels_(repeatabilityChannels(plan.pipeline)),
         pairs_(scanPairs(choice_.levels.size(), choice_.scans)),
-        progress_("repeatability", choice_.methods.size() * plan.pipeline().sensors.size() * plan.pipeline().frames(),
+        progress_("repeatability", choice_.methods.size() * plan.pipeline.sensors.size() * plan.pipeline.frames(),
                   "poses", "poses", options.quiet) {}
 
   Repeatability operator()() {
     start();
-    const Pipeline& pipeline = plan_.pipeline();
+    const Pipeline& pipeline = plan_.pipeline;
     std::unique_ptr<Scene> scene;
     std::vector<std::unique_ptr<Method>> methods;
     std::vector<BoxedThing> things;
@@ -77,7 +79,7 @@ class RepeatabilityRun {
       const Sequence& sequence = pipeline.sequences[s];
       if (s == 0 || !sequence.sameScene(pipeline.sequences[s - 1])) {
         methods.clear();
-        scene = std::make_unique<Scene>(plan_.loadScene(sequence));
+        scene = std::make_unique<Scene>(source_.load(s));
         standStill(*scene, 0);
         for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting, *scene));
         things = boxedThings(*scene);
@@ -85,7 +87,7 @@ class RepeatabilityRun {
       for (std::size_t m = 0; m < methods.size(); ++m) {
         const std::size_t firstView = (m * pipeline.sequences.size() + s) * sensors;
         for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {
-          const std::vector<Shot> shots = plan_.shots(s, frame);
+          const std::vector<Shot> shots = source_.frame(s, frame).shots;
           for (std::size_t sensor = 0; sensor < sensors; ++sensor) {
             const Vec3d from = shots[sensor].worldFromSensor.front().translation;
             const BoxedThing& thing = thingToWatch(things, choice_.object, from, *scene);
@@ -102,7 +104,7 @@ class RepeatabilityRun {
 
  private:
   void start() {
-    const Pipeline& pipeline = plan_.pipeline();
+    const Pipeline& pipeline = plan_.pipeline;
     result_.programVersion = kVersion;
     result_.pipelineName = pipeline.name;
     result_.pipelineText = pipeline.text;
@@ -117,7 +119,7 @@ class RepeatabilityRun {
       for (const Sequence& sequence : pipeline.sequences) {
         for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
           const MountedSensor& sensor = pipeline.sensors[s];
-          const BeamTable& beams = *plan_.beams()[s];
+          const BeamTable& beams = *plan_.sensors[s].beams;
           RepeatedView& view = result_.views.emplace_back();
           view.method = m;
           view.sensor = fmt::format("{} ({}{}{} x {} beams)", sensor.name, beams.model, beams.model.empty() ? "" : ", ",
@@ -159,12 +161,13 @@ class RepeatabilityRun {
   void warnOfStillNoise() {
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
       std::vector<std::string> names;
-      for (std::size_t s = 0; s < plan_.pipeline().sensors.size(); ++s) {
-        for (const EffectEntry* entry : choice_.levels[level].entries(plan_.pipeline(), s)) {
-          if (std::find(names.begin(), names.end(), entry->name) == names.end()) names.emplace_back(entry->name);
+      for (std::size_t s = 0; s < plan_.pipeline.sensors.size(); ++s) {
+        for (const ChosenEffect& effect : *choice_.levels[level].effects[s]) {
+          const std::string_view name = effect.entry->name;
+          if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
         }
       }
-      if (names.empty() && !choice_.levels[level].own.empty()) continue;
+      if (names.empty() && choice_.levels[level].named) continue;
       bool any = false;
       bool moves = false;
       for (const RepeatedView& view : result_.views) {
@@ -204,7 +207,7 @@ class RepeatabilityRun {
       Scan scan;
       for (std::size_t c = first; c < last; ++c) {
         repeated.seed = shot.seed + c % choice_.scans;
-        const auto effects = choice_.levels[c / choice_.scans].effects(plan_.pipeline(), shot.sensor);
+        const Effects& effects = *choice_.levels[c / choice_.scans].effects[shot.sensor];
         senseShot({method, scene.materials, channels_, effects, repeatabilityLayout()}, repeated, hits, scratch, scan);
         clouds[c] = crop(scan, repeated, thing, choice_.margin);
       }
@@ -259,6 +262,7 @@ class RepeatabilityRun {
   }
 
   const Plan& plan_;
+  ShotSource source_;
   const RepeatabilityOptions& options_;
   RepeatabilityChoice choice_;
   Channels channels_;

@@ -36,8 +36,10 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
     level.name = fields.text("name");
     if (level.name.empty()) throw InputError(item.where, "a noise level's name is empty");
     const Value& effects = fields.require("effects");
-    for (const MountedSensor& sensor : pipeline.sensors)
-      level.own.push_back(readSensorEffects(effects, EffectClasses(pipeline), sensor));
+    for (const MountedSensor& sensor : pipeline.sensors) {
+      level.effects.push_back(
+          std::make_shared<const Effects>(readSensorEffects(effects, EffectClasses(pipeline), sensor)));
+    }
     const bool twice =
         std::any_of(levels.begin(), levels.end(), [&](const NoiseLevel& l) { return l.name == level.name; });
     if (twice) throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));
@@ -81,13 +83,16 @@ std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
 
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline) {
   RepeatabilityChoice choice;
-  Fields fields(pipeline.repeatability, "repeatability");
+  Fields fields(pipeline.root.valueOf("repeatability"), "repeatability");
   fields.also({"scans", "noise", "reference", "methods", "object", "margin_m", "icp"}).finish();
   choice.scans = static_cast<std::uint32_t>(fields.integer("scans", 2, kMostScans, choice.scans));
   if (const Value* levels = fields.find("noise")) {
     choice.levels = readLevels(*levels, pipeline);
   } else {
-    choice.levels.push_back({"the pipeline's effects", {}});
+    NoiseLevel& own = choice.levels.emplace_back();
+    own.name = "the pipeline's effects";
+    own.named = false;
+    for (const MountedSensor& sensor : pipeline.sensors) own.effects.push_back(sensor.effects);
   }
   if (const Value* reference = fields.find("reference")) choice.reference = levelNamed(choice.levels, *reference);
   const Value* methods = fields.find("methods");
@@ -106,9 +111,7 @@ ScanLayout repeatabilityLayout() {
 Channels repeatabilityChannels(const Pipeline& pipeline) {
   Channels channels = Channel::Range;
   for (const NoiseLevel& level : readRepeatabilityChoice(pipeline).levels) {
-    for (std::size_t sensor = 0; sensor < pipeline.sensors.size(); ++sensor) {
-      channels |= channelsFor(level.effects(pipeline, sensor), repeatabilityLayout().columns);
-    }
+    for (const auto& effects : level.effects) channels |= channelsFor(*effects, repeatabilityLayout().columns);
   }
   return channels;
 }

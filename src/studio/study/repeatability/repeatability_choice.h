@@ -15,7 +15,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -28,14 +27,8 @@ namespace scanmill {
 
 struct NoiseLevel {
   std::string name;
-  std::vector<SensorEffects> own;  // one per sensor; empty where the level is the pipeline's own effects
-
-  std::span<const EffectEntry* const> entries(const Pipeline& pipeline, std::size_t sensor) const {
-    return own.empty() ? pipeline.effectEntriesOf(sensor) : own[sensor].entries;
-  }
-  std::span<const std::unique_ptr<Effect>> effects(const Pipeline& pipeline, std::size_t sensor) const {
-    return own.empty() ? pipeline.effectsOf(sensor) : own[sensor].effects;
-  }
+  std::vector<std::shared_ptr<const Effects>> effects;  // of each sensor
+  bool named = true;                                    // false: these are the pipeline's own
 };
 
 struct RepeatabilityChoice {

@@ -14,6 +14,7 @@
 #include "gpu/compute.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/run_shot.h"
+#include "pipeline/scenes/shot_source.h"
 #include "study/tradeoff/encodings.h"
 #include "study/tradeoff/ring_timings.h"
 #include "study/tradeoff/settings.h"
@@ -49,15 +50,16 @@ class StudyRun {
  public:
   StudyRun(const Plan& plan, const StudyOptions& options)
       : plan_(plan),
+        source_(plan),
         options_(options),
-        choice_(readStudyChoice(plan.pipeline())),
-        sequence_(plan.pipeline().sequences[choice_.sequence]),
+        choice_(readStudyChoice(plan.pipeline)),
+        sequence_(plan.pipeline.sequences[choice_.sequence]),
         budget_(options.budgetSeconds > 0 ? options.budgetSeconds : choice_.budgetSeconds),
         progress_("tradeoff", choice_.settings.size(), "settings", "beams", options.quiet) {}
 
   Study run() {
     progress_.say("reading the scene");
-    scene_ = plan_.loadScene(sequence_);
+    scene_ = source_.load(choice_.sequence);
     moves_ = scene_.moves();
     if (moves_) {
       standStill(scene_, 0);
@@ -66,8 +68,8 @@ class StudyRun {
     describe();
     measureOptions_.repeats = choice_.repeats;
     measureOptions_.leastSeconds = 0.15;
-    measureOptions_.channels = plan_.channels();
-    measureOptions_.intensity = noiseFreeIntensity(plan_.pipeline(), scene_);
+    measureOptions_.channels = plan_.channels;
+    measureOptions_.intensity = noiseFreeIntensity(plan_.pipeline, scene_);
     measureOptions_.stop = [this] { return options_.stop != nullptr && *options_.stop; };
     takeShots(choice_.shots);
     measureSettings();
@@ -81,7 +83,7 @@ class StudyRun {
 
  private:
   void describe() {
-    const Pipeline& pipeline = plan_.pipeline();
+    const Pipeline& pipeline = plan_.pipeline;
     study_.programVersion = kVersion;
     study_.date = today();
     study_.machine.processor = processorName();
@@ -96,8 +98,8 @@ class StudyRun {
     study_.budgetSeconds = static_cast<std::uint64_t>(budget_);
     study_.repeats = choice_.repeats;
     study_.scene = {sequence_.key(), scene_.placedTriangles(), {}};
-    for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
-      const BeamTable& b = *plan_.beams()[s];
+    for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+      const BeamTable& b = *plan_.sensors[s].beams;
       study_.sensors.push_back(
           fmt::format("{}: {}, {} x {} beams", pipeline.sensors[s].name, b.model, b.rings, b.columns));
     }
@@ -114,7 +116,7 @@ class StudyRun {
 
   // As many frames as the budget seems to hold: a scan by each method's first setting tells.
   void takeShots(std::uint32_t most) {
-    const std::vector<Shot> first = plan_.shots(choice_.sequence, sequence_.spreadFrames(1).front());
+    const std::vector<Shot> first = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
     double setup = 0;
     double perFrame = 0;
     std::map<std::string, std::pair<double, double>> known;  // by method: set-up, scan (s)
@@ -150,12 +152,12 @@ class StudyRun {
     progress_.say("tracing the truth");
     std::vector<Shot> shots;
     for (const std::uint32_t frame : sequence_.spreadFrames(count)) {
-      for (Shot& shot : plan_.shots(choice_.sequence, frame)) shots.push_back(std::move(shot));
+      for (Shot& shot : source_.frame(choice_.sequence, frame).shots) shots.push_back(std::move(shot));
       study_.scene.frames.push_back(frame);
     }
     truth_ = trueShots(scene_, std::move(shots), measureOptions_);
     if (!anyHit(truth_)) {
-      throw InputError({plan_.pipeline().file.string()},
+      throw InputError({plan_.pipeline.file.string()},
                        fmt::format("no beam of {} scans of {} meets anything: nothing can be compared; look at the "
                                    "trajectory and the sensor's mount, or name another `tradeoff.sequence`",
                                    truth_.size(), sequence_.key()));
@@ -245,7 +247,7 @@ class StudyRun {
   void timeShowing(const Method& method, const Shot& shot, const Hits& hits) {
     Returns returns;
     Scan scan;
-    senseShot(setupOf(plan_, scene_, method, shot.sensor), shot, hits, returns, scan);
+    senseShot(setupOf(source_, scene_, method, shot.sensor), shot, hits, returns, scan);
     try {
       const double seconds = medianSeconds([&] { options_.showScan(scan, scene_.ontology); });
       if (!study_.showing) study_.showing = RingFit{};
@@ -268,15 +270,15 @@ class StudyRun {
     Scan scan;
     for (const TrueShot& t : truth_) {
       if (scans.size() == kMostScans) break;
-      tracer->trace(t.shot, plan_.channels(), hits);
-      const ShotSetup setup = setupOf(plan_, scene_, *tracer, t.shot.sensor);
+      tracer->trace(t.shot, plan_.channels, hits);
+      const ShotSetup setup = setupOf(source_, scene_, *tracer, t.shot.sensor);
       senseShot(setup, t.shot, hits, returns, scan);  // once untimed: buffers go from scan to scan
       effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
       scans.push_back(scan);
     }
     const auto count = static_cast<double>(scans.size());
     study_.commonStages["effects"] = effects / count;
-    for (const FormatChoice& format : plan_.pipeline().formats) {
+    for (const ChosenFormat& format : plan_.pipeline.output.formats) {
       const WallTimer timer;
       for (const Scan& s : scans) format.format->encode(s);
       study_.commonStages[fmt::format("encode {}", format.entry->name)] = timer.seconds() / count;
@@ -332,6 +334,7 @@ class StudyRun {
   }
 
   const Plan& plan_;
+  ShotSource source_;
   StudyOptions options_;
   StudyChoice choice_;
   const Sequence& sequence_;
@@ -357,8 +360,8 @@ std::vector<Candidate> Study::candidates() const {
 }
 
 Study runStudy(const Plan& plan, const StudyOptions& options) {
-  if (plan.pipeline().recording != nullptr) {
-    throw InputError({plan.pipeline().file.string()}, "a study traces the scene itself: it takes no recording");
+  if (plan.pipeline.recording != nullptr) {
+    throw InputError({plan.pipeline.file.string()}, "a study traces the scene itself: it takes no recording");
   }
   return StudyRun(plan, options).run();
 }

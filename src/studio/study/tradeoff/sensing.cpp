@@ -28,10 +28,10 @@ struct Variation {
   Changes changes;
 };
 
-SensorEffects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
+Effects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
-  for (const Value& item : sensorEffectItems(pipeline.effectItems, sensor)) {
+  for (const Value& item : sensorEffectItems(effectItems(pipeline), sensor)) {
     const std::string name = readNamed(item, "an effect").name;
     if (requireEffect(name, item.where).stage >= kFirstNoise) continue;
     const auto change = changes.find(name);
@@ -46,7 +46,7 @@ SensorEffects changed(const Pipeline& pipeline, const MountedSensor& sensor, con
 
 // How a sensor is scanned in one setting.
 struct Sensing {
-  SensorEffects effects;
+  Effects effects;
   std::optional<Footprint> footprint;
   ShotSetup setup;
 };
@@ -55,16 +55,16 @@ std::unique_ptr<Sensing> makeSensing(const Plan& plan, const Scene& scene, const
                                      const Changes& changes) {
   ScanLayout layout;
   layout.columns = ColumnSet().with(kLabel).with(kRing).with(kColumn).with(kIntensity).with(kReturn);
-  auto made = std::make_unique<Sensing>(Sensing{changed(plan.pipeline(), plan.pipeline().sensors[sensor], changes),
+  auto made = std::make_unique<Sensing>(Sensing{changed(plan.pipeline, plan.pipeline.sensors[sensor], changes),
                                                 std::nullopt,
                                                 {method, scene.materials, {}, {}, layout}});
-  const BeamTable& beams = *plan.beams()[sensor];
-  const std::uint32_t rays = raysPerBeam(made->effects.effects);
+  const BeamTable& beams = *plan.sensors[sensor].beams;
+  const std::uint32_t rays = raysPerBeam(made->effects);
   if (rays > 1) made->footprint = makeFootprint(beams, rays);
-  made->setup.effects = made->effects.effects;
-  made->setup.channels = channelsFor(made->effects.effects, layout.columns);
+  made->setup.effects = made->effects;
+  made->setup.channels = channelsFor(made->effects, layout.columns);
   made->setup.footprint = made->footprint ? &*made->footprint : nullptr;
-  made->setup.paths = lightPaths(made->effects.effects);
+  made->setup.paths = lightPaths(made->effects);
   if (made->setup.paths != nullptr) made->setup.channels |= kLightChannels;
   return made;
 }
@@ -106,14 +106,16 @@ class SensingStudy {
  private:
   // The first is the truth.
   std::vector<Variation> variationsOf() const {
-    const Pipeline& pipeline = plan_.pipeline();
+    const Pipeline& pipeline = plan_.pipeline;
     bool wide = false;
     bool paths = false;
     bool weather = false;
     for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
       wide = wide || pipeline.raysPerBeam(s) > 1;
       paths = paths || pipeline.lightPaths(s) != nullptr;
-      for (const EffectEntry* entry : pipeline.effectEntriesOf(s)) weather = weather || entry->name == "weather";
+      for (const ChosenEffect& effect : *pipeline.sensors[s].effects) {
+        weather = weather || effect.entry->name == "weather";
+      }
     }
     if (!wide && !paths && !weather) return {};
     const auto light = [](std::uint32_t bounces, std::uint32_t panes) {

@@ -86,7 +86,7 @@ std::vector<MethodSetting> defaultSettings() {
 StudyChoice readStudyChoice(const Pipeline& pipeline) {
   checkAutoChoice(pipeline);
   StudyChoice choice;
-  Fields fields(pipeline.tradeoff, "tradeoff");
+  Fields fields(pipeline.root.valueOf("tradeoff"), "tradeoff");
   fields.also({"settings", "encodings", "rings", "sequence", "shots", "repeats", "budget_s"}).finish();
   const Value* settings = fields.find("settings");
   choice.settings = settings == nullptr ? defaultSettings() : readSettings(*settings, "tradeoff.settings");

@@ -25,7 +25,7 @@ namespace scanmill {
 struct StudyEncoding {
   std::string name;
   std::string options;
-  FormatChoice choice;
+  ChosenFormat choice;
 };
 
 struct StudyChoice {

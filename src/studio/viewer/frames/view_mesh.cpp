@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "pipeline/plan/scene_shares.h"
-#include "pipeline/plan/warnings.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/scenes/scene_shares.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {

@@ -1,6 +1,7 @@
 #include "pipeline/plan/plan.h"
 
 #include "base/memory.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -12,26 +13,26 @@ using testing::HasSubstr;
 
 class PlanTest : public Yard {
  protected:
-  Plan plan(const std::vector<std::string>& overrides) const { return Plan(readPipeline(pipeline_, overrides)); }
+  Plan plan(const std::vector<std::string>& overrides) const { return makePlan(readPipeline(pipeline_, overrides)); }
 };
 
 TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
-  EXPECT_EQ(plan({"output.columns=[ring]"}).channels(), Channels(Channel::Range));
-  EXPECT_EQ(plan({"output.columns=[label, instance]"}).channels(),
+  EXPECT_EQ(plan({"output.columns=[ring]"}).channels, Channels(Channel::Range));
+  EXPECT_EQ(plan({"output.columns=[label, instance]"}).channels,
             Channel::Range | Channel::Semantic | Channel::Instance);
-  EXPECT_EQ(plan({"output.columns=[incidence]"}).channels(), Channel::Range | Channel::Incidence);
-  EXPECT_FALSE(plan({}).channels().has(Channel::Incidence));
-  const Channels lit = plan({"output.columns=[intensity]", "effects=[intensity]"}).channels();
+  EXPECT_EQ(plan({"output.columns=[incidence]"}).channels, Channel::Range | Channel::Incidence);
+  EXPECT_FALSE(plan({}).channels.has(Channel::Incidence));
+  const Channels lit = plan({"output.columns=[intensity]", "effects=[intensity]"}).channels;
   EXPECT_TRUE(lit.has(Channel::Reflectance) && lit.has(Channel::Incidence));
   EXPECT_FALSE(lit.has(Channel::Semantic) || lit.has(Channel::Primitive));
 }
 
 TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
-  EXPECT_THAT(plan({}).modelled(), AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
-                                         Contains(HasSubstr("left out, nothing reads them: normal")),
-                                         Contains(HasSubstr("intensity: left out, no effect sets it")),
-                                         Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
-  EXPECT_THAT(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}).modelled(),
+  EXPECT_THAT(modelled(plan({}), {}), AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
+                                            Contains(HasSubstr("left out, nothing reads them: normal")),
+                                            Contains(HasSubstr("intensity: left out, no effect sets it")),
+                                            Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
+  EXPECT_THAT(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {}),
               AllOf(Contains(HasSubstr("9 poses a revolution")), Contains(HasSubstr("misses: kept")),
                     Contains(HasSubstr("effect quantize {step_m: 1}: "))));
 }
@@ -41,7 +42,7 @@ TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {
                        "sensors=[" + kTop +
                            ", {name: rear, columns: 4, rate_hz: 10, elevation_deg: [0], range_m: [1, 9], "
                            "mount: {position: [-1, 0, 1], yaw_deg: 180}}]"});
-  const std::vector<Shot> shots = p.shots(1, 3);
+  const std::vector<Shot> shots = ShotSource(p).frame(1, 3).shots;
   ASSERT_EQ(shots.size(), 2u);
   EXPECT_EQ(shots[1].seed, 77u);
   EXPECT_EQ(shots[1].scene, 1u);
@@ -58,7 +59,8 @@ TEST_F(PlanTest, ShotsHaveTheirPosesAndAddresses) {
 TEST_F(PlanTest, MoreStepsThanColumnsAreRefused) {
   EXPECT_THAT(messageOf<InputError>([&] { plan({"motion={steps: 65}"}); }),
               AllOf(HasSubstr("--set motion"), HasSubstr("65 steps"), HasSubstr("64 columns"), HasSubstr("'top'")));
-  EXPECT_EQ(plan({"motion={steps: 64}"}).shots(0, 0).at(0).worldFromSensor.size(), 64u);
+  const Plan steps = plan({"motion={steps: 64}"});
+  EXPECT_EQ(ShotSource(steps).frame(0, 0).shots.at(0).worldFromSensor.size(), 64u);
 }
 
 TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
@@ -76,7 +78,7 @@ TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
   const auto planned = [&](const std::vector<std::string>& overrides) {
     Pipeline pipeline = readPipeline(pipeline_, overrides);
     pipeline.method.entry = &still;
-    return Plan(std::move(pipeline));
+    return makePlan(std::move(pipeline));
   };
   EXPECT_NO_THROW(planned({}));
   EXPECT_THAT(messageOf<InputError>([&] { planned({"motion={steps: 9}"}); }),
@@ -115,8 +117,9 @@ TEST_F(PlanTest, FramesInFlightFitTheThreadsAndTheMemory) {
 
 TEST_F(PlanTest, ScenesAndFramesThatDoNotFitAreRefused) {
   const Plan fits = plan({});
-  const Scene scene = fits.loadScene(fits.pipeline().sequences[0]);
-  const std::unique_ptr<Method> method = fits.makeMethod(scene);
+  ShotSource source(fits);
+  const Scene scene = source.load(0);
+  const std::unique_ptr<Method> method = source.method(scene);
   EXPECT_NO_THROW(fits.checkMemory(method->memoryBytes(), "the yard"));
   const MemoryLimit allowed((std::uint64_t{72} << 20) + method->memoryBytes());
   EXPECT_THAT(messageOf<InputError>([&] { fits.checkMemory(method->memoryBytes(), "the yard"); }),
@@ -144,7 +147,8 @@ TEST_F(PlanTest, AnAbsentSceneIsFoundAtOnce) {
 
 TEST_F(PlanTest, TheOntologyOfThePipelineReplacesTheScenes) {
   const Plan p = plan({fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR)});
-  const Scene scene = p.loadScene(p.pipeline().sequences[0]);
+  ShotSource source(p);
+  const Scene scene = source.load(0);
   EXPECT_EQ(scene.ontology.require("car", {}).id, 10);  // SemanticKITTI's
 }
 
@@ -154,8 +158,9 @@ TEST_F(PlanTest, MethodsThatStopObjectsRefuseScenesInWhichTheyMove) {
   folder_.write("scenes/yard.yaml", yard);
   const auto methodOf = [&](const std::string& name) {
     const Plan p = plan({"method=" + name});
-    const Scene scene = p.loadScene(p.pipeline().sequences[0]);
-    p.makeMethod(scene);
+    ShotSource source(p);
+    const Scene scene = source.load(0);
+    source.method(scene);
   };
   EXPECT_NO_THROW(methodOf("ray_tracing"));
   for (const char* name : {"depth_camera", "particle"}) {

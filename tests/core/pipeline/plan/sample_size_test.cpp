@@ -12,7 +12,7 @@ class SampleSize : public Yard {
  protected:
   // The bound over the bytes of the largest sample that is made.
   double excess(const std::vector<std::string>& overrides, const std::string& name) const {
-    const Plan plan(readPipeline(pipeline_, overrides));
+    const Plan plan = makePlan(readPipeline(pipeline_, overrides));
     EXPECT_EQ(run(overrides, name).manifest.columns, scanColumnNames(plan.columns()));
     std::map<std::string, std::uint64_t> bytes;  // by sample
     for (const auto& [member, contents] : members(name)) {

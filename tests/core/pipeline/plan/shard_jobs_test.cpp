@@ -16,7 +16,7 @@ using testing::ElementsAre;
 class ShardJobs : public Yard {
  protected:
   std::vector<ShardJob> jobs(const std::vector<std::string>& overrides) const {
-    return shardJobs(Plan(readPipeline(pipeline_, overrides)));
+    return shardJobs(makePlan(readPipeline(pipeline_, overrides)));
   }
   static std::vector<std::size_t> sizes(const std::vector<ShardJob>& jobs) {
     std::vector<std::size_t> found;

@@ -41,7 +41,7 @@ TEST(Corruption, EveryOneHasThreeSeveritiesThatARealSensorTakes) {
       const Pipeline p = readPipeline(quickstart, {"corruption={" + name + ": " + severity + "}"});
       const auto options = [&](const Pipeline& of) {
         std::string all;
-        for (const EffectEntry* entry : of.effectEntriesOf(0)) all += of.effectOptionsOf(0, entry->name) + "\n";
+        for (const ChosenEffect& effect : *of.sensors.front().effects) all += effect.options + "\n";
         return all;
       };
       EXPECT_NE(options(p), options(clean)) << name;

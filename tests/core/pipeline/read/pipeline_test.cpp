@@ -35,7 +35,7 @@ class ReadPipeline : public Yard {
 
   std::string refusal(const std::string& text, const std::vector<std::string>& overrides = {}) const {
     folder_.write("changed.yaml", text);
-    return messageOf<InputError>([&] { Plan(readPipeline(folder_.path() / "changed.yaml", overrides)); });
+    return messageOf<InputError>([&] { makePlan(readPipeline(folder_.path() / "changed.yaml", overrides)); });
   }
 
   std::vector<std::string> keys(const std::vector<std::string>& overrides) const {
@@ -66,10 +66,10 @@ TEST_F(ReadPipeline, FillsInDefaults) {
   EXPECT_EQ(p.sensors[0].name, "lidar0");
   EXPECT_EQ(p.sensors[0].vehicleFromSensor, Pose{});
   EXPECT_EQ(p.motion.kind, MotionKind::None);
-  EXPECT_TRUE(p.effects.empty());
-  EXPECT_FALSE(p.layout.organised);
-  EXPECT_EQ(p.layout.columns, ColumnSet::byDefault());
-  EXPECT_EQ(p.shardBytes, 256'000'000u);
+  EXPECT_TRUE(p.sensors[0].effects->empty());
+  EXPECT_FALSE(p.output.layout.organised);
+  EXPECT_EQ(p.output.layout.columns, ColumnSet::byDefault());
+  EXPECT_EQ(p.output.shards.bytes, 256'000'000u);
   EXPECT_EQ(p.maxRays, 1e11);
 }
 
@@ -150,14 +150,14 @@ limits: {max_rays: 1e6}
   EXPECT_EQ(p.motion.steps, 3u);
   EXPECT_TRUE(p.motion.deskew);
   std::vector<std::string_view> effects;
-  for (const EffectEntry* e : p.effectEntries) effects.push_back(e->name);
+  for (const ChosenEffect& e : *p.sensors[0].effects) effects.push_back(e.entry->name);
   EXPECT_THAT(effects, ElementsAre("intensity", "range_noise", "quantize"));  // by stage, not by the file's order
-  EXPECT_TRUE(p.layout.organised && p.layout.columns.has(kLabel));
-  EXPECT_EQ(p.layout.columns, ColumnSet(kLabel));
-  ASSERT_EQ(p.formats.size(), 2u);
-  EXPECT_EQ(p.formats[0].entry->name, "csv");
-  EXPECT_DOUBLE_EQ(p.formats[1].format->maxError(), 0.005);
-  EXPECT_EQ(p.shardBytes, 1'500'000u);
+  EXPECT_TRUE(p.output.layout.organised && p.output.layout.columns.has(kLabel));
+  EXPECT_EQ(p.output.layout.columns, ColumnSet(kLabel));
+  ASSERT_EQ(p.output.formats.size(), 2u);
+  EXPECT_EQ(p.output.formats[0].entry->name, "csv");
+  EXPECT_DOUBLE_EQ(p.output.formats[1].format->maxError(), 0.005);
+  EXPECT_EQ(p.output.shards.bytes, 1'500'000u);
   EXPECT_EQ(p.maxRays, 1e6);
 }
 
@@ -166,7 +166,7 @@ TEST_F(ReadPipeline, OverridesReplaceAndAreRemembered) {
                                               "output.formats=[csv, pcd]", "motion={steps: 5}"});
   EXPECT_EQ(p.seed, 9u);
   EXPECT_EQ(p.frames(), 4u);
-  EXPECT_EQ(p.formats.size(), 2u);
+  EXPECT_EQ(p.output.formats.size(), 2u);
   EXPECT_EQ(p.motion.steps, 5u);
   EXPECT_EQ(p.text, std::string(kYardPipeline) +
                         "# --set seed=9\n# --set trajectories.0.frames=2\n# --set scenes.0.seeds=[4,5]\n"
@@ -209,7 +209,7 @@ TEST_F(ReadPipeline, KeysWithoutAValueCountAsAbsent) {
   EXPECT_EQ(p.sensors[0].name, "lidar0");
   EXPECT_EQ(p.sensors[0].vehicleFromSensor, Pose{});
   EXPECT_EQ(p.sequences[0].key(), "yard-s1-t0");
-  EXPECT_TRUE(p.layout.columns.has(kLabel));
+  EXPECT_TRUE(p.output.layout.columns.has(kLabel));
 }
 
 // A key of a preset is refused where it stands.

@@ -1,6 +1,6 @@
 // Pipelines whose effects come from their sensors' files.
 
-#include "pipeline/plan/recorded_method.h"
+#include "pipeline/scenes/recorded_method.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -31,7 +31,7 @@ class SensorEffectsOf : public testing::Test {
   }
   static std::vector<std::string> names(const Pipeline& p, std::size_t sensor) {
     std::vector<std::string> result;
-    for (const EffectEntry* e : p.effectEntriesOf(sensor)) result.emplace_back(e->name);
+    for (const ChosenEffect& e : *p.sensors[sensor].effects) result.emplace_back(e.entry->name);
     return result;
   }
 
@@ -63,7 +63,7 @@ TEST_F(SensorEffectsOf, CanBeChangedOneByOne) {
     GenerateOptions options;
     options.folder = out.path() / "out";
     options.quiet = true;
-    generate(Plan(pipeline(effects, list, list)), options);
+    generate(makePlan(pipeline(effects, list, list)), options);
     return readFile(out.path() / "out/train/train-000000.tar");
   };
   const auto same = [&](const std::string& effects, const std::string& list) {
@@ -98,14 +98,15 @@ TEST_F(SensorEffectsOf, AreLeftOutOtherwise) {
   const Pipeline none = pipeline("", noise, noise);
   EXPECT_TRUE(names(none, 0).empty());
   EXPECT_THAT(names(pipeline("effects: [intensity]\n", noise, ""), 1), ElementsAre("intensity"));
-  EXPECT_THAT(Plan(pipeline("", noise, "")).modelled(), Contains(HasSubstr("effects of the file of 'a': left out")));
+  EXPECT_THAT(modelled(makePlan(pipeline("", noise, "")), {}),
+              Contains(HasSubstr("effects of the file of 'a': left out")));
 }
 
 TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
   const TemporaryFolder out;
-  const Plan plan(
+  const Plan plan = makePlan(
       pipeline("effects: sensor\n", "effects: [quantize: {step_m: 0.5}]\n", "effects: [dropout: {probability: 1}]\n"));
-  EXPECT_THAT(plan.modelled(),
+  EXPECT_THAT(modelled(plan, {}),
               AllOf(Contains(HasSubstr("effect quantize of 'a'")), Contains(HasSubstr("effect dropout of 'b'"))));
   GenerateOptions options;
   options.folder = out.path() / "out";
@@ -117,17 +118,18 @@ TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
 }
 
 TEST_F(SensorEffectsOf, ChannelsAreThoseOfAllSensors) {
-  const Plan plan(
+  const Plan plan = makePlan(
       pipeline("effects: sensor\n", "effects: [intensity, quantize: {step_m: 0.5}]\n", "effects: [intensity]\n"));
-  EXPECT_TRUE(plan.channels().has(Channel::Incidence));
-  const Plan second(pipeline("effects: sensor\n", "effects: []\n", "effects: [angular_jitter: {sigma_deg: 0.1}]\n"));
-  EXPECT_TRUE(second.channels().has(Channel::Range));
+  EXPECT_TRUE(plan.channels.has(Channel::Incidence));
+  const Plan second =
+      makePlan(pipeline("effects: sensor\n", "effects: []\n", "effects: [angular_jitter: {sigma_deg: 0.1}]\n"));
+  EXPECT_TRUE(second.channels.has(Channel::Range));
 }
 
 TEST_F(SensorEffectsOf, DoNotChangeTheBeams) {
-  const Plan plain(pipeline("", "", ""));
-  const Plan noisy(pipeline("effects: sensor\n", "effects: [quantize: {step_m: 0.5}]\n", "effects: []\n"));
-  EXPECT_EQ(beamsHash(*plain.beams()[0]), beamsHash(*noisy.beams()[0]));
+  const Plan plain = makePlan(pipeline("", "", ""));
+  const Plan noisy = makePlan(pipeline("effects: sensor\n", "effects: [quantize: {step_m: 0.5}]\n", "effects: []\n"));
+  EXPECT_EQ(beamsHash(*plain.sensors[0].beams), beamsHash(*noisy.sensors[0].beams));
 }
 
 TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {

@@ -21,7 +21,7 @@ const std::string kNoise = "effects=[{range_noise: {sigma_m: {uniform: [0.01, 0.
 class Drawn : public Yard {
  protected:
   std::string refusal(const std::vector<std::string>& overrides) const {
-    return messageOf([&] { Plan(readPipeline(pipeline_, overrides)); });
+    return messageOf([&] { makePlan(readPipeline(pipeline_, overrides)); });
   }
   static std::string drawOf(const SampleRecord& sample, const std::string& key) {
     for (const DrawnValue& draw : sample.draws) {
@@ -97,13 +97,13 @@ TEST_F(Drawn, RecordedHitsHaveDrawnEffects) {
   options.folder = out("traced");
   options.keepHits = out("hits");
   options.quiet = true;
-  generate(Plan(readPipeline(pipeline_, {kSeeds, lit})), options);
+  generate(makePlan(readPipeline(pipeline_, {kSeeds, lit})), options);
   const auto fromHits = [&](const std::vector<std::string>& overrides, const std::string& name) {
     GenerateOptions again;
     again.folder = out(name);
     again.quiet = true;
-    generate(Plan(readPipeline(pipeline_, overrides,
-                               std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)))),
+    generate(makePlan(readPipeline(pipeline_, overrides,
+                                   std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)))),
              again);
   };
   fromHits({kSeeds, lit}, "sensed");
@@ -171,7 +171,7 @@ TEST_F(Drawn, RefusesWhatMightNotWork) {
   options.folder = out("kept");
   options.keepHits = out("hits");
   options.quiet = true;
-  EXPECT_THAT(messageOf([&] { generate(Plan(readPipeline(pipeline_, {kHeight})), options); }),
+  EXPECT_THAT(messageOf([&] { generate(makePlan(readPipeline(pipeline_, {kHeight})), options); }),
               HasSubstr("draw no mount"));
 }
 

@@ -139,8 +139,9 @@ TEST_F(FootprintRun, LooksThroughGlass) {
   for (const Scan& scan : scans(".pcd", "opaque")) {
     for (const std::uint8_t cause : scan[kCause]) EXPECT_EQ(cause, 1);
   }
-  EXPECT_THAT(messageOf([&] { Plan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
-              AllOf(HasSubstr("depth_camera ends rays"), HasSubstr("`method: ray_tracing`")));
+  EXPECT_THAT(
+      messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
+      AllOf(HasSubstr("depth_camera ends rays"), HasSubstr("`method: ray_tracing`")));
 }
 
 // A recording of hits holds one ray a beam: sensors' own effects stay usable, and the plan says what is left out.
@@ -149,11 +150,12 @@ TEST_F(FootprintRun, IsLeftOutOfRecordings) {
   options.folder = out("kept");
   options.keepHits = out("hits");
   options.quiet = true;
-  generate(Plan(readPipeline(pipeline_, with("[intensity]"))), options);
+  generate(makePlan(readPipeline(pipeline_, with("[intensity]"))), options);
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  const Plan plan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recording));
-  EXPECT_THAT(plan.modelled(), testing::Contains("effect footprint: left out, a recording holds one ray a beam"));
-  EXPECT_EQ(plan.pipeline().raysPerFrame(), plan.pipeline().beamsPerFrame());
+  const Plan plan =
+      makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recording));
+  EXPECT_THAT(modelled(plan, {}), testing::Contains("effect footprint: left out, a recording holds one ray a beam"));
+  EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
   GenerateOptions again;
   again.folder = out("again");
   again.quiet = true;
@@ -164,15 +166,15 @@ TEST_F(FootprintRun, IsLeftOutOfRecordings) {
 
 TEST_F(FootprintRun, IsRefusedWhereItMeansNothing) {
   const auto refusal = [&](const std::vector<std::string>& overrides) {
-    return messageOf([&] { Plan(readPipeline(pipeline_, overrides)); });
+    return messageOf([&] { makePlan(readPipeline(pipeline_, overrides)); });
   };
   EXPECT_THAT(refusal({"effects=[intensity, footprint: {rays: 7}]"}), HasSubstr("divergence_mrad"));
   EXPECT_THAT(refusal(with("[footprint: {rays: 7}]")), AllOf(HasSubstr("intensity"), HasSubstr("detection")));
   EXPECT_THAT(refusal(with("[intensity, range_noise: {over_snr_m: 1}]")), HasSubstr("detection: {noise"));
   EXPECT_THAT(
-      messageOf([&] { Plan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).requireOneRay(); }),
+      messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).requireOneRay(); }),
       HasSubstr("footprint"));
-  EXPECT_EQ(Plan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).pipeline().raysPerFrame(),
+  EXPECT_EQ(makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}]"))).pipeline.raysPerFrame(),
             7u * 16u * 256u);
 }
 

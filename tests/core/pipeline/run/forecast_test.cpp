@@ -22,7 +22,7 @@ class ForecastTest : public Yard {
   }
   SampleCosts costsOf(const std::vector<std::string>& overrides) const {
     const Reread reread = rereadWith(overrides);
-    return measureSampleCosts(Plan(reread({})), reread);
+    return measureSampleCosts(makePlan(reread({})), reread);
   }
 };
 
@@ -85,18 +85,18 @@ TEST_F(ForecastTest, OfARecordingIsThatOfItsOwnSamples) {
   options.folder = out("first");
   options.keepHits = out("hits");
   options.quiet = true;
-  generate(Plan(readPipeline(pipeline_, {}), recordedChannels()), options);
+  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()), options);
   const auto reread = [&](const std::vector<std::string>& more) {
     return readPipeline(pipeline_, more,
                         std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)));
   };
-  const Plan plan(reread({}));
+  const Plan plan = makePlan(reread({}));
   const SampleCosts costs = measureSampleCosts(plan, reread);
   options = {};
   options.folder = out("again");
   options.quiet = true;
   const GenerateSummary made = generate(plan, options);
-  const Forecast told = forecast(costs, made.samples, scenesOf(plan.pipeline()));
+  const Forecast told = forecast(costs, made.samples, scenesOf(plan.pipeline));
   EXPECT_GT(static_cast<double>(made.bytes), told.bytes.least);
   EXPECT_LT(static_cast<double>(made.bytes), told.bytes.most);
 }

@@ -435,7 +435,7 @@ TEST_F(GenerateTest, ResumedRunsGiveTheSameBytes) {
   overrides.emplace_back("output.shard_samples=1");
   const Manifest whole = sound(overrides, "whole");
   ASSERT_EQ(whole.shards.size(), 12u);
-  const Plan plan(readPipeline(pipeline_, overrides));
+  const Plan plan = makePlan(readPipeline(pipeline_, overrides));
   int run = 0;
   for (const std::vector<std::size_t>& made :
        {std::vector<std::size_t>{0}, {11}, {0, 1, 2, 5, 9}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}) {
@@ -467,15 +467,15 @@ TEST_F(GenerateTest, ResumedRunsGiveTheSameBytes) {
 TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   const std::vector<std::string> overrides{"output.shard_samples=1", "trajectories.0.frames=3"};
   sound(overrides, "whole");
-  const Plan plan(readPipeline(pipeline_, overrides));
+  const Plan plan = makePlan(readPipeline(pipeline_, overrides));
   interrupt(out(), plan, out("whole"), {1});
   GenerateOptions options;
   options.folder = out();
   options.quiet = true;
   options.resume = true;
-  const Plan other(readPipeline(pipeline_, {"output.shard_samples=1", "trajectories.0.frames=4"}));
+  const Plan other = makePlan(readPipeline(pipeline_, {"output.shard_samples=1", "trajectories.0.frames=4"}));
   EXPECT_THAT(messageOf<InputError>([&] { generate(other, options); }), HasSubstr("another pipeline"));
-  const std::filesystem::path scene = plan.pipeline().sequences[0].sceneFile;
+  const std::filesystem::path scene = plan.pipeline.sequences[0].sceneFile;
   const std::string text = readFile(scene);
   writeFile(scene, text + "# changed\n");
   EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("other files"));

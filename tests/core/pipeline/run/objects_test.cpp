@@ -185,8 +185,8 @@ TEST_F(ObjectsRun, CostNothingWhereNobodyAsks) {
   for (const auto& [name, bytes] : members()) EXPECT_FALSE(name.ends_with(".objects.json"));
   EXPECT_FALSE(m.samples[0].objects.has_value());
   EXPECT_EQ(toJson(m).find("\"with_points\""), std::string::npos);
-  EXPECT_FALSE(Plan(readPipeline(pipeline_, {"output.columns=[label]"})).channels().has(Channel::Instance));
-  EXPECT_TRUE(Plan(readPipeline(pipeline_, {"output.columns=[label]", kAsked})).channels().has(Channel::Instance));
+  EXPECT_FALSE(makePlan(readPipeline(pipeline_, {"output.columns=[label]"})).channels.has(Channel::Instance));
+  EXPECT_TRUE(makePlan(readPipeline(pipeline_, {"output.columns=[label]", kAsked})).channels.has(Channel::Instance));
 }
 
 TEST_F(ObjectsRun, WrongListsAreFound) {

@@ -99,10 +99,11 @@ TEST_F(ReasonsRun, ParticlesMeetTheSameWeather) {
 }
 
 TEST_F(ReasonsRun, WeatherAloneReportsTheStrongest) {
-  const Plan plan(readPipeline(pipeline_, with("[intensity, weather: {kind: rain}]")));
-  EXPECT_EQ(plan.pipeline().mostReturns(), 1u);
-  expectInputError([&] { Plan(readPipeline(pipeline_, with("[weather: {kind: rain}]"))); }, {"weather", "intensity"});
-  EXPECT_THAT(messageOf([&] { Plan(readPipeline(pipeline_, {"effects=[intensity, weather: {kind: rain}]"})); }),
+  const Plan plan = makePlan(readPipeline(pipeline_, with("[intensity, weather: {kind: rain}]")));
+  EXPECT_EQ(plan.pipeline.mostReturns(), 1u);
+  expectInputError([&] { makePlan(readPipeline(pipeline_, with("[weather: {kind: rain}]"))); },
+                   {"weather", "intensity"});
+  EXPECT_THAT(messageOf([&] { makePlan(readPipeline(pipeline_, {"effects=[intensity, weather: {kind: rain}]"})); }),
               HasSubstr("divergence_mrad"));
 }
 

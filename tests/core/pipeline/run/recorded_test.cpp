@@ -35,7 +35,7 @@ class RecordedTest : public Yard {
     options.keepHits = hits;
     options.keepPasses = passes;
     options.quiet = true;
-    generate(Plan(readPipeline(pipeline_, overrides), recordedChannels()), options);
+    generate(makePlan(readPipeline(pipeline_, overrides), recordedChannels()), options);
   }
 
   void remake(const std::vector<std::string>& overrides, const std::string& name, const fs::path& recording,
@@ -44,7 +44,7 @@ class RecordedTest : public Yard {
     GenerateOptions options;
     options.folder = out(name);
     options.quiet = true;
-    generate(Plan(readPipeline(pipeline_, overrides, read)), options);
+    generate(makePlan(readPipeline(pipeline_, overrides, read)), options);
     EXPECT_THAT(verifyDataset(out(name)).problems, IsEmpty());
   }
 };
@@ -105,7 +105,7 @@ TEST_F(RecordedTest, TheMethodOfAPipelineIsNotNeeded) {
   GenerateOptions options;
   options.folder = out("bare");
   options.quiet = true;
-  generate(Plan(readPipeline(bare, {}, recording)), options);
+  generate(makePlan(readPipeline(bare, {}, recording)), options);
   EXPECT_TRUE(shards("kept") == shards("bare"));
 }
 
@@ -132,7 +132,7 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   redrawn.folder = out("fourth");
   redrawn.keepPasses = out("passes");
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {}, recording)), redrawn); },
+  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {}, recording)), redrawn); },
                    {"made of the hits in", "no passes are drawn"});
 }
 
@@ -154,7 +154,7 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
   GenerateOptions options;
   options.folder = out("bare");
   options.quiet = true;
-  const Manifest manifest = generate(Plan(readPipeline(bare, {}, recording)), options).manifest;
+  const Manifest manifest = generate(makePlan(readPipeline(bare, {}, recording)), options).manifest;
   EXPECT_EQ(manifest.sensors.front().vehicleFromSensor.translation.z, 1.8);
   EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as it was recorded"));
 }
@@ -234,7 +234,7 @@ TEST_F(RecordedTest, AStoppedRunIsNoRecording) {
   options.quiet = true;
   const std::atomic<bool> stop = true;
   options.stop = &stop;
-  EXPECT_THROW(generate(Plan(readPipeline(pipeline_, {})), options), Error);
+  EXPECT_THROW(generate(makePlan(readPipeline(pipeline_, {})), options), Error);
   EXPECT_FALSE(fs::exists(out("hits") / "recording.json"));
 }
 
@@ -245,24 +245,25 @@ TEST_F(RecordedTest, OverwriteReplacesRecordingsOnly) {
   options.keepHits = out("hits");
   options.overwrite = true;
   options.quiet = true;
-  generate(Plan(readPipeline(pipeline_, {"trajectories.0.frames=2"})), options);
+  generate(makePlan(readPipeline(pipeline_, {"trajectories.0.frames=2"})), options);
   EXPECT_FALSE(fs::exists(out("hits") / "yard-s1-drive-000003.top.json"));
   writeFile(out("hits") / "thesis.txt", "years of work");
-  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"thesis.txt"});
+  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); }, {"thesis.txt"});
   EXPECT_TRUE(fs::exists(out("hits") / "thesis.txt"));
   // What looks like ours, but is not: another's image beside a recording, another's recording, images alone.
   fs::remove(out("hits") / "thesis.txt");
   writeFile(out("hits") / "beauty.0001.exr", "art");
-  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"beauty.0001.exr"});
+  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); }, {"beauty.0001.exr"});
   EXPECT_TRUE(fs::exists(out("hits") / "recording.json"));
   options.keepHits = out("studio");
   folder_.write("studio/recording.json",
                 R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes", "sensors": [],
                     "sequences": [{"scene": "yard", "trajectory": "drive", "frames": 1}]})");
   writeFile(out("studio") / "yard-s1-drive-000000.top.0.front.exr", "days of rendering");
-  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"studio", "another program"});
+  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); }, {"studio", "another program"});
   fs::remove(out("studio") / "recording.json");
-  expectInputError([&] { generate(Plan(readPipeline(pipeline_, {})), options); }, {"studio", "no finished recording"});
+  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {})), options); },
+                   {"studio", "no finished recording"});
   EXPECT_EQ(readFile(out("studio") / "yard-s1-drive-000000.top.0.front.exr"), "days of rendering");
 }
 
@@ -300,7 +301,7 @@ TEST_F(RecordedPassesTest, RenderedPassesMakeTheSameBytes) {
   options.folder = out("passes");
   options.passes = {Channels::all(), true};
   options.quiet = true;
-  const RenderSummary summary = render(Plan(readPipeline(pipeline_, overrides), options.passes.channels), options);
+  const RenderSummary summary = render(makePlan(readPipeline(pipeline_, overrides), options.passes.channels), options);
   EXPECT_EQ(summary.shots, 8u);
   EXPECT_GE(summary.images, 8u);
   run(overrides, "direct");
@@ -322,7 +323,7 @@ TEST_F(RecordedPassesTest, PassesOfOthersMakeTheSamePoints) {
   options.folder = out("passes");
   options.passes = {Channels::all().without(Channel::Material | Channel::Primitive), true};
   options.quiet = true;
-  render(Plan(readPipeline(pipeline_, overrides), options.passes.channels), options);
+  render(makePlan(readPipeline(pipeline_, overrides), options.passes.channels), options);
   writeFile(out("passes") / "recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
     "sensors": [{"name": "top", "rings": 8, "columns": 64}],
     "sequences": [{"scene": "yard", "trajectory": "drive", "frames": 4}]})");
@@ -340,7 +341,7 @@ TEST_F(RecordedPassesTest, MaterialsThatNobodyListsAreNamed) {
   options.folder = out("passes");
   options.passes = {Channels::all(), false};
   options.quiet = true;
-  render(Plan(readPipeline(pipeline_, {kCamera}), options.passes.channels), options);
+  render(makePlan(readPipeline(pipeline_, {kCamera}), options.passes.channels), options);
   std::string index = readFile(out("passes") / "recording.json");
   const std::size_t first = index.find("\"materials\": [");
   index.replace(first, index.find("\"modelled\"") - first, "\"materials\": [[]], ");
@@ -358,14 +359,14 @@ TEST_F(RecordedPassesTest, WhatIsNotThereIsNamed) {
   options.folder = out("passes");
   options.passes = {Channel::Range, false};
   options.quiet = true;
-  render(Plan(readPipeline(pipeline_, {kCamera})), options);
+  render(makePlan(readPipeline(pipeline_, {kCamera})), options);
   expectInputError([&] { remake({kCamera}, "again", out("passes"), RecordingKind::Passes); },
                    {".exr", "channel", "normal"});
   options.folder = out("none");
-  expectInputError([&] { render(Plan(readPipeline(pipeline_, {})), options); }, {"ray_tracing", "depth_camera"});
+  expectInputError([&] { render(makePlan(readPipeline(pipeline_, {})), options); }, {"ray_tracing", "depth_camera"});
   expectInputError(
       [&] {
-        render(Plan(readPipeline(pipeline_, {kCamera})), {out("passes"), {}, false, true, nullptr});
+        render(makePlan(readPipeline(pipeline_, {kCamera})), {out("passes"), {}, false, true, nullptr});
       },
       {"passes", "--overwrite"});
 }

@@ -245,7 +245,7 @@ TEST_F(SeveralReturns, FitTheSizeThatThePlanSays) {
     EXPECT_GE(mostSampleBytes(planned(overrides)) * static_cast<double>(summary.samples),
               static_cast<double>(summary.bytes));
   }
-  EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * Plan(readPipeline(pipeline_, {})).bytesPerFrameInMemory());
+  EXPECT_EQ(planned({}).bytesPerFrameInMemory(), 2 * makePlan(readPipeline(pipeline_, {})).bytesPerFrameInMemory());
 }
 
 TEST_F(SeveralReturns, AreNoImagesOfHits) {

@@ -3,8 +3,9 @@
 #include <array>
 #include <cstdlib>
 
-#include "pipeline/plan/warnings.h"
-#include "pipeline/plan/way_warnings.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/checks/way_warnings.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 #include "tests/support/blender.h"
 #include "tests/support/gl.h"
@@ -20,7 +21,8 @@ Manifest generateLabelled(const std::string& pipeline, const std::vector<std::st
   GenerateOptions options;
   options.folder = folder.path() / "out";
   options.quiet = true;
-  const Plan plan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
+  const Plan plan =
+      makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
   const GenerateSummary summary = generate(plan, options);
   const Verification verification = verifyDataset(options.folder);
   EXPECT_THAT(verification.problems, testing::IsEmpty());
@@ -48,7 +50,7 @@ TEST(Shipped, Quickstart) {
   GenerateOptions options;
   options.folder = folder.path() / "out";
   options.quiet = true;
-  const Plan plan(
+  const Plan plan = makePlan(
       readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/quickstart.yaml",
                    {"scenes.0.seeds=[1, 3]", "splits=", "trajectories.0.frames=2", "trajectories.1.frames=1"}));
   const GenerateSummary summary = generate(plan, options);
@@ -88,14 +90,15 @@ TEST_P(ShippedSets, AreLabelledAndDrivenThrough) {
   std::vector<std::string> overrides = set.overrides;
   overrides.insert(overrides.end(), {"effects=[intensity]", "motion=none", "output.formats=[pcd]"});
   generateLabelled(std::string(set.set) + ".yaml", overrides, set.leastClasses);
-  const Plan plan(
+  const Plan plan = makePlan(
       readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / (std::string(set.set) + ".yaml"), {}));
-  const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
+  ShotSource source(plan);
+  const Scene scene = source.load(0);
   EXPECT_TRUE(scene.unlabeled.empty());
   EXPECT_THAT(ruleWarnings(scene), testing::IsEmpty());
   const SceneProbe probe(scene);
-  for (std::size_t s = 0; s < plan.pipeline().sequences.size(); ++s) {
-    EXPECT_THAT(wayWarnings(plan, s, probe), testing::IsEmpty());
+  for (std::size_t s = 0; s < plan.pipeline.sequences.size(); ++s) {
+    EXPECT_THAT(wayWarnings(source, s, probe), testing::IsEmpty());
   }
 }
 
@@ -118,7 +121,8 @@ TEST(Shipped, TruckTown) {
 std::map<std::string, std::string> shardsOf(const std::string& pipeline, std::vector<std::string> overrides) {
   const TemporaryFolder folder;
   overrides.emplace_back("output.shard_samples=1000");
-  const Plan plan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
+  const Plan plan =
+      makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
   GenerateOptions options;
   options.folder = folder.path() / "out";
   options.quiet = true;

@@ -88,7 +88,7 @@ TEST_F(Voxels, PointsOfAMovingSensorLieWhereTheyWere) {
     EXPECT_LE(differ, 6U);  // single precision at the faces of voxels
   }
   EXPECT_THAT(messageOf([&] {
-                Plan(readPipeline(pipeline_, {kVoxels, "motion=per_column", "output.columns=[label]"}));
+                makePlan(readPipeline(pipeline_, {kVoxels, "motion=per_column", "output.columns=[label]"}));
               }),
               HasSubstr("name `column`"));
 }
@@ -117,10 +117,10 @@ TEST_F(Voxels, KeysAreChecked) {
   const auto refusal = [&](const std::string& keys) {
     return messageOf([&] { readPipeline(pipeline_, {"output.voxels=" + keys}); });
   };
-  const VoxelGrid kitti = *readPipeline(pipeline_, {"output.voxels=true"}).voxels;
+  const VoxelGrid kitti = *readPipeline(pipeline_, {"output.voxels=true"}).output.voxels;
   EXPECT_EQ(kitti, VoxelGrid());
   EXPECT_EQ(kitti.voxels(), 256U * 256 * 32);
-  EXPECT_FALSE(readPipeline(pipeline_, {"output.voxels=false"}).voxels.has_value());
+  EXPECT_FALSE(readPipeline(pipeline_, {"output.voxels=false"}).output.voxels.has_value());
   EXPECT_THAT(refusal("{size: 0.3}"), HasSubstr("no whole number of voxels"));
   EXPECT_THAT(refusal("{from: [0, 20, 0], to: [10, -20, 4]}"), HasSubstr("`to` lies above `from`"));
   EXPECT_THAT(refusal("0.2"), HasSubstr("voxels must be true, false or a grid such as"));

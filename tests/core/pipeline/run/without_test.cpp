@@ -82,7 +82,7 @@ output:
     GenerateOptions options;
     options.folder = out(name);
     options.quiet = true;
-    generate(Plan(readPipeline(pipeline, {"scenes.0.without=" + without})), options);
+    generate(makePlan(readPipeline(pipeline, {"scenes.0.without=" + without})), options);
     return scans(".pcd", name);
   };
   const std::vector<Scan> all = made("all", "[]");
@@ -110,7 +110,7 @@ TEST_F(WithoutRun, KeptHitsAreOfWhatTheSceneWas) {
     options.folder = out("of" + hits);
     options.quiet = true;
     options.keepHits = out(hits);
-    generate(Plan(readPipeline(pipeline_, {"scenes.0.without=" + without})), options);
+    generate(makePlan(readPipeline(pipeline_, {"scenes.0.without=" + without})), options);
     return std::make_shared<const Recording>(readRecording(out(hits), RecordingKind::Hits));
   };
   const auto all = kept("[]", "all"), rest = kept("[car]", "rest");

@@ -10,6 +10,7 @@
 #include "evaluate/measure.h"
 #include "pipeline/run/recorder.h"
 #include "pipeline/run/render.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -142,7 +143,7 @@ class CalibrateYard : public Yard {
   Calibration calibrated(const std::string& automatic, std::vector<std::string> overrides = {},
                          const std::atomic<bool>* stop = nullptr) const {
     overrides.insert(overrides.begin(), fmt::format("method={{auto: {{{}}}}}", automatic));
-    return calibrate(Plan(readPipeline(pipeline_, overrides)), true, stop);
+    return calibrate(makePlan(readPipeline(pipeline_, overrides)), true, stop);
   }
 
   // The pipeline with the method in a block of its own, from line 10 on.
@@ -260,7 +261,7 @@ TEST_F(CalibrateYard, AStopEndsIt) {
 }
 
 TEST_F(CalibrateYard, PassesAreNotDrawnOfWhatIsNotChosen) {
-  const Plan plan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}));
+  const Plan plan = makePlan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}));
   expectInputError([&] { render(plan, RenderOptions{out(), {}}); }, {"--set method", "auto", "`method: depth_camera`"});
 }
 
@@ -272,18 +273,19 @@ TEST_F(CalibrateYard, TheWorstOfTheScenesBoundsAllOfThem) {
   const std::string scenes =
       fmt::format("scenes=[{{scene: {0}/yard.yaml}}, {{scene: {0}/open.yaml}}]", (folder_.path() / "scenes").string());
   const Calibration c = calibrated(fmt::format("{}, shots: 8, {}", kAnything, kTwo), {scenes});
-  const Plan plan(readPipeline(pipeline_, {scenes}));
-  ASSERT_EQ(plan.pipeline().sequences.size(), 2u);
+  const Plan plan = makePlan(readPipeline(pipeline_, {scenes}));
+  ASSERT_EQ(plan.pipeline.sequences.size(), 2u);
   std::vector<double> errors;
   std::uint64_t beams = 0;
   std::uint64_t missed = 0;
   std::uint64_t same = 0;
   for (std::size_t s = 0; s < 2; ++s) {
-    const Scene scene = plan.loadScene(plan.pipeline().sequences[s]);
+    ShotSource source(plan);
+    const Scene scene = source.load(s);
     const ExactTracer exact(scene);
     const auto method = makeMethod(c.settings[1].setting.choice, scene);
     for (std::uint32_t f = 0; f < 4; ++f) {
-      const Shot shot = plan.shots(s, f).front();
+      const Shot shot = source.frame(s, f).shots.front();
       ExactHits truth;
       exact.trace(shot, kErrorChannels, truth);
       Hits hits;
@@ -329,11 +331,11 @@ TEST_F(CalibrateYard, WhatIsTooInexactIsMeasuredOnce) {
 
 // The choice, taken by hand, makes the same dataset.
 TEST_F(CalibrateYard, TheChoiceMakesTheDatasetOfItsAssignment) {
-  Plan plan(
+  const Plan open = makePlan(
       readPipeline(pipeline_, {fmt::format("method={{auto: {{{}, {}}}}}", kAnything, kTwo), "effects=[intensity]"}));
-  const Calibration c = calibrate(plan, true);
-  plan.choose(c.settings[c.chosen].setting.choice, c.record());
-  EXPECT_FALSE(plan.pipeline().method.automatic);
+  const Calibration c = calibrate(open, true);
+  const Plan plan = settled(open, c.settings[c.chosen].setting.choice, c.record());
+  EXPECT_FALSE(plan.pipeline.method.automatic);
   GenerateOptions options;
   options.folder = out("auto");
   options.quiet = true;
@@ -352,10 +354,10 @@ TEST_F(CalibrateYard, RecordedHitsNeedNoChoice) {
   keeping.folder = out("traced");
   keeping.keepHits = out("hits");
   keeping.quiet = true;
-  generate(Plan(readPipeline(pipeline_, {}), recordedChannels()), keeping);
+  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()), keeping);
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  const Plan plan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}, recording));
-  EXPECT_FALSE(plan.pipeline().method.automatic);
+  const Plan plan = makePlan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}, recording));
+  EXPECT_FALSE(plan.pipeline.method.automatic);
   GenerateOptions options;
   options.folder = out("again");
   options.quiet = true;

@@ -14,6 +14,7 @@
 #include "base/random.h"
 #include "formats/format.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/scenes/shot_source.h"
 #include "study/noise/noise_comparison.h"
 #include "study/noise/sensor_effects.h"
 #include "tests/studio/study/noise/noise_scans.h"
@@ -333,23 +334,24 @@ TEST(WithEffects, LeavesTheBeamsAsTheyWere) {
 // The pipeline that takes the noise of the sensor's file: what is found in its scans is what the file says.
 TEST(FitNoise, FindsInASimulatedRecordingWhatItsSensorFileSays) {
   const auto file = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/paper/recording.yaml";
-  const Plan plan(readPipeline(file, {}));
-  const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
-  const auto method = plan.makeMethod(scene);
+  const Plan plan = makePlan(readPipeline(file, {}));
+  ShotSource source(plan);
+  const Scene scene = source.load(0);
+  const auto method = source.method(scene);
   std::vector<Scan> scans;
-  for (std::uint32_t frame = 0; frame < plan.pipeline().frames(); ++frame) {
-    const std::vector<Shot> shots = plan.shots(0, frame);
+  for (std::uint32_t frame = 0; frame < plan.pipeline.frames(); ++frame) {
+    const std::vector<Shot> shots = source.frame(0, frame).shots;
     if (frame == 0) method->prepare(shots.front());
     Hits hits;
     Returns returns;
     scans.emplace_back();
-    method->trace(shots.front(), plan.channels(), hits);
-    sense(hits, shots.front(), plan.pipeline().effectsOf(0), scene.materials, plan.pipeline().layout, returns,
-          scans.back());
+    method->trace(shots.front(), plan.channels, hits);
+    sense(hits, shots.front(), *plan.pipeline.sensors.front().effects, scene.materials, plan.pipeline.output.layout,
+          returns, scans.back());
   }
-  const BeamTable& beams = *plan.beams().front();
+  const BeamTable& beams = *plan.sensors.front().beams;
   const NoiseFit fit = fitOf(scans, beams);
-  const Value* effects = plan.pipeline().sensors.front().description.find("effects");
+  const Value* effects = plan.pipeline.sensors.front().description.find("effects");
   const auto option = [&](const char* effect, const char* key) -> const Value& {
     for (const Value& item : effects->items) {
       if (item.entries.front().key == effect) return *item.entries.front().value.find(key);

@@ -229,7 +229,7 @@ TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
 }
 
 TEST_F(RepeatedScans, AStopEndsItWithAnError) {
-  const Plan plan(readPipeline(pipeline(kShells), {}));
+  const Plan plan = makePlan(readPipeline(pipeline(kShells), {}));
   const std::atomic<bool> stop = true;
   RepeatabilityOptions options;
   options.quiet = true;

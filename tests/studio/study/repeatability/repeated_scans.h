@@ -57,7 +57,7 @@ output: {{formats: [pcd]}}
   static Repeatability measure(const std::filesystem::path& file, const std::vector<std::string>& overrides = {}) {
     Pipeline read = readPipeline(file, overrides);
     const Channels channels = repeatabilityChannels(read);
-    const Plan plan(std::move(read), channels);
+    const Plan plan = makePlan(std::move(read), channels);
     RepeatabilityOptions options;
     options.quiet = true;
     return measureRepeatability(plan, options);

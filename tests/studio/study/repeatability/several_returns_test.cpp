@@ -16,7 +16,7 @@ TEST_F(RepeatedScans, EveryReturnOfABeamIsCompared) {
                                   {}),
                      "{near_m: 3, gap_m: 2}");
   const Channels channels = repeatabilityChannels(read);
-  const Plan plan(std::move(read), channels);
+  const Plan plan = makePlan(std::move(read), channels);
   RepeatabilityOptions options;
   options.quiet = true;
   const Repeatability result = measureRepeatability(plan, options);

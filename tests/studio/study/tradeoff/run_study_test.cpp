@@ -38,7 +38,7 @@ class RunStudy : public Yard {
   static Study studied(const std::filesystem::path& file, StudyOptions options = {}) {
     options.quiet = true;
     options.drawErrors = countErrors;
-    return runStudy(Plan(readPipeline(file, {})), options);
+    return runStudy(makePlan(readPipeline(file, {})), options);
   }
 
   static std::string three() {
@@ -124,7 +124,8 @@ TEST_F(RunStudy, EncodesWhatThePipelineWouldWrite) {
 TEST_F(RunStudy, ABlindSensorIsRefused) {
   StudyOptions quiet;
   quiet.quiet = true;
-  const Plan plan(readPipeline(withKey(three()), {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"}));
+  const Plan plan =
+      makePlan(readPipeline(withKey(three()), {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"}));
   expectInputError([&] { runStudy(plan, quiet); }, {"study.yaml", "meets anything", "trajectory"});
 }
 
@@ -234,15 +235,16 @@ TEST_F(RunStudy, SensorsMayHaveEffectsOfTheirOwn) {
 }
 
 TEST_F(RunStudy, APipelineWhoseMethodIsStillToBeChosenCanBeStudied) {
-  const Study study = runStudy(
-      Plan(readPipeline(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}"), {"method={auto: {min_rate: 1}}"})),
-      StudyOptions{0, true, nullptr});
+  const Study study = runStudy(makePlan(readPipeline(withKey("{settings: [ray_tracing], shots: 1, repeats: 1}"),
+                                                     {"method={auto: {min_rate: 1}}"})),
+                               StudyOptions{0, true, nullptr});
   EXPECT_THAT(study.settings, SizeIs(1));
 }
 
 // Its limits are checked all the same.
 TEST_F(RunStudy, AWrongChoiceOfTheMethodIsRefused) {
-  const Plan plan(readPipeline(withKey("{settings: [ray_tracing]}"), {"method={auto: {max_error: {p98: 1cm}}}"}));
+  const Plan plan =
+      makePlan(readPipeline(withKey("{settings: [ray_tracing]}"), {"method={auto: {max_error: {p98: 1cm}}}"}));
   expectInputError([&] { runStudy(plan, StudyOptions{0, true, nullptr}); }, {"--set method", "unknown key 'p98'"});
 }
 
@@ -251,11 +253,11 @@ TEST_F(RunStudy, RecordingsAreRefused) {
   keeping.folder = out("kept");
   keeping.keepHits = out("hits");
   keeping.quiet = true;
-  generate(Plan(readPipeline(pipeline_, {}), Channels::all()), keeping);
+  generate(makePlan(readPipeline(pipeline_, {}), Channels::all()), keeping);
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   expectInputError(
       [&] {
-        runStudy(Plan(readPipeline(pipeline_, {}, recording)), StudyOptions{0, true, nullptr});
+        runStudy(makePlan(readPipeline(pipeline_, {}, recording)), StudyOptions{0, true, nullptr});
       },
       {"yard.yaml", "takes no recording"});
 }

@@ -1,5 +1,6 @@
 #include "study/tradeoff/sensing.h"
 
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -14,9 +15,10 @@ const std::string kWide =
 class SensingStudyTest : public Yard {
  protected:
   std::vector<SensingResult> measured(const std::string& effects) const {
-    const Plan plan(readPipeline(pipeline_, {kWide, "effects=" + effects}));
-    const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
-    return measureSensing(plan, scene, plan.shots(0, 1), {}, {});
+    const Plan plan = makePlan(readPipeline(pipeline_, {kWide, "effects=" + effects}));
+    ShotSource source(plan);
+    const Scene scene = source.load(0);
+    return measureSensing(plan, scene, source.frame(0, 1).shots, {}, {});
   }
 
   static const SensingResult& named(const std::vector<SensingResult>& results, const std::string& name) {
@@ -70,11 +72,12 @@ TEST_F(SensingStudyTest, IsEmptyWhereNothingCanBeLeftOut) {
 // The sensor's own list stands where the pipeline says `sensor`.
 TEST_F(SensingStudyTest, KnowsTheSensorsOwnEffects) {
   const std::string own = kWide.substr(0, kWide.size() - 2) + ", effects: [intensity, footprint: {rays: 7}]}]";
-  const Plan plan(readPipeline(pipeline_, {own, "effects=[sensor, light_paths]"}));
-  const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
+  const Plan plan = makePlan(readPipeline(pipeline_, {own, "effects=[sensor, light_paths]"}));
+  ShotSource source(plan);
+  const Scene scene = source.load(0);
   std::vector<std::string> said;
   const auto results =
-      measureSensing(plan, scene, plan.shots(0, 0), [&](const std::string& name) { said.push_back(name); }, {});
+      measureSensing(plan, scene, source.frame(0, 0).shots, [&](const std::string& name) { said.push_back(name); }, {});
   ASSERT_EQ(results.size(), 12u);
   EXPECT_THAT(results[0].name, HasSubstr("2 mirrors, 8 panes"));
   EXPECT_EQ(said.size(), results.size());
@@ -82,9 +85,10 @@ TEST_F(SensingStudyTest, KnowsTheSensorsOwnEffects) {
 }
 
 TEST_F(SensingStudyTest, IsStopped) {
-  const Plan plan(readPipeline(pipeline_, {kWide, "effects=[intensity, footprint: {rays: 7}]"}));
-  const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
-  EXPECT_THROW(measureSensing(plan, scene, plan.shots(0, 0), {}, [] { return true; }), Error);
+  const Plan plan = makePlan(readPipeline(pipeline_, {kWide, "effects=[intensity, footprint: {rays: 7}]"}));
+  ShotSource source(plan);
+  const Scene scene = source.load(0);
+  EXPECT_THROW(measureSensing(plan, scene, source.frame(0, 0).shots, {}, [] { return true; }), Error);
 }
 
 }  // namespace

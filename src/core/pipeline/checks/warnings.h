@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/plan/plan.h"
+#include "pipeline/read/pipeline.h"
 #include "scene/scene.h"
 
 namespace scanmill {
@@ -36,7 +36,7 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 // Drives that were to turn in towns where they cannot, and recorded ones that can hardly be meant.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Sensors that see little but their own vehicle: a line each.
-std::vector<std::string> vehicleWarnings(const Plan& plan);
+// Sensors that see little but their own vehicle: a line each. `blocked`: see ShotSource::blockedShares().
+std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
-#include "pipeline/drive/drive.h"
+#include "pipeline/scenes/drive.h"
 
-#include "pipeline/drive/random_way.h"
-#include "pipeline/drive/scene_ground.h"
+#include "pipeline/scenes/random_way.h"
+#include "pipeline/scenes/scene_ground.h"
 
 namespace scanmill {
 

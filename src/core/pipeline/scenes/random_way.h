@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "pipeline/drive/scene_probe.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "sensors/trajectory.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "pipeline/plan/own_vehicle.h"
+#include "pipeline/scenes/own_vehicle.h"
 
 #include <memory>
 #include <vector>

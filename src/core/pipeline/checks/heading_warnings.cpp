@@ -1,4 +1,4 @@
-#include "pipeline/plan/heading_warnings.h"
+#include "pipeline/checks/heading_warnings.h"
 
 #include <fmt/core.h>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr double kWider = 1.1;     // times the length; what is square may look either way
 constexpr double kDriving = 0.5;   // m/s
 constexpr double kAhead = 0.7071;  // cosine of 45 degrees
-constexpr std::size_t kMostLines = 5;
+constexpr std::size_t kMostHeadings = 5;
 constexpr double kTimes[] = {0, 1, 3, 10};  // s; what waits at first may drive later
 
 bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
@@ -50,9 +50,9 @@ std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& b
                     "its model looks, turns them (`scanmill picture` shows them)",
                     scene.name, name, scene.ontology.find(thing.semantic)->name, what));
   }
-  if (lines.size() > kMostLines) {
-    const std::size_t more = lines.size() - kMostLines;
-    lines.resize(kMostLines);
+  if (lines.size() > kMostHeadings) {
+    const std::size_t more = lines.size() - kMostHeadings;
+    lines.resize(kMostHeadings);
     lines.push_back(fmt::format("scene {}: boxes of {} more models lie across them", scene.name, more));
   }
   return lines;

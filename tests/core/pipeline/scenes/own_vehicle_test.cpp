@@ -1,6 +1,7 @@
-#include "pipeline/plan/own_vehicle.h"
+#include "pipeline/scenes/own_vehicle.h"
 
-#include "pipeline/plan/warnings.h"
+#include "pipeline/checks/warnings.h"
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -61,7 +62,8 @@ TEST_F(OwnVehicle, BlocksAndReturns) {
 
 TEST_F(OwnVehicle, IsWarnedOfWhereASensorSeesNothingElse) {
   const auto warnings = [&](const std::string& sensors) {
-    return vehicleWarnings(Plan(readPipeline(pipeline_, with({"effects=[]", "sensors=[" + sensors + "]"}))));
+    const Plan plan = makePlan(readPipeline(pipeline_, with({"effects=[]", "sensors=[" + sensors + "]"})));
+    return vehicleWarnings(plan.pipeline, ShotSource(plan).blockedShares());
   };
   const std::string inside =
       std::string(kTop).replace(kTop.find("[0, 0, 1.8]"), 11, "[0, 0, 1.2]").replace(7, 3, "low");
@@ -95,17 +97,19 @@ TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
 }
 
 TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
-  const auto lines = Plan(readPipeline(pipeline_, with())).modelled();
+  const Plan planned = makePlan(readPipeline(pipeline_, with()));
+  const auto lines = modelled(planned, ShotSource(planned).blockedShares());
   EXPECT_THAT(lines, testing::Contains(HasSubstr("own vehicle: roof.yaml, in the way of")));
-  EXPECT_THAT(messageOf([&] { Plan(readPipeline(pipeline_, with())).requireOneRay(); }), HasSubstr("vehicle"));
+  EXPECT_THAT(messageOf([&] { makePlan(readPipeline(pipeline_, with())).requireOneRay(); }), HasSubstr("vehicle"));
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"vehicle=scenes/none.yaml"}); }), HasSubstr("none.yaml"));
 }
 
 TEST_F(OwnVehicle, TheShippedOneStandsUnderItsSensor) {
-  const Plan plan(readPipeline(pipeline_, {"vehicle=vehicle",
-                                           "sensors=[{name: top, preset: hdl_64e, mount: {position: "
-                                           "[0, 0, 1.73]}}]"}));
-  const Hits& hits = *plan.settings().sensors[0].vehicle;
+  const Plan plan = makePlan(readPipeline(pipeline_, {"vehicle=vehicle",
+                                                      "sensors=[{name: top, preset: hdl_64e, mount: {position: "
+                                                      "[0, 0, 1.73]}}]"}));
+  const ShotSource source(plan);
+  const Hits& hits = *source.settings().sensors[0].vehicle;
   std::size_t lowest = 0;
   for (std::size_t ray = 0; ray < hits.rays(); ++ray) lowest += hits.hit(ray) && ray >= 56u * hits.columns ? 1 : 0;
   const double share = static_cast<double>(lowest) / (8.0 * hits.columns);

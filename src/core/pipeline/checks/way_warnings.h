@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/drive/scene_probe.h"
-#include "pipeline/plan/plan.h"
+#include "pipeline/scenes/scene_probe.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
 // Of a sequence in its scene, as it stands when the drive begins: sensors under its surfaces, far above them or
 // too far away from them, sensors inside of things, ways that go through walls, and ways that leave the ground. A line
 // each, at most one of a kind and sensor. What moves is not looked at.
-std::vector<std::string> wayWarnings(const Plan& plan, std::size_t sequence, const SceneProbe& probe);
+std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

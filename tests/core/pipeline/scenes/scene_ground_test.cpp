@@ -1,4 +1,4 @@
-#include "pipeline/drive/scene_ground.h"
+#include "pipeline/scenes/scene_ground.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

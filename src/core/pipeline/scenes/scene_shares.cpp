@@ -1,4 +1,4 @@
-#include "pipeline/plan/scene_shares.h"
+#include "pipeline/scenes/scene_shares.h"
 
 #include <fmt/format.h>
 

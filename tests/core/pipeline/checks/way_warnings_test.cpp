@@ -1,7 +1,8 @@
-#include "pipeline/plan/way_warnings.h"
+#include "pipeline/checks/way_warnings.h"
 
 #include <fmt/format.h>
 
+#include "pipeline/scenes/shot_source.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
@@ -15,9 +16,10 @@ using testing::IsEmpty;
 class WayWarnings : public Yard {
  protected:
   std::vector<std::string> warnings(const std::vector<std::string>& overrides) const {
-    const Plan plan(readPipeline(pipeline_, overrides));
-    const Scene scene = plan.loadScene(plan.pipeline().sequences.front());
-    return wayWarnings(plan, 0, SceneProbe(scene));
+    const Plan plan = makePlan(readPipeline(pipeline_, overrides));
+    ShotSource source(plan);
+    const Scene scene = source.load(0);
+    return wayWarnings(source, 0, SceneProbe(scene));
   }
   static std::string drive(const std::string& waypoints, const std::string& more = "") {
     return "trajectories=[{name: drive, waypoints: " + waypoints + ", speed: 20, every_s: 0.1" + more + "}]";

@@ -1,4 +1,4 @@
-#include "pipeline/plan/warnings.h"
+#include "pipeline/checks/warnings.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "base/grouped.h"
-#include "pipeline/plan/own_vehicle.h"
 #include "scenefile/concepts.h"
 
 namespace scanmill {
@@ -33,14 +32,14 @@ double largestExtent(const Box& box, const Mat3& linear) {
 }
 
 // A thing of a mesh: its box in the mesh's frame (m), and the class that most of its triangles have.
-struct Thing {
+struct MeshThing {
   Box box;
   std::uint16_t semantic = 0;
   std::uint32_t object = 0;  // see Surface::object
 };
 
-std::vector<Thing> thingsIn(const Mesh& mesh) {
-  std::vector<Thing> things(mesh.objects);
+std::vector<MeshThing> thingsIn(const Mesh& mesh) {
+  std::vector<MeshThing> things(mesh.objects);
   std::vector<std::map<std::uint16_t, std::size_t>> triangles(mesh.objects);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Surface& surface = mesh.surfaces[mesh.surfaceOf[t]];
@@ -56,7 +55,7 @@ std::vector<Thing> thingsIn(const Mesh& mesh) {
     if (most != triangles[i].end()) things[i].semantic = most->first;
     things[i].object = static_cast<std::uint32_t>(i + 1);
   }
-  std::erase_if(things, [](const Thing& thing) { return thing.box.empty(); });
+  std::erase_if(things, [](const MeshThing& thing) { return thing.box.empty(); });
   return things;
 }
 
@@ -104,17 +103,17 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
   static const std::vector<Concept> concepts = knownConcepts();
   if (concepts.empty()) return {};
   const std::map<std::uint16_t, Between> usual = usualSizes(concepts, scene.ontology);
-  std::vector<std::vector<Thing>> things;
+  std::vector<std::vector<MeshThing>> things;
   things.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) things.push_back(thingsIn(mesh));
   std::map<std::uint32_t, std::size_t> meshesOf;  // of each thing: how many there are
   for (const Instance& instance : scene.instances) {
-    for (const Thing& thing : things[instance.mesh]) ++meshesOf[instanceId(instance.firstInstanceId, thing.object)];
+    for (const MeshThing& thing : things[instance.mesh]) ++meshesOf[instanceId(instance.firstInstanceId, thing.object)];
   }
   std::set<std::pair<std::uint32_t, std::uint16_t>> told;
   std::vector<std::string> lines;
   for (const Instance& instance : scene.instances) {
-    for (const Thing& thing : things[instance.mesh]) {
+    for (const MeshThing& thing : things[instance.mesh]) {
       const auto size = usual.find(thing.semantic);
       // A thing of several objects is larger than each of them.
       if (size == usual.end() || meshesOf[instanceId(instance.firstInstanceId, thing.object)] > 1) continue;
@@ -223,19 +222,16 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   return lines;
 }
 
-std::vector<std::string> vehicleWarnings(const Plan& plan) {
+std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked) {
   std::vector<std::string> lines;
-  for (std::size_t s = 0; s < plan.beams().size(); ++s) {
-    const Hits* const vehicle = plan.settings().sensors[s].vehicle;
-    if (vehicle == nullptr) continue;
-    const double share = blockedShare(*vehicle);
-    if (share < kMostBlocked) continue;
-    const MountedSensor& sensor = plan.pipeline().sensors[s];
+  for (std::size_t s = 0; s < blocked.size(); ++s) {
+    if (blocked[s] < kMostBlocked) continue;
+    const MountedSensor& sensor = pipeline.sensors[s];
     const Vec3d& at = sensor.vehicleFromSensor.translation;
     lines.push_back(
         fmt::format("the own vehicle is in the way of {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
                     "{:g}] m: is it inside of it? See `scanmill info` of the vehicle's scene, and `mount`",
-                    100 * share, sensor.name, at.x, at.y, at.z));
+                    100 * blocked[s], sensor.name, at.x, at.y, at.z));
   }
   return lines;
 }

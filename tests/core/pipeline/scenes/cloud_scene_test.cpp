@@ -10,7 +10,7 @@
 
 #include "base/random.h"
 #include "formats/cloud_file.h"
-#include "pipeline/drive/scene_probe.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "scenefile/scene_file.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "pipeline/drive/random_way.h"
+#include "pipeline/scenes/random_way.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "pipeline/plan/warnings.h"
+#include "pipeline/checks/warnings.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

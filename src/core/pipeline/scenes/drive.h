@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/drive/scene_probe.h"
 #include "pipeline/read/pipeline.h"
+#include "pipeline/scenes/scene_probe.h"
 
 namespace scanmill {
 

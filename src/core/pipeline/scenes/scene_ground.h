@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "pipeline/drive/scene_probe.h"
+#include "pipeline/scenes/scene_probe.h"
 #include "sensors/ground_profile.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "pipeline/plan/recorded_method.h"
+#include "pipeline/scenes/recorded_method.h"
 
 #include <fmt/core.h>
 

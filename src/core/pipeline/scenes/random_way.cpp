@@ -1,4 +1,4 @@
-#include "pipeline/drive/random_way.h"
+#include "pipeline/scenes/random_way.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 #include <tuple>
 
 #include "base/random.h"
-#include "pipeline/drive/scene_ground.h"
+#include "pipeline/scenes/scene_ground.h"
 #include "scene/class_triangles.h"
 
 namespace scanmill {

@@ -1,4 +1,4 @@
-#include "pipeline/plan/way_warnings.h"
+#include "pipeline/checks/way_warnings.h"
 
 #include <fmt/core.h>
 
@@ -46,12 +46,12 @@ std::vector<Vec3d> directionsAround() {
 
 class WayCheck {
  public:
-  WayCheck(const Plan& plan, std::size_t sequence, const SceneProbe& probe)
-      : plan_(plan),
-        own_(plan.pipeline().sequences[sequence]),
+  WayCheck(ShotSource& source, std::size_t sequence, const SceneProbe& probe)
+      : plan_(source.plan()),
+        own_(plan_.pipeline.sequences[sequence]),
         probe_(probe),
-        drive_(plan.drive(sequence)),
-        settings_(plan.settings(sequence, 0)),
+        drive_(source.drive(sequence)),
+        settings_(source.settings(sequence, 0)),
         bounds_(probe.scene().bounds()) {
     for (const Instance& i : probe.scene().instances) {
       if (!i.moves()) continue;
@@ -62,7 +62,7 @@ class WayCheck {
   }
 
   std::vector<std::string> lines() {
-    for (std::size_t s = 0; s < plan_.beams().size(); ++s) {
+    for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
       checkHeights(s);
       checkInside(s);
     }
@@ -123,10 +123,10 @@ class WayCheck {
         continue;
       }
       if (!below[i] && above[i]) under.push_back(i);
-      if (farFromScene(down[i].from) > plan_.beams()[sensor]->maxRange) beside.push_back(i);
+      if (farFromScene(down[i].from) > plan_.sensors[sensor].beams->maxRange) beside.push_back(i);
       if (below[i] && below[i]->distance > kFarAbove) high.push_back(i);
     }
-    const std::string& name = plan_.pipeline().sensors[sensor].name;
+    const std::string& name = plan_.pipeline.sensors[sensor].name;
     const auto where = [&](const std::vector<std::size_t>& found) {
       return fmt::format("in {} of {} frames, first at {}", found.size(), below.size(),
                          shortPlace(down[found.front()].from));
@@ -175,14 +175,14 @@ class WayCheck {
       }
       for (const auto& [key, count] : odd) {
         if (count.first + 2 < kDirections.size()) continue;
-        return say(fmt::format("'{}' is inside of {} at {} (frame {}){}", plan_.pipeline().sensors[sensor].name,
+        return say(fmt::format("'{}' is inside of {} at {} (frame {}){}", plan_.pipeline.sensors[sensor].name,
                                nameOf(count.second), shortPlace(at), frame,
                                key.first == 0 ? ", which is right in rooms and tunnels alone" : ""));
       }
       for (const auto& [instance, count] : seen) {
         if (count.first < kDirections.size()) continue;
         return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right in rooms and tunnels alone",
-                               plan_.pipeline().sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
+                               plan_.pipeline.sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
       }
     }
   }
@@ -252,8 +252,8 @@ class WayCheck {
 
 }  // namespace
 
-std::vector<std::string> wayWarnings(const Plan& plan, std::size_t sequence, const SceneProbe& probe) {
-  return WayCheck(plan, sequence, probe).lines();
+std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe) {
+  return WayCheck(source, sequence, probe).lines();
 }
 
 }  // namespace scanmill

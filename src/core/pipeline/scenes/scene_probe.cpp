@@ -1,4 +1,4 @@
-#include "pipeline/drive/scene_probe.h"
+#include "pipeline/scenes/scene_probe.h"
 
 #include <memory>
 

@@ -1,0 +1,171 @@
+#include "pipeline/scenes/shot_source.h"
+
+#include <fmt/core.h>
+
+#include <optional>
+#include <utility>
+
+#include "pipeline/scenes/drive.h"
+#include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/recorded_method.h"
+#include "pipeline/scenes/scene_shares.h"
+#include "scene/without.h"
+#include "scenefile/scene_file.h"
+
+namespace scanmill {
+
+std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
+  if (choice.entry == nullptr) throw Error("`method: auto`: the method is still to be chosen");
+  Fields options(choice.options, "method " + std::string(choice.entry->name));
+  options.alsoDescribed(choice.entry->keys).finish();
+  if (scene.moves() && !choice.entry->can.moving) {
+    throw InputError({scene.file.string()},
+                     fmt::format("objects of this scene move, and the method {} takes them as standing still: say "
+                                 "`moving: false` beside the scene in the pipeline, or take `method: {}`",
+                                 choice.entry->name, firstMethodThat(&MethodCapabilities::moving).name));
+  }
+  return choice.entry->make(scene, options);
+}
+
+ShotSource::ShotSource(const Plan& plan) : plan_(plan), pipeline_(plan.pipeline) {
+  if (!pipeline_.vehicle.empty()) {
+    SceneOptions options;
+    options.ontology = pipeline_.ontology;
+    options.wavelengthNm = pipeline_.wavelengthNm;
+    vehicle_ = std::make_shared<const Scene>(readScene(pipeline_.vehicle, options));
+  }
+  std::vector<Pose> mounts;
+  for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
+  settings_ = std::make_shared<const FrameSettings>(settingsOf(pipeline_, traceOwnVehicle(mounts)));
+}
+
+VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
+  VehicleHits hits;
+  if (vehicle_ == nullptr) return hits;
+  for (std::size_t s = 0; s < mounts.size(); ++s) {
+    const PlannedSensor& sensor = plan_.sensors[s];
+    const BeamTable& rays = sensor.footprint == nullptr ? *sensor.beams : *sensor.footprint->rays;
+    hits.push_back(std::make_shared<const Hits>(traceVehicle(*vehicle_, rays, mounts[s])));
+  }
+  return hits;
+}
+
+std::vector<double> ShotSource::blockedShares() const {
+  std::vector<double> shares;
+  for (const SensorSetting& sensor : settings_->sensors) {
+    if (sensor.vehicle != nullptr) shares.push_back(blockedShare(*sensor.vehicle));
+  }
+  return shares;
+}
+
+Scene ShotSource::recordedScene(std::size_t sequence) const {
+  const Recording& recording = *pipeline_.recording;
+  Scene scene;
+  scene.name = pipeline_.sequences[sequence].scene;
+  scene.seed = pipeline_.sequences[sequence].sceneSeed;
+  scene.procedural = true;  // for all that is known
+  scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
+  scene.materials = recording.materials[recording.sequences[sequence].materials];
+  const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
+  if (both && !sameClasses(scene.ontology, recording.ontology)) {
+    throw InputError({pipeline_.ontology.string()},
+                     fmt::format("has other classes than the ontology '{}' to which the ids in the recording in {} "
+                                 "belong, and ids are not translated: leave out `labels`",
+                                 recording.ontology.name, recording.folder.string()));
+  }
+  if (scene.ontology.classes.empty()) {
+    throw InputError(
+        {pipeline_.file.string()},
+        fmt::format("the recording in {} has no ontology: name one with the key `labels`", recording.folder.string()));
+  }
+  return scene;
+}
+
+Scene ShotSource::load(std::size_t sequence) {
+  if (pipeline_.recording != nullptr) return recordedScene(sequence);
+  const Sequence& own = pipeline_.sequences[sequence];
+  SceneOptions options;
+  options.seed = own.sceneSeed;
+  options.ontology = pipeline_.ontology;
+  options.wavelengthNm = pipeline_.wavelengthNm;
+  options.textures = plan_.channels.has(Channel::Reflectance);
+  Scene scene = readSceneToShares(own.sceneFile, options);
+  if (!own.moving) standStill(scene, 0);
+  findDrives(own, scene);  // of the whole scene: the ways are the same whatever is taken out
+  takeOut(scene, own.without);
+  return scene;
+}
+
+void ShotSource::findDrives(const Sequence& sequence, const Scene& scene) {
+  std::optional<SceneProbe> probe;
+  for (std::size_t s = 0; s < pipeline_.sequences.size(); ++s) {
+    const Sequence& other = pipeline_.sequences[s];
+    if (!other.sameScene(sequence) || !needsScene(*other.trajectory)) continue;
+    const std::scoped_lock lock(mutex_);
+    if (drives_.contains(s)) continue;
+    if (!probe) probe.emplace(scene);
+    drives_[s] = std::make_shared<const Trajectory>(inScene(*other.trajectory, *probe, other.sceneSeed));
+  }
+}
+
+std::shared_ptr<const Trajectory> ShotSource::drive(std::size_t sequence) {
+  const Sequence& own = pipeline_.sequences[sequence];
+  if (!needsScene(*own.trajectory)) return own.trajectory;
+  const auto find = [&] {
+    const std::scoped_lock lock(mutex_);
+    const auto known = drives_.find(sequence);
+    return known == drives_.end() ? nullptr : known->second;
+  };
+  if (auto known = find()) return known;
+  load(sequence);
+  return find();
+}
+
+std::unique_ptr<Method> ShotSource::method(const Scene& scene) const {
+  if (pipeline_.recording != nullptr) return makeRecordedMethod(pipeline_);
+  return makeMethod(pipeline_.method, scene);
+}
+
+std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, std::uint32_t frame) {
+  if (pipeline_.drawn == nullptr) return settings_;
+  return drawn_.of(pipeline_, sequence, frame, *settings_,
+                   [&](const std::vector<Pose>& mounts) { return traceOwnVehicle(mounts); });
+}
+
+Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {
+  const std::shared_ptr<const BeamTable>& beams = plan_.sensors[sensor].beams;
+  RecordedShot recorded = pipeline_.recording->shot(sample, pipeline_.sensors[sensor].name);
+  if (recorded.worldFromSensor.size() > beams->columns) {
+    throw InputError({pipeline_.recording->folder.string()},
+                     fmt::format("{} of '{}' has {} poses for {} columns", sample, recorded.sensor,
+                                 recorded.worldFromSensor.size(), beams->columns));
+  }
+  Shot shot;
+  shot.frame = frame;
+  shot.time = recorded.time;
+  shot.beams = beamsAt(beams, recorded.time);
+  shot.worldFromSensor = std::move(recorded.worldFromSensor);
+  shot.deskew = pipeline_.motion.deskew;
+  return shot;
+}
+
+Frame ShotSource::frame(std::size_t sequence, std::uint32_t number) {
+  const bool recorded = pipeline_.recording != nullptr;
+  const std::string sample = pipeline_.sequences[sequence].key(number);
+  const std::shared_ptr<const Trajectory> driven = recorded ? nullptr : drive(sequence);
+  Frame frame{settings(sequence, number), {}};
+  for (std::size_t s = 0; s < plan_.sensors.size(); ++s) {
+    Shot shot = recorded ? recordedShot(sample, number, s)
+                         : makeShot(plan_.sensors[s].beams, *driven, number,
+                                    frame.settings->sensors[s].vehicleFromSensor, pipeline_.motion);
+    shot.sample = sample;
+    shot.seed = pipeline_.seed;
+    shot.scene = static_cast<std::uint32_t>(sequence);
+    shot.sensor = static_cast<std::uint32_t>(s);
+    shot.sensorName = pipeline_.sensors[s].name;
+    frame.shots.push_back(std::move(shot));
+  }
+  return frame;
+}
+
+}  // namespace scanmill
