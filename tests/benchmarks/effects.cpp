@@ -98,7 +98,7 @@ void wholeSense(benchmark::State& state, const std::string& yaml, bool organised
   Returns scratch;
   Scan scan;
   for (auto _ : state) {
-    sense(room.hits, room.shot, list, room.materials, {.organised = organised}, scratch, scan);
+    sense({list, room.materials, {.organised = organised}}, room.hits, room.shot, scratch, scan);
     benchmark::ClobberMemory();
   }
   report(state, room.hits);

@@ -105,7 +105,7 @@ void footprintAgainstBeams(benchmark::State& state) {
   };
   const auto whole = [&] {
     traced();
-    sense(hits, shot, effects, scene().materials, {}, returns, scan);
+    sense({effects, scene().materials}, hits, shot, returns, scan);
   };
   whole();
   narrow();

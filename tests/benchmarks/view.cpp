@@ -31,7 +31,7 @@ Scan streetScan() {
       shot, Channels(Channel::Range) | Channel::Semantic | Channel::Instance | Channel::Reflectance, hits);
   Returns returns;
   Scan scan;
-  sense(hits, shot, {}, street.materials, {}, returns, scan);
+  sense({.materials = street.materials}, hits, shot, returns, scan);
   return scan;
 }
 

@@ -65,7 +65,7 @@ inline Scan noisyScan(const std::shared_ptr<const BeamTable>& beams, const std::
   const ScanLayout layout{ColumnSet(kRing, kColumn, kTime), organised};
   Returns scratch;
   Scan scan;
-  sense(hits, shot, made, {}, layout, scratch, scan);
+  sense({.effects = made, .layout = layout}, hits, shot, scratch, scan);
   return scan;
 }
 

@@ -45,8 +45,8 @@ void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<co
   returns.start(findEchoes(hits, power, pulseLength(shot.beams->pulse)), powered);
 }
 
-void sense(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
-           const ScanLayout& layout, Returns& returns, Scan& scan, const ThingMotions* motions) {
+void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan) {
+  const auto& [effects, materials, layout, motions] = receiver;
   checkHits(hits, shot, channelsFor(effects, layout.columns));
   detect(hits, shot, effects, materials, returns);
   if (layout.reasons) returns.tellReasons();

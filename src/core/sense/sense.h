@@ -23,10 +23,16 @@ Channels channelsFor(EffectList effects, ColumnSet columns);
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns);
 
-// Detects, applies the effects in their given order and keeps the columns asked for.
-// `motions`: of a scene that moves. `returns` is reused between calls. Throws Error where the hits lack a channel or
-// belong to another sensor.
-void sense(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
-           const ScanLayout& layout, Returns& returns, Scan& scan, const ThingMotions* motions = nullptr);
+// How hits become a scan. What it refers to must outlive it.
+struct Receiver {
+  EffectList effects = {};                   // in the order in which they run
+  std::span<const Material> materials = {};  // that Hits::material points into
+  ScanLayout layout = {};                    // which columns are kept
+  const ThingMotions* motions = nullptr;     // of a scene that moves, if points tell how
+};
+
+// Detects, applies the effects and keeps the columns asked for. `returns` is reused between calls. Throws Error where
+// the hits lack a channel or belong to another sensor.
+void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

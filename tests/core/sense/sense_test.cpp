@@ -137,17 +137,17 @@ TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
   const Scan expected = senseOnce(big, kAll, kEvery);
   Returns scratch;
   Scan scan;
-  sense(big.hits, big.shot, list, big.materials, kEveryOrganised, scratch, scan);
-  sense(small.hits, small.shot, {}, small.materials, kEvery, scratch, scan);
+  sense({list, big.materials, kEveryOrganised}, big.hits, big.shot, scratch, scan);
+  sense({{}, small.materials, kEvery}, small.hits, small.shot, scratch, scan);
   EXPECT_TRUE(scan[kIntensity].empty());
-  sense(big.hits, big.shot, list, big.materials, kEvery, scratch, scan);
+  sense({list, big.materials, kEvery}, big.hits, big.shot, scratch, scan);
   EXPECT_TRUE(sameBytes(scan, expected));
   std::vector<Scan> scans(4);
   std::vector<std::thread> threads;
   for (Scan& mine : scans) {
     threads.emplace_back([&] {
       Returns own;
-      for (int i = 0; i < 3; ++i) sense(big.hits, big.shot, list, big.materials, kEvery, own, mine);
+      for (int i = 0; i < 3; ++i) sense({list, big.materials, kEvery}, big.hits, big.shot, own, mine);
     });
   }
   for (std::thread& thread : threads) thread.join();

@@ -102,7 +102,8 @@ inline Returns run(const World& world, const std::vector<std::string>& yaml) {
 inline Scan senseOnce(const World& world, const std::vector<std::string>& yaml, const ScanLayout& layout = {}) {
   Returns scratch;
   Scan scan;
-  sense(world.hits, world.shot, makeEffects(yaml), world.materials, layout, scratch, scan);
+  const Effects effects = makeEffects(yaml);
+  sense({effects, world.materials, layout}, world.hits, world.shot, scratch, scan);
   return scan;
 }
 

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   requireMethod("ray_tracing", {}).make(scene, options)->trace(shot, channelsFor({}, layout.columns), hits);
   Returns returns;
   Scan scan;
-  sense(hits, shot, {}, scene.materials, layout, returns, scan);
+  sense({.materials = scene.materials, .layout = layout}, hits, shot, returns, scan);
 
   // The street's road lies at z = 0; without noise a point is as far from its beam's origin as the beam's range says.
   const std::uint16_t road = scene.ontology.require("road", {}).id;

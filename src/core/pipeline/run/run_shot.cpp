@@ -14,10 +14,8 @@ ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& 
                   std::size_t sensor) {
   const SensorSetting& own = settings.sensors[sensor];
   return {method,
-          scene.materials,
           plan.channels,
-          *own.effects,
-          plan.pipeline.output.layout,
+          {*own.effects, scene.materials, plan.pipeline.output.layout},
           plan.sensors[sensor].footprint.get(),
           own.vehicle.get(),
           own.paths,
@@ -34,7 +32,7 @@ TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits) {
   TraceAccount account = setup.method.trace(rays, setup.channels, hits);
   if (setup.vehicle != nullptr) blockByVehicle(*setup.vehicle, shot.beams->minRange, hits);
   if (setup.footprint != nullptr) joinRays(*setup.footprint, hits);
-  if (setup.paths != nullptr) account += followLight(setup.method, rays, setup.materials, *setup.paths, hits);
+  if (setup.paths != nullptr) account += followLight(setup.method, rays, setup.receiver.materials, *setup.paths, hits);
   return account;
 }
 
@@ -52,7 +50,9 @@ TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buff
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan) {
   std::optional<ThingMotions> motions;
   if (setup.moving != nullptr) motions.emplace(*setup.moving, shot);
-  sense(hits, shot, setup.effects, setup.materials, setup.layout, returns, scan, motions ? &*motions : nullptr);
+  Receiver receiver = setup.receiver;
+  receiver.motions = motions ? &*motions : nullptr;
+  sense(receiver, hits, shot, returns, scan);
 }
 
 }  // namespace scanmill

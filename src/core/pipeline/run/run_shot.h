@@ -20,10 +20,8 @@ namespace scanmill {
 // How the shots of a sensor become scans. What it refers to must outlive it.
 struct ShotSetup {
   const Method& method;
-  std::span<const Material> materials;  // that Hits::material points into
-  Channels channels;                    // that are traced
-  EffectList effects;
-  ScanLayout layout;
+  Channels channels;                     // that are traced
+  Receiver receiver;                     // but for its motions, which follow from the scene
   const Footprint* footprint = nullptr;  // of beams that fire several rays
   const Hits* vehicle = nullptr;         // what the rays meet of the own vehicle
   const LightPaths* paths = nullptr;     // of rays that go on

@@ -208,7 +208,8 @@ class RepeatabilityRun {
       for (std::size_t c = first; c < last; ++c) {
         repeated.seed = shot.seed + c % choice_.scans;
         const Effects& effects = *choice_.levels[c / choice_.scans].effects[shot.sensor];
-        senseShot({method, scene.materials, channels_, effects, repeatabilityLayout()}, repeated, hits, scratch, scan);
+        senseShot({method, channels_, {effects, scene.materials, repeatabilityLayout()}}, repeated, hits, scratch,
+                  scan);
         clouds[c] = crop(scan, repeated, thing, choice_.margin);
       }
     });

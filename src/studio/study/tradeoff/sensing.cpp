@@ -57,11 +57,11 @@ std::unique_ptr<Sensing> makeSensing(const Plan& plan, const Scene& scene, const
   layout.columns = ColumnSet().with(kLabel).with(kRing).with(kColumn).with(kIntensity).with(kReturn);
   auto made = std::make_unique<Sensing>(Sensing{changed(plan.pipeline, plan.pipeline.sensors[sensor], changes),
                                                 std::nullopt,
-                                                {method, scene.materials, {}, {}, layout}});
+                                                {method, {}, {{}, scene.materials, layout}}});
   const BeamTable& beams = *plan.sensors[sensor].beams;
   const std::uint32_t rays = raysPerBeam(made->effects);
   if (rays > 1) made->footprint = makeFootprint(beams, rays);
-  made->setup.effects = made->effects;
+  made->setup.receiver.effects = made->effects;
   made->setup.channels = channelsFor(made->effects, layout.columns);
   made->setup.footprint = made->footprint ? &*made->footprint : nullptr;
   made->setup.paths = lightPaths(made->effects);

@@ -57,7 +57,7 @@ Scan scanOf(const Hits& hits, const Shot& shot, const Scene& scene) {
   Scan scan;
   ScanLayout layout;
   layout.organised = true;
-  sense(hits, shot, {}, scene.materials, layout, returns, scan);
+  sense({.materials = scene.materials, .layout = layout}, hits, shot, returns, scan);
   return scan;
 }
 

@@ -346,7 +346,7 @@ TEST(FitNoise, FindsInASimulatedRecordingWhatItsSensorFileSays) {
     Returns returns;
     scans.emplace_back();
     method->trace(shots.front(), plan.channels, hits);
-    sense(hits, shots.front(), *plan.pipeline.sensors.front().effects, scene.materials, plan.pipeline.output.layout,
+    sense({*plan.pipeline.sensors.front().effects, scene.materials, plan.pipeline.output.layout}, hits, shots.front(),
           returns, scans.back());
   }
   const BeamTable& beams = *plan.sensors.front().beams;
