@@ -18,34 +18,31 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::array kPasses{
-    std::pair{"depth", Channel::Range},
-    std::pair{"normal", Channel::Normal},
-    std::pair{"instance", Channel::Instance},
-    std::pair{"semantic", Channel::Semantic},
-    std::pair{"material", Channel::Material},
-    std::pair{"primitive", Channel::Primitive},
-    std::pair{"reflectance", Channel::Reflectance},
-};
+// "depth" for the range, which images hold along the camera's axis; else the channel's name.
+std::string_view passName(const ChannelRow& row) {
+  return row.channel == Channel::Range ? "depth" : row.name;
+}
 
 PassChoice readPassList(const std::string& list) {
   PassChoice choice;
   if (list == "all") {
-    for (const auto& [name, channel] : kPasses) choice.channels |= channel;
+    choice.channels = channelsThat(&ChannelRow::drawn);
     choice.surfaceParameters = true;
     return choice;
   }
   std::vector<std::string> names{"all", "look"};
-  for (const auto& [name, channel] : kPasses) names.emplace_back(name);
+  for (const ChannelRow& row : kChannels) {
+    if (row.drawn) names.emplace_back(passName(row));
+  }
   std::size_t first = 0;
   while (first <= list.size()) {
     const std::size_t comma = std::min(list.find(',', first), list.size());
     const std::string asked = list.substr(first, comma - first);
     bool known = asked == "look";
     choice.surfaceParameters = choice.surfaceParameters || known;
-    for (const auto& [name, channel] : kPasses) {
-      if (asked != name) continue;
-      choice.channels |= channel;
+    for (const ChannelRow& row : kChannels) {
+      if (!row.drawn || asked != passName(row)) continue;
+      choice.channels |= row.channel;
       known = true;
     }
     if (!known) throw InputError(fmt::format("--passes: no pass '{}'{}", asked, suggestion(asked, names)));

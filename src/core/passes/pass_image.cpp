@@ -15,21 +15,10 @@ namespace {
 
 constexpr std::size_t kImageGrain = 8192;  // pixels of a task
 
-constexpr std::pair<Channel, const char*> kPlanes[] = {
-    {Channel::Normal, "normal"},     {Channel::Instance, "instance"},   {Channel::Semantic, "semantic"},
-    {Channel::Material, "material"}, {Channel::Primitive, "primitive"}, {Channel::Reflectance, "reflectance"},
-};
-
 // Calls use(member) with each plane as a pointer to member.
 template <class Use>
 void forPlanes(const Use& use) {
-  use(&PassPlanes::depth);
-  use(&PassPlanes::normal);
-  use(&PassPlanes::instance);
-  use(&PassPlanes::semantic);
-  use(&PassPlanes::material);
-  use(&PassPlanes::primitive);
-  use(&PassPlanes::reflectance);
+  forEachPass([&](const ChannelRow&, auto plane, auto) { use(plane); });
   use(&PassPlanes::roughness);
   use(&PassPlanes::metallic);
   use(&PassPlanes::retroreflectance);
@@ -39,27 +28,19 @@ void forPlanes(const Use& use) {
 
 PassChoice PassPlanes::choice() const {
   PassChoice made;
-  const bool there[] = {!normal.empty(),   !instance.empty(),  !semantic.empty(),
-                        !material.empty(), !primitive.empty(), !reflectance.empty()};
-  for (std::size_t i = 0; i < std::size(there); ++i) {
-    if (there[i]) made.channels |= kPlanes[i].first;
-  }
+  forEachPass([&](const ChannelRow& row, auto plane, auto) {
+    if (!(this->*plane).empty()) made.channels |= row.channel;
+  });
   made.surfaceParameters = !roughness.empty() && !metallic.empty() && !retroreflectance.empty();
   return made;
 }
 
 void PassPlanes::reset(std::size_t pixels, PassChoice asked) {
-  const auto fit = [&](auto& plane, bool wanted) { plane.resize(wanted ? pixels : 0); };
-  fit(depth, true);
-  fit(normal, asked.channels.has(Channel::Normal));
-  fit(instance, asked.channels.has(Channel::Instance));
-  fit(semantic, asked.channels.has(Channel::Semantic));
-  fit(material, asked.channels.has(Channel::Material));
-  fit(primitive, asked.channels.has(Channel::Primitive));
-  fit(reflectance, asked.channels.has(Channel::Reflectance));
-  fit(roughness, asked.surfaceParameters);
-  fit(metallic, asked.surfaceParameters);
-  fit(retroreflectance, asked.surfaceParameters);
+  asked.channels |= Channel::Range;
+  forEachPass([&](const ChannelRow& row, auto plane, auto) {
+    (this->*plane).resize(asked.channels.has(row.channel) ? pixels : 0);
+  });
+  for (auto* plane : {&roughness, &metallic, &retroreflectance}) plane->resize(asked.surfaceParameters ? pixels : 0);
 }
 
 ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), available_{Channels::all(), true} {
@@ -87,12 +68,14 @@ ImageSource::ImageSource(std::span<const PassImage> images) : images_(images), a
 void ImageSource::require(PassChoice asked) const {
   for (const PassImage& image : images_) {
     const PassChoice there = image.planes.choice();
-    for (const auto& [channel, name] : kPlanes) {
-      if (asked.channels.has(channel) && !there.channels.has(channel)) {
-        const bool known = channel == Channel::Material && there.surfaceParameters;
-        throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
-                                     image.camera.name, name, known ? "" : insteadOf(name)));
+    for (const ChannelRow& row : kChannels) {
+      if (row.channel == Channel::Range || !row.drawn || !asked.channels.has(row.channel) ||
+          there.channels.has(row.channel)) {
+        continue;
       }
+      const bool known = row.channel == Channel::Material && there.surfaceParameters;
+      throw InputError(fmt::format("the image of camera '{}' has no pass '{}', which the pipeline needs{}",
+                                   image.camera.name, row.name, known ? "" : insteadOf(row.name)));
     }
     if (asked.surfaceParameters && !there.surfaceParameters) {
       throw InputError(

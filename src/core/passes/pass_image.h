@@ -11,6 +11,7 @@
 #include "base/vec.h"
 #include "passes/camera.h"
 #include "scan/channels.h"
+#include "scan/hits.h"
 
 namespace scanmill {
 
@@ -45,6 +46,19 @@ struct PassPlanes {
   // Sizes the planes that `asked` names and empties the others; contents are undefined.
   void reset(std::size_t pixels, PassChoice asked);
 };
+
+// Calls visit(row of kChannels, pointer to the member of PassPlanes, pointer to that of Hits) for each channel that is
+// drawn; the depth stands for the range.
+template <class Visit>
+void forEachPass(const Visit& visit) {
+  visit(kChannels[0], &PassPlanes::depth, &Hits::range);
+  visit(kChannels[1], &PassPlanes::normal, &Hits::normal);
+  visit(kChannels[2], &PassPlanes::instance, &Hits::instance);
+  visit(kChannels[3], &PassPlanes::semantic, &Hits::semantic);
+  visit(kChannels[4], &PassPlanes::material, &Hits::material);
+  visit(kChannels[5], &PassPlanes::primitive, &Hits::primitive);
+  visit(kChannels[6], &PassPlanes::reflectance, &Hits::reflectance);
+}
 
 // One camera's image, row by row from the top.
 struct PassImage {

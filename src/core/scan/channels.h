@@ -1,10 +1,13 @@
 #pragma once
 
 // What may be known of the hits of a shot's rays. Only the channels that an effect, a column or a recording asks for
-// are allocated and computed.
+// are allocated and computed. A channel is a row of kChannels, a member of Hits (scan/hits.h) and whoever fills it.
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace scanmill {
@@ -32,7 +35,7 @@ class Channels {
   constexpr Channels& operator|=(Channels o) { return *this = *this | o; }
   constexpr bool has(Channel c) const { return (bits_ & static_cast<std::uint32_t>(c)) != 0; }
   constexpr bool operator==(const Channels&) const = default;
-  static constexpr Channels all() { return Channels(0xFFu); }
+  static constexpr Channels all();
 
  private:
   constexpr explicit Channels(std::uint32_t bits) : bits_(bits) {}
@@ -43,7 +46,39 @@ constexpr Channels operator|(Channel a, Channel b) {
   return Channels(a) | Channels(b);
 }
 
-// The names of the channels in the set, such as "range" and "normal", in the order of the enumeration.
+struct ChannelRow {
+  Channel channel;
+  std::string_view name;  // in messages and plans
+  std::string_view exr;   // of its EXR channel in files of hits; of a vector, that of x
+  bool drawn;             // renderers draw it as a pass
+  bool kept;              // `generate --keep-hits` keeps it
+};
+
+inline constexpr std::array<ChannelRow, 8> kChannels{{
+    {Channel::Range, "range", "range", true, true},  // drawn as depth
+    {Channel::Normal, "normal", "N.X", true, false},
+    {Channel::Instance, "instance", "instance", true, true},
+    {Channel::Semantic, "semantic", "semantic", true, true},
+    {Channel::Material, "material", "material", true, true},
+    {Channel::Primitive, "primitive", "primitive", true, false},
+    {Channel::Reflectance, "reflectance", "reflectance", true, true},
+    {Channel::Incidence, "incidence", "incidence", false, true},  // follows from the normal
+}};
+
+// Returns the channels whose row says so, such as channelsThat(&ChannelRow::drawn).
+constexpr Channels channelsThat(bool ChannelRow::*says) {
+  Channels channels;
+  for (const ChannelRow& row : kChannels) channels |= row.*says ? Channels(row.channel) : Channels();
+  return channels;
+}
+
+constexpr Channels Channels::all() {
+  Channels channels;
+  for (const ChannelRow& row : kChannels) channels |= row.channel;
+  return channels;
+}
+
+// Returns the names of the channels in the set, in the order of kChannels.
 std::vector<std::string> channelNames(Channels channels);
 
 }  // namespace scanmill

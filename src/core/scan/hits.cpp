@@ -10,15 +10,8 @@ void Hits::reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels as
   weightOfRay.clear();
   pathOfRay.clear();
   glassIsClear = false;
-  const auto fit = [&](auto& column, Channel channel) { column.resize(channels.has(channel) ? size() : 0); };
-  fit(range, Channel::Range);
-  fit(normal, Channel::Normal);
-  fit(instance, Channel::Instance);
-  fit(semantic, Channel::Semantic);
-  fit(material, Channel::Material);
-  fit(primitive, Channel::Primitive);
-  fit(reflectance, Channel::Reflectance);
-  fit(incidence, Channel::Incidence);
+  forEachChannel(
+      [&](const ChannelRow& row, auto member) { (this->*member).resize(channels.has(row.channel) ? size() : 0); });
   roughness.clear();
   metallic.clear();
   retroreflectance.clear();

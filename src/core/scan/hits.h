@@ -69,4 +69,17 @@ struct Hits {
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 
+// Calls visit(row of kChannels, pointer to the member of Hits that holds it) for each channel.
+template <class Visit>
+void forEachChannel(const Visit& visit) {
+  visit(kChannels[0], &Hits::range);
+  visit(kChannels[1], &Hits::normal);
+  visit(kChannels[2], &Hits::instance);
+  visit(kChannels[3], &Hits::semantic);
+  visit(kChannels[4], &Hits::material);
+  visit(kChannels[5], &Hits::primitive);
+  visit(kChannels[6], &Hits::reflectance);
+  visit(kChannels[7], &Hits::incidence);
+}
+
 }  // namespace scanmill

@@ -55,28 +55,13 @@ ExrImage readExr(const std::filesystem::path& file) {
     image.planes = std::move(passes.planes);
     return image;
   }
-  Channels there = Channel::Range;
-  const std::pair<const char*, Channel> known[] = {
-      {"N.X", Channel::Normal},          {"instance", Channel::Instance},   {"semantic", Channel::Semantic},
-      {"material", Channel::Material},   {"primitive", Channel::Primitive}, {"reflectance", Channel::Reflectance},
-      {"incidence", Channel::Incidence},
-  };
-  for (const auto& [name, channel] : known) {
-    if (has(name)) there |= channel;
-  }
   Hits hits;
-  readHits(file, there, hits);
+  readHits(file, channelsIn(file), hits);
   image.width = static_cast<int>(hits.columns);
   image.height = static_cast<int>(hits.rings);
   image.size = fmt::format("{} rings x {} columns", hits.rings, hits.columns);
   image.ofSensor = true;
-  image.planes.depth = std::move(hits.range);
-  image.planes.normal = std::move(hits.normal);
-  image.planes.instance = std::move(hits.instance);
-  image.planes.semantic = std::move(hits.semantic);
-  image.planes.material = std::move(hits.material);
-  image.planes.primitive = std::move(hits.primitive);
-  image.planes.reflectance = std::move(hits.reflectance);
+  forEachPass([&](const ChannelRow&, auto plane, auto column) { image.planes.*plane = std::move(hits.*column); });
   image.incidence = std::move(hits.incidence);
   image.unresolved = std::move(hits.unresolved);
   return image;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -144,10 +145,10 @@ void PixelReader::resolve() {
       const auto pick = [&](auto& to, const auto& from) {
         if (!to.empty()) to[i] = from[centre * pixels_ + i];
       };
-      pick(planes_.instance, subpixels_.instance);
-      pick(planes_.semantic, subpixels_.semantic);
-      pick(planes_.material, subpixels_.material);
-      pick(planes_.primitive, subpixels_.primitive);
+      forEachPass([&](const ChannelRow&, auto plane, auto) {
+        using Of = typename std::remove_reference_t<decltype(planes_.*plane)>::value_type;
+        if constexpr (std::is_integral_v<Of>) pick(planes_.*plane, subpixels_.*plane);
+      });
     }
   });
 }

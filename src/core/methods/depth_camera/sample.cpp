@@ -278,11 +278,9 @@ class Sampler {
       }
     };
     const PassPlanes& planes = reader_.planes();
-    put(hits_.instance, planes.instance);
-    put(hits_.semantic, planes.semantic);
-    put(hits_.material, planes.material);
-    put(hits_.primitive, planes.primitive);
-    put(hits_.reflectance, planes.reflectance);
+    forEachPass([&](const ChannelRow& row, auto plane, auto column) {
+      if (row.channel != Channel::Range && row.channel != Channel::Normal) put(hits_.*column, planes.*plane);
+    });
     put(hits_.roughness, planes.roughness);
     put(hits_.metallic, planes.metallic);
     put(hits_.retroreflectance, planes.retroreflectance);
@@ -321,11 +319,7 @@ std::uint64_t samplePixels(PixelSource& source, const Pose& worldFromRig, const 
 
 PassChoice passesFor(Channels channels, const SampleOptions& options) {
   PassChoice choice;
-  choice.channels = Channel::Range;
-  for (const Channel c : {Channel::Normal, Channel::Instance, Channel::Semantic, Channel::Material, Channel::Primitive,
-                          Channel::Reflectance}) {
-    if (channels.has(c)) choice.channels |= c;
-  }
+  choice.channels = (channels & channelsThat(&ChannelRow::drawn)) | Channel::Range;
   if (channels.has(Channel::Incidence) || options.sampling == Sampling::Plane) choice.channels |= Channel::Normal;
   if (options.sampling == Sampling::Bilinear) choice.channels |= Channel::Instance | Channel::Material;
   return choice;

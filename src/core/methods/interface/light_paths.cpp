@@ -145,16 +145,10 @@ class LightFollower {
       hits_.weightOfRay.push_back(static_cast<float>(ray.weight));
       hits_.pathOfRay.push_back(ray.path);
       hits_.range.push_back(static_cast<float>(way));
-      const auto append = [&](auto& column, const auto& from) {
-        if (!column.empty()) column.push_back(from[i]);
-      };
-      append(hits_.normal, met.normal);
-      append(hits_.instance, met.instance);
-      append(hits_.semantic, met.semantic);
-      append(hits_.material, met.material);
-      append(hits_.primitive, met.primitive);
-      append(hits_.reflectance, met.reflectance);
-      append(hits_.incidence, met.incidence);
+      forEachChannel([&](const ChannelRow& row, auto member) {
+        auto& column = hits_.*member;
+        if (row.channel != Channel::Range && !column.empty()) column.push_back((met.*member)[i]);
+      });
       if (ray.path == RayPath::Mirrored && paths_.mirroredUnlabelled) {
         if (!hits_.semantic.empty()) hits_.semantic.back() = 0;
         if (!hits_.instance.empty()) hits_.instance.back() = 0;

@@ -45,11 +45,7 @@ class SeenSource : public PixelSource {
 
   const std::vector<Camera>& cameras() const override { return cameras_; }
 
-  PassChoice available() const override {
-    return {Channel::Range | Channel::Normal | Channel::Instance | Channel::Semantic | Channel::Material |
-                Channel::Primitive | Channel::Reflectance,
-            true};
-  }
+  PassChoice available() const override { return {channelsThat(&ChannelRow::drawn), true}; }
 
   void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) override {
     fetched_.resize(addresses.size());

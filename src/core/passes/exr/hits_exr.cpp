@@ -22,13 +22,9 @@ constexpr ExrType kTypeOf<float> = ExrType::Float32;
 // Calls use(channel's name, column) for each column that is one number a beam.
 template <class AnyHits, class Use>
 void forColumns(AnyHits& hits, const Use& use) {
-  use("range", hits.range);
-  use("instance", hits.instance);
-  use("semantic", hits.semantic);
-  use("material", hits.material);
-  use("primitive", hits.primitive);
-  use("reflectance", hits.reflectance);
-  use("incidence", hits.incidence);
+  forEachChannel([&](const ChannelRow& row, auto member) {
+    if constexpr (!std::is_same_v<decltype(member), std::vector<Vec3f> Hits::*>) use(row.exr.data(), hits.*member);
+  });
   use("roughness", hits.roughness);
   use("metallic", hits.metallic);
   use("retroreflectance", hits.retroreflectance);
@@ -137,6 +133,15 @@ class HitsReader {
 };
 
 }  // namespace
+
+Channels channelsIn(const std::filesystem::path& path) {
+  const ExrReader file(path);
+  Channels there = Channel::Range;
+  for (const ExrChannel& channel : file.channels()) {
+    for (const ChannelRow& row : kChannels) there |= channel.name == row.exr ? Channels(row.channel) : Channels();
+  }
+  return there;
+}
 
 void writeHits(const std::filesystem::path& path, const Hits& hits) {
   std::vector<ExrPlane> planes;

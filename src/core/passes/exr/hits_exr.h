@@ -17,6 +17,9 @@ namespace scanmill {
 // Under its final name the file is whole. The same hits give the same bytes. Throws Error.
 void writeHits(const std::filesystem::path& path, const Hits& hits);
 
+// Returns the channels that a file of hits has. Throws InputError where it is no EXR.
+Channels channelsIn(const std::filesystem::path& path);
+
 // Reads the channels asked for (and the surface parameters and the unresolved beams where the file has them), bit
 // for bit as they were written. Throws InputError that names the file and the channel: no EXR, truncated, a channel
 // absent or of the wrong type, a range that is NaN or negative, a class or material above 65535, a range of an

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -36,10 +37,11 @@ constexpr SurfaceParameter kSurfaceParameters[] = {{"roughness", &PassPlanes::ro
 // Calls use(name of the pass, its channel, its plane) for each plane of ids.
 template <class Planes, class Use>
 void forIds(Planes& planes, const Use& use) {
-  use("instance", Channel::Instance, planes.instance);
-  use("semantic", Channel::Semantic, planes.semantic);
-  use("material", Channel::Material, planes.material);
-  use("primitive", Channel::Primitive, planes.primitive);
+  forEachPass([&](const ChannelRow& row, auto plane, auto) {
+    if constexpr (std::is_integral_v<typename std::remove_cvref_t<decltype(planes.*plane)>::value_type>) {
+      use(row.name.data(), row.channel, planes.*plane);
+    }
+  });
 }
 
 class PassReader {

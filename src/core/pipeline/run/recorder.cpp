@@ -14,8 +14,7 @@
 namespace scanmill {
 
 Channels recordedChannels() {
-  return Channel::Range | Channel::Instance | Channels(Channel::Semantic) | Channel::Material | Channel::Reflectance |
-         Channel::Incidence;
+  return channelsThat(&ChannelRow::kept);
 }
 
 void Recorder::open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite) {

@@ -28,23 +28,6 @@ namespace {
 
 constexpr std::uint32_t kFramesAtOnce = 4096;
 
-// Which columns a file of hits has; see hits_exr.h.
-Channels hitsIn(const fs::path& path) {
-  constexpr std::pair<const char*, Channel> kColumns[] = {
-      {"N.X", Channel::Normal},          {"instance", Channel::Instance},   {"semantic", Channel::Semantic},
-      {"material", Channel::Material},   {"primitive", Channel::Primitive}, {"reflectance", Channel::Reflectance},
-      {"incidence", Channel::Incidence},
-  };
-  const ExrReader file(path);
-  Channels there = Channel::Range;
-  for (const ExrChannel& channel : file.channels()) {
-    for (const auto& [name, column] : kColumns) {
-      if (channel.name == name) there |= column;
-    }
-  }
-  return there;
-}
-
 std::vector<std::uint16_t> distinct(const std::vector<std::uint16_t>& ids) {
   std::vector<char> met(std::numeric_limits<std::uint16_t>::max() + std::size_t{1});
   for (const std::uint16_t id : ids) met[id] = 1;
@@ -207,7 +190,7 @@ class RecordingCheck {
     try {
       if (recording_.kind == RecordingKind::Hits) {
         Hits hits;
-        readHits(path, hitsIn(path), hits);
+        readHits(path, channelsIn(path), hits);
         for (const std::size_t s : image.sensors) {
           const RecordedSensor& sensor = recording_.sensors[s];
           if (hits.rings == sensor.rings && hits.columns == sensor.columns) continue;

@@ -32,15 +32,11 @@ void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
     const bool reported = vehicle.range[ray] >= minRange;
     hits.range[ray] = reported ? vehicle.range[ray] : kMiss;
     hits.pathOfRay[ray] = RayPath::OwnVehicle;
-    const auto put = [&](auto& column, const auto& from) {
+    forEachChannel([&](const ChannelRow& row, auto member) {
+      auto& column = hits.*member;
       using Of = typename std::remove_reference_t<decltype(column)>::value_type;
-      if (!column.empty()) column[ray] = reported ? from[ray] : Of{};
-    };
-    put(hits.normal, vehicle.normal);
-    put(hits.semantic, vehicle.semantic);
-    put(hits.primitive, vehicle.primitive);
-    put(hits.reflectance, vehicle.reflectance);
-    put(hits.incidence, vehicle.incidence);
+      if (row.channel != Channel::Range && !column.empty()) column[ray] = reported ? (vehicle.*member)[ray] : Of{};
+    });
     if (!hits.instance.empty()) hits.instance[ray] = 0;
     if (!hits.material.empty()) hits.material[ray] = reported ? kNoMaterial : 0;
     if (!hits.roughness.empty()) hits.roughness[ray] = 1;
