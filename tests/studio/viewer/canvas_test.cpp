@@ -570,7 +570,7 @@ TEST(CanvasModule, SaysWhatIsMissing) {
   EXPECT_THAT(messageOf<Error>([&] {
                 loadModule<CanvasModule>({"/absent", folder.path()});
               }),
-              HasSubstr("looked for /absent/libscanmill_viewer.so, " + folder.path().string()));
+              HasSubstr("looked for in /absent, " + folder.path().string()));
   EXPECT_THAT(messageOf<Error>(
                   [&] { loadModule<CanvasModule>({folder.write("libscanmill_viewer.so", "text").parent_path()}); }),
               HasSubstr("cannot be loaded"));
