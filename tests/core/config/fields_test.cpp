@@ -68,7 +68,10 @@ TEST(ReadNumber, MessagesTellRangeAndFinding) {
 TEST(ReadNumber, BothEndsOfTheRangeAreIn) {
   EXPECT_EQ(number("0.01", {0.01, 1000}), 0.01);
   EXPECT_EQ(number("1000", {0.01, 1000}), 1000);
-  EXPECT_NE(messageOf([] { number("1000.0000001", {0.01, 1000}); }), "accepted");
+  EXPECT_EQ(messageOf([] {
+              number("1000.0000001", {0.01, 1000});
+            }),
+            "pipelines/x.yaml:1:1: n must be a number from 0.01 to 1000, not '1000.0000001'");
 }
 
 TEST(ReadInteger, AcceptsWholeNumbersOfAllSizes) {

@@ -123,7 +123,7 @@ std::string nested(std::size_t depth) {
 TEST(ParseYaml, DepthIsLimitedTo64) {
   EXPECT_EQ(parseError(nested(64)), "accepted");
   EXPECT_THAT(parseError(nested(65)), AllOf(StartsWith("x.yaml:1:65: "), HasSubstr("64 levels")));
-  EXPECT_NE(parseError(std::string(1'000'000, '[')), "accepted");
+  EXPECT_THAT(parseError(std::string(1'000'000, '[')), HasSubstr("a list that is not closed"));
   std::string block;
   for (int i = 0; i < 3000; ++i) block += std::string(static_cast<std::size_t>(i), ' ') + "a:\n";
   EXPECT_THAT(parseError(block), StartsWith("x.yaml:65:"));

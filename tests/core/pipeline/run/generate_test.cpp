@@ -382,10 +382,13 @@ TEST_F(GenerateTest, ABrokenRunDoesNotCostTheDatasetThatItWouldReplace) {
   sound();
   const Bytes before = shards();
   folder_.write("scenes/broken.yaml", "objects: []\n");
-  for (const std::string& mistake :
-       {"scenes.0.scene=" + (folder_.path() / "scenes/broken.yaml").string(),
-        std::string("method={ray_tracing: {x: 1}}"), std::string("labels=/nowhere.yaml")}) {
-    EXPECT_NE(messageOf<InputError>([&] { run({mistake}, "out", true); }), "accepted") << mistake;
+  const std::pair<std::string, const char*> mistakes[] = {
+      {"scenes.0.scene=" + (folder_.path() / "scenes/broken.yaml").string(),
+       "broken.yaml:1:1: scene: the key 'ontology' is missing"},
+      {"method={ray_tracing: {x: 1}}", "unknown key 'x'"},
+      {"labels=/nowhere.yaml", "/nowhere.yaml"}};
+  for (const auto& [mistake, said] : mistakes) {
+    EXPECT_THAT(messageOf<InputError>([&] { run({mistake}, "out", true); }), HasSubstr(said)) << mistake;
     EXPECT_TRUE(shards() == before) << mistake;
   }
 }

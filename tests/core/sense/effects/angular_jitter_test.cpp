@@ -82,10 +82,12 @@ TEST(AngularJitter, ZeroSigmaKeepsEveryBit) {
 }
 
 TEST(AngularJitter, RefusesBadOptions) {
-  EXPECT_NE(refusal("angular_jitter: {}"), "accepted");
-  EXPECT_NE(refusal("angular_jitter: {sigma_deg: 6}"), "accepted");
-  EXPECT_NE(refusal("angular_jitter: {sigma_deg: -1}"), "accepted");
-  EXPECT_NE(refusal("angular_jitter: {sigma_deg: 1, azimuth_sigma_deg: 1}"), "accepted");
+  EXPECT_THAT(refusal("angular_jitter: {}"),
+              testing::HasSubstr("give either sigma_deg or azimuth_sigma_deg and elevation_sigma_deg"));
+  EXPECT_THAT(refusal("angular_jitter: {sigma_deg: 6}"), testing::HasSubstr("sigma_deg must be a number from 0 to 5"));
+  EXPECT_THAT(refusal("angular_jitter: {sigma_deg: -1}"), testing::HasSubstr("sigma_deg must be a number from 0 to 5"));
+  EXPECT_THAT(refusal("angular_jitter: {sigma_deg: 1, azimuth_sigma_deg: 1}"),
+              testing::HasSubstr("give either sigma_deg or azimuth_sigma_deg and elevation_sigma_deg"));
 }
 
 }  // namespace

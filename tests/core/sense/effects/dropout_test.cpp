@@ -112,8 +112,8 @@ TEST(DropOut, ThresholdNeedsTheIntensity) {
 
 TEST(DropOut, RefusesBadOptions) {
   EXPECT_THAT(refusal("dropout: {}"), testing::HasSubstr("threshold"));
-  EXPECT_NE(refusal("dropout: {probability: 1.5}"), "accepted");
-  EXPECT_NE(refusal("dropout: {threshold: -1}"), "accepted");
+  EXPECT_THAT(refusal("dropout: {probability: 1.5}"), testing::HasSubstr("probability must be a number from 0 to 1"));
+  EXPECT_THAT(refusal("dropout: {threshold: -1}"), testing::HasSubstr("threshold must be a number from 0 to 1000000"));
   EXPECT_THAT(refusal("dropout: {probabilty: 0.5}"), testing::HasSubstr("probab"));
 }
 

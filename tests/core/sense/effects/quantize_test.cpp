@@ -34,9 +34,9 @@ TEST(Quantize, AReturnStaysAReturn) {
 }
 
 TEST(Quantize, RefusesBadOptions) {
-  EXPECT_NE(refusal("quantize: {}"), "accepted");
-  EXPECT_NE(refusal("quantize: {step_m: 0}"), "accepted");
-  EXPECT_NE(refusal("quantize: {step_m: -1}"), "accepted");
+  EXPECT_THAT(refusal("quantize: {}"), testing::HasSubstr("the key 'step_m' is missing"));
+  EXPECT_THAT(refusal("quantize: {step_m: 0}"), testing::HasSubstr("step_m must be a number from 1e-06 to 10"));
+  EXPECT_THAT(refusal("quantize: {step_m: -1}"), testing::HasSubstr("step_m must be a number from 1e-06 to 10"));
 }
 
 }  // namespace

@@ -138,12 +138,16 @@ TEST(RangeNoise, GrowsAsTheEchoIsStretched) {
 
 TEST(RangeNoise, RefusesBadOptions) {
   EXPECT_THAT(refusal("range_noise: {}"), testing::HasSubstr("sigma_m"));
-  EXPECT_NE(refusal("range_noise: {sigma_m: -0.1}"), "accepted");
-  EXPECT_NE(refusal("range_noise: {table: []}"), "accepted");
-  EXPECT_NE(refusal("range_noise: {table: 3}"), "accepted");
-  EXPECT_NE(refusal("range_noise: {table: [[1, 2, 3]]}"), "accepted");
+  EXPECT_THAT(refusal("range_noise: {sigma_m: -0.1}"), testing::HasSubstr("sigma_m must be a number from 0 to 100"));
+  EXPECT_THAT(refusal("range_noise: {table: []}"),
+              testing::HasSubstr("table must be a list of [range, sigma] pairs in metres"));
+  EXPECT_THAT(refusal("range_noise: {table: 3}"),
+              testing::HasSubstr("table must be a list of [range, sigma] pairs in metres"));
+  EXPECT_THAT(refusal("range_noise: {table: [[1, 2, 3]]}"),
+              testing::HasSubstr("table: each row is [range, sigma] in metres"));
   EXPECT_THAT(refusal("range_noise: {table: [[5, 0.1], [5, 0.2]]}"), testing::HasSubstr("rise"));
-  EXPECT_NE(refusal("range_noise: {table: [[5, 0.1]], sigma_m: 1}"), "accepted");
+  EXPECT_THAT(refusal("range_noise: {table: [[5, 0.1]], sigma_m: 1}"),
+              testing::HasSubstr("give either a table or sigma_m and sigma_per_m (beside `sensor`,"));
   EXPECT_THAT(refusal("range_noise: {sigma: 0.1, sigma_m: 0.1}"), testing::HasSubstr("test.yaml:1"));
 }
 

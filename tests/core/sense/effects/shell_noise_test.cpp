@@ -51,9 +51,9 @@ TEST(ShellNoise, ZeroScaleKeepsEveryBit) {
 }
 
 TEST(ShellNoise, RefusesBadOptions) {
-  EXPECT_NE(refusal("shell: {}"), "accepted");
-  EXPECT_NE(refusal("shell: {growth_per_m: 0.6}"), "accepted");
-  EXPECT_NE(refusal("shell: {scale: 1}"), "accepted");
+  EXPECT_THAT(refusal("shell: {}"), testing::HasSubstr("give scale_m, growth_per_m or both"));
+  EXPECT_THAT(refusal("shell: {growth_per_m: 0.6}"), testing::HasSubstr("growth_per_m must be a number from 0 to 0.5"));
+  EXPECT_THAT(refusal("shell: {scale: 1}"), testing::HasSubstr("unknown key 'scale' (did you mean 'scale_m'?)"));
 }
 
 }  // namespace
