@@ -30,6 +30,14 @@ foreach(header ${installed})
   endif()
 endforeach()
 
+# docs/architecture.md shows one of these programs whole.
+file(READ ${SOURCE}/consumer/scan.cpp program)
+file(READ ${SOURCE}/../../docs/architecture.md page)
+string(FIND "${page}" "${program}" shown)
+if(shown EQUAL -1)
+  message(FATAL_ERROR "docs/architecture.md shows another program than tests/install/consumer/scan.cpp")
+endif()
+
 run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Release
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
