@@ -186,6 +186,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
       generateOptions.shards.kind == ShardChoice::Kind::All) {
     if (const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed))) {
       told = forecast(*costs, plan.pipeline.frames(), scenesOf(plan.pipeline));
+      printText("this takes about {} and {}\n", timeText(*told), sizeText(*told));
     }
   }
   const GenerateSummary summary = generate(plan, generateOptions);

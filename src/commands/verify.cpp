@@ -58,8 +58,9 @@ int runVerify(const std::vector<std::string>& arguments) {
   }
   expectDataset(folder, "verify");
   const Verification v = withProgress(verifyDataset, folder, "shards", quiet);
-  const int code = report(v.problems, fmt::format("{} shards, {} samples, {} scans, {} points", grouped(v.shards),
-                                                  grouped(v.samples), grouped(v.scans), grouped(v.points)));
+  const int code =
+      report(v.problems, fmt::format("{} shards, {} samples, {} files of scans, {} points in them", grouped(v.shards),
+                                     grouped(v.samples), grouped(v.scans), grouped(v.points)));
   if (v.damaged > 0) printText("next: scanmill regenerate {}, which makes damaged shards again\n", folder);
   return code;
 }

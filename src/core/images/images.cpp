@@ -73,6 +73,15 @@ std::string reason(const std::exception& error) {
   return text.empty() ? "not an image that can be decoded" : text;
 }
 
+// Returns OpenImageIO, which this image needs.
+const ImagesModule& moduleFor(const std::string& name) {
+  try {
+    return moduleOf<ImagesModule>();
+  } catch (const Error& error) {
+    throw InputError({name}, fmt::format("convert it to PNG or JPEG: {}", error.what()));
+  }
+}
+
 // Opens the bytes, of the kind that `kind` ends with, or without bytes the file of that name. `name` stands for the
 // image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
@@ -82,7 +91,7 @@ std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view
     if (known == "jpg") {
       if (auto reader = openJpeg(bytes)) return reader;
     }
-    return moduleOf<ImagesModule>().open(kind, bytes);
+    return moduleFor(name).open(kind, bytes);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const Error&) {

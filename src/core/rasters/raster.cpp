@@ -25,9 +25,10 @@ namespace {
 std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) fail(file, "there is no such file");
-  const auto& module = moduleOf<RastersModule>();
   try {
-    return module.open(file.string());
+    return moduleOf<RastersModule>().open(file.string());
+  } catch (const Error& e) {
+    fail(file, e.what());
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is no raster that can be read: {}", e.what()));
   }

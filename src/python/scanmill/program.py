@@ -10,6 +10,8 @@ PACKAGE = Path(__file__).resolve().parent
 
 def main():
     program = PACKAGE / "bin" / "scanmill"
+    if not program.exists():
+        sys.exit("error: this package has no program: a wheel made by scripts/packages has")
     os.environ.setdefault("SCANMILL_RESOURCES", str(PACKAGE / "share"))
     # Libraries that this system lacks.
     path = subprocess.run(["sh", PACKAGE / "lib" / "fallback" / "path"], capture_output=True, text=True, check=True).stdout.strip()

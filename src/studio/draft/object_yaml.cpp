@@ -159,7 +159,9 @@ class Writer {
       writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second, yaml);
     }
     for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
-    if (file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
+    const bool someLeft = std::any_of(parts.begin(), parts.end(),
+                                      [&](const KnownPart& k) { return k.what == nullptr || k.what == file; });
+    if (someLeft && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
       writeRest(*file, "   # of whatever no rule gives one: by the name of the file or its folder", yaml);
     }
     writeUnknown(unknown, yaml);
