@@ -78,7 +78,7 @@ TEST_F(Generate, TellsWhatWasMadeAndVerifies) {
   EXPECT_THAT(made.error, HasSubstr("generate 4/4 frames"));
   const Outcome sound = scanmill({"verify", at("out")});
   EXPECT_EQ(sound.code, 0);
-  EXPECT_THAT(sound.out, HasSubstr("12 scans"));
+  EXPECT_THAT(sound.out, HasSubstr("12 files of scans"));
   EXPECT_THAT(sound.out, HasSubstr(": sound"));
   EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("out")}).error, "");
 }
