@@ -68,10 +68,12 @@ std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder)
 std::string advice(const fs::path& path, const std::vector<fs::path>& folders, const fs::path& builtInFolder) {
   std::string word = path.filename().string();
   if (path.extension() != kSuffix) word += kSuffix;
+  std::vector<std::string> names;
   for (const fs::path& folder : folders) {
-    const std::string near = nearest(word, yamlNames(folder));
-    if (!near.empty()) return fmt::format(" (did you mean '{}'?)", near);
+    for (std::string& name : yamlNames(folder)) names.push_back(std::move(name));
   }
+  const std::string near = nearest(word, names);
+  if (!near.empty()) return fmt::format(" (did you mean '{}'?)", near);
   std::vector<std::string> stems;
   for (const std::string& name : yamlNames(builtInFolder)) stems.push_back(fs::path(name).stem().string());
   return stems.empty() ? "" : fmt::format(" (those of the program are {})", fmt::join(stems, ", "));

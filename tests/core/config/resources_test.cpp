@@ -103,6 +103,9 @@ TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
               AllOf(HasSubstr("project/p.yaml:2:7: there is no file '"), HasSubstr("project/own/yrad.yaml'"),
                     HasSubstr("did you mean 'yard.yaml'?")));
   EXPECT_THAT(messageOf([&] { found("stret", "scenes"); }), HasSubstr("did you mean 'street.yaml'?"));
+  // The nearest of all places, not of the first that has one which is near.
+  folder_.write("project/lot.yaml", "");
+  EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }), HasSubstr("did you mean 'town.yaml'?"));
   EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }),
               HasSubstr("those of the program are materials, semantic_kitti"));
   EXPECT_THAT(messageOf([&] { found("own", "labels"); }), HasSubstr("project/own'"));
