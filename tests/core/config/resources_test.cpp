@@ -105,6 +105,7 @@ TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
   EXPECT_THAT(messageOf([&] { found("stret", "scenes"); }), HasSubstr("did you mean 'street.yaml'?"));
   // The nearest of all places, not of the first that has one which is near.
   folder_.write("project/lot.yaml", "");
+  folder_.write("share/scenes/town.yaml", "");
   EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }), HasSubstr("did you mean 'town.yaml'?"));
   EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }),
               HasSubstr("those of the program are materials, semantic_kitti"));
