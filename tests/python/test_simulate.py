@@ -97,6 +97,10 @@ class Simulation(unittest.TestCase):
             scene.scan(scanmill.sensor("vlp_16", columns=columns), HERE)
         self.assertEqual(len(scene._simulators), MOST_SIMULATORS)
 
+    def test_what_is_wrong_is_told_of_the_call_not_of_a_file_that_nobody_has(self):
+        with self.assertRaisesRegex(scanmill.InputError, r"^scan\(\): there is no file .*primitive'.*did you mean"):
+            scanmill.load_scene("primitive").scan(LIDAR, HERE)
+
     def test_scenes_and_scans_pickle(self):
         scene = pickle.loads(pickle.dumps(self.scene))
         scan = pickle.loads(pickle.dumps(self.scene.scan(LIDAR, HERE)))

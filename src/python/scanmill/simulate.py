@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import threading
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
@@ -170,7 +171,12 @@ class Scene:
             if pipeline not in self._simulators:
                 while len(self._simulators) >= MOST_SIMULATORS:
                     self._simulators.popitem(last=False)
-                self._simulators[pipeline] = Simulator(pipeline, self.folder)
+                try:
+                    self._simulators[pipeline] = Simulator(pipeline, self.folder)
+                except InputError as e:
+                    # Nobody has seen the pipeline's text: its name, lines and columns mean nothing.
+                    ours = re.escape(os.path.join(self.folder, "simulation.yaml")) + r"(:\d+)*"
+                    raise InputError(re.sub(ours, "scan()", str(e))) from None
             self._simulators.move_to_end(pipeline)
             return self._simulators[pipeline]
 
