@@ -260,8 +260,8 @@ Effects readSensorEffects(const Value& list, const EffectClasses& classes, const
 
 Value writtenEffects(const Value& root) {
   const Value& written = root.valueOf("effects");
-  const Value* const corruption = root.find("corruption");
-  return corruption == nullptr ? written : withCorruption(written, *corruption);
+  const Value& corruption = root.valueOf("corruption");
+  return corruption.kind == Value::Kind::Null ? written : withCorruption(written, corruption);
 }
 
 std::vector<Value> effectItems(const Pipeline& pipeline) {

@@ -49,6 +49,13 @@ TEST(Corruption, EveryOneHasThreeSeveritiesThatARealSensorTakes) {
   }
 }
 
+TEST(Corruption, NullIsNone) {
+  const std::filesystem::path quickstart = std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/quickstart.yaml";
+  EXPECT_EQ(readPipeline(quickstart, {"corruption=null"}).sensors.front().effects->size(),
+            readPipeline(quickstart, {}).sensors.front().effects->size());
+  EXPECT_TRUE(readPipeline(quickstart, {"effects=null"}).sensors.front().effects->empty());
+}
+
 TEST(Corruption, OfOnesOwnIsAFile) {
   const TemporaryFolder folder;
   folder.write("mud.yaml", "summary: mud\nlight: [quantize: {step_m: 1}]\nmoderate: [none]\nheavy: [none]\n");
