@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "base/stage_clock.h"
 #include "methods/depth_camera/depth_camera.h"
@@ -54,7 +55,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
       }
       progress.advance(1, pixels);
     }
-    for (std::string& line : account.warningTexts()) summary.warnings.push_back(std::move(line));
+    appendNew(account.warningTexts(), summary.warnings);
   }
   for (const StageSeconds& seconds : {account.seconds, clock.seconds(), recorder.stageSeconds()}) {
     addSeconds(seconds, summary.stages);
