@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// Appends the lines that are not there yet, in their order.
+// Appends those lines of `from` that `to` does not hold yet, in their order.
 inline void appendNew(const std::vector<std::string>& from, std::vector<std::string>& to) {
   for (const std::string& line : from) {
     if (std::find(to.begin(), to.end(), line) == to.end()) to.push_back(line);

@@ -8,7 +8,7 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kGroups = std::size_t{1} << 20;  // of three bytes, at a time: OpenSSL counts in int
+constexpr std::size_t kGroups = std::size_t{1} << 20;  // groups of three bytes per call: OpenSSL counts in int
 
 const unsigned char* asBytes(const char* text) {
   return reinterpret_cast<const unsigned char*>(text);
@@ -17,7 +17,7 @@ const unsigned char* asBytes(const char* text) {
 }  // namespace
 
 std::string base64(std::string_view bytes) {
-  std::string out((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL ends it with a zero
+  std::string out((bytes.size() + 2) / 3 * 4 + 1, '\0');  // OpenSSL appends a zero byte
   std::size_t written = 0;
   for (std::size_t i = 0; i < bytes.size(); i += 3 * kGroups) {
     const std::size_t count = std::min(bytes.size() - i, 3 * kGroups);
@@ -29,7 +29,7 @@ std::string base64(std::string_view bytes) {
 }
 
 std::optional<std::string> fromBase64(std::string_view text) {
-  // OpenSSL skips white space at both ends, and takes padding in the middle for zeroes.
+  // OpenSSL skips white space at both ends, and decodes padding in the middle as zeroes.
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   if (text.size() % 4 == 1 || text.find_first_of("= \t\r\n-") != std::string_view::npos) return std::nullopt;
   std::string out(text.size() / 4 * 3 + 3, '\0');

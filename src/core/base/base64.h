@@ -1,6 +1,6 @@
 #pragma once
 
-// Bytes as text (RFC 4648, section 4).
+// Base64: bytes as text (RFC 4648, section 4).
 
 #include <optional>
 #include <string>
@@ -9,7 +9,7 @@
 namespace scanmill {
 
 std::string base64(std::string_view bytes);
-// Nothing where the text is not base64. Padding at the end may be left out.
+// Returns the bytes that the text encodes, or nothing where it is not base64. Padding at the end may be left out.
 std::optional<std::string> fromBase64(std::string_view text);
 
 }  // namespace scanmill

@@ -2,7 +2,7 @@
 
 namespace scanmill {
 
-// A file descriptor that is closed in the end; negative where opening failed.
+// Owns a file descriptor and closes it; negative where opening failed.
 struct Descriptor {
   explicit Descriptor(int opened) : number(opened) {}
   ~Descriptor();

@@ -1,18 +1,19 @@
 #pragma once
 
-// Places on the earth, as 3D Tiles has them: WGS 84 (EPSG 4979), earth-centred coordinates in metres (EPSG 4978).
+// Places on the earth in the coordinates of 3D Tiles: WGS 84 (EPSG 4979), or earth-centred in metres (EPSG 4978).
 
 #include "base/vec.h"
 
 namespace scanmill {
 
-// Longitude and latitude in radians, height above the ellipsoid in metres.
+// Returns the earth-centred coordinates (m) of a longitude and latitude (rad) and a height above the ellipsoid (m).
 Vec3d earthCentred(double longitude, double latitude, double height);
 
-// Whether a place is about as far from the earth's centre as its surface.
+// True if the distance of an earth-centred place from the earth's centre is about that of the surface.
 bool isOnEarth(const Vec3d& place);
 
-// From earth-centred coordinates to x east, y north, z up about a place there. Up is square to the ellipsoid.
+// Returns the transform from earth-centred coordinates to x east, y north, z up with the origin at `place`. Up is the
+// normal of the ellipsoid.
 Affine eastNorthUp(const Vec3d& place);
 
 }  // namespace scanmill

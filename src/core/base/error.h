@@ -13,18 +13,18 @@ struct Location {
   int line = 0;
   int column = 0;
 
-  // "file:line:column", "file:line" or "file", as far as the place is known; empty where there is no file.
+  // Returns "file:line:column", "file:line" or "file", as far as the place is known; empty where there is no file.
   std::string text() const;
 };
 
-// The work failed, such as by a full disk (exit code 1). Its user can do nothing about the input.
+// The work failed, for example because the disk is full (exit code 1). The user cannot repair it by changing the input.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The input or the usage is wrong, and its author can mend it (exit code 2). The message starts with the place where
-// the fault is, if that is given.
+// The input or the usage is wrong, and the user can correct it (exit code 2). The message starts with the place of the
+// fault where that is known.
 class InputError : public Error {
  public:
   InputError(const Location& where, const std::string& message);
@@ -33,7 +33,7 @@ class InputError : public Error {
 
 // Writes a warning to standard error, unless the same text has been written before. Any thread may call it.
 void warn(const std::string& message);
-// How many different warnings there have been so far.
+// Returns how many different warnings there have been so far.
 std::size_t warningCount();
 
 }  // namespace scanmill

@@ -27,7 +27,7 @@ std::string reason() {
 }  // namespace
 
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take) {
-  // Non-blocking, so that a pipe nobody writes to is refused below and not waited for.
+  // Opens without blocking, so that a pipe without a writer is refused below instead of waited for.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number < 0) throw InputError({path.string()}, "cannot be read: " + reason());
   struct stat status {};
@@ -52,7 +52,7 @@ std::string readFile(const std::filesystem::path& path) {
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  // A rename would replace a device such as /dev/null, and fails on a folder only after all the work.
+  // A rename would replace a device such as /dev/null, and onto a folder it would fail only after all the work.
   struct stat status {};
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     throw Error(fmt::format("{}: cannot be written: it exists and is not a file", path_.string()));
@@ -103,7 +103,7 @@ void syncFolder(const std::filesystem::path& folder) {
   const int synced = descriptor < 0 ? -1 : ::fsync(descriptor);
   const int reason = errno;
   if (descriptor >= 0) ::close(descriptor);
-  // Some file systems cannot do that to folders, and a folder may be writable without being readable.
+  // Some file systems cannot flush folders, and a folder may be writable without being readable.
   if (synced != 0 && reason != EINVAL && reason != ENOTSUP && reason != EACCES) {
     throw Error(fmt::format("{}: cannot be flushed: {}", folder.string(), std::strerror(reason)));
   }

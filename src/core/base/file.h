@@ -1,6 +1,6 @@
 #pragma once
 
-// Whole files, read and written so that a file under its final name is always complete.
+// Reads and writes whole files. A file that is written gets its final name only when it is complete.
 
 #include <filesystem>
 #include <functional>
@@ -9,16 +9,16 @@
 
 namespace scanmill {
 
-// Returns the bytes of a whole file. Throws an InputError that names the file where it is absent, a folder or
-// unreadable.
+// Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder or unreadable.
 std::string readFile(const std::filesystem::path& path);
 
-// Does the same piece by piece, each of which `take` gets.
+// Reads a file in the same way, but block by block, and passes each block to `take`.
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take);
 
 // A file that is written under a temporary name in its folder. commit() flushes it to the disk and gives it its final
-// name. Without commit(), be it for an exception or an early return, the temporary file is removed, and what has the
-// final name stays as it is. All calls throw an Error with the path and the reason, such as "No space left on device".
+// name. Without commit(), because of an exception or an early return, the destructor removes the temporary file, and a
+// file of the final name stays as it was. All calls throw an Error with the path and the reason, such as "No space left
+// on device".
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -28,7 +28,8 @@ class AtomicFile {
 
   void write(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
-  // To the disk, which may fail and take time: what commit() does afterwards is no more than to rename.
+  // Flushes the bytes to the disk, which may fail and take time. A commit() after it only renames the file and flushes
+  // the folder.
   void flush();
   void commit();
 
@@ -40,14 +41,14 @@ class AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes and commits an AtomicFile. Throws Error as that does.
+// Writes and commits an AtomicFile. Throws the same Errors.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 
-// Renames a file, in place of one that is there; creates the folder that it goes to. Both on one file system. Throws
-// Error.
+// Renames a file and replaces a file of the new name; creates the new name's folder. Both must be on one file system.
+// Throws Error.
 void moveFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
-// Makes removals and new names in a folder durable. Throws Error, but for file systems that cannot do that to folders.
+// Makes removed and new names in a folder durable. Throws Error, except on file systems that cannot flush folders.
 void syncFolder(const std::filesystem::path& folder);
 
 }  // namespace scanmill

@@ -33,7 +33,7 @@ std::string hostName() {
   return name.data();
 }
 
-// What a lock file says: "process 4711 on node3 since 2026-01-31 12:00:00 UTC".
+// Returns the text of a lock file: "process 4711 on node3 since 2026-01-31 12:00:00 UTC".
 std::string ownWords() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   return fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", ::getpid(), hostName(), fmt::gmtime(now));
@@ -46,7 +46,7 @@ std::string readWords(int descriptor) {
   return text.substr(0, text.find('\n'));
 }
 
-// By what the file says alone: whether a process that may still run holds it.
+// True if the process that a lock file names may still run, judged by the file's text.
 bool mayBeHeld(const std::string& words) {
   const std::string process = "process ";
   if (!words.starts_with(process)) return false;
@@ -63,8 +63,8 @@ bool isSame(const struct stat& a, const struct stat& b) {
   throw ForeignFile({file.string()}, fmt::format("is {}, which this program does not make: remove it", what));
 }
 
-// Opens the folder that `file` lies in, step by step from `folder`, and follows no link on the way. Where there is one,
-// or something else than a folder, `foreign` becomes its path.
+// Opens the folder that `file` lies in, step by step from `folder`, without following links. If a step is a link, or
+// not a folder, sets `foreign` to its path.
 int openPlace(const std::filesystem::path& folder, const std::filesystem::path& file, std::filesystem::path& foreign) {
   int place = ::open(folder.empty() ? "." : folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
   std::filesystem::path at = folder;
@@ -100,14 +100,14 @@ std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& fol
   return lock;
 }
 
-// True where the path still leads to the file that is held. Needs no further descriptor, of which there may be none.
+// True if the path still leads to the file that is held. Opens no descriptor, since the process may have none left.
 bool FolderLock::isStillThere() const {
   struct stat own {};
   struct stat named {};
   return ::fstat(descriptor_, &own) == 0 && ::lstat(file_.c_str(), &named) == 0 && isSame(own, named);
 }
 
-// Not where a link leads to it by now.
+// Removes the lock file, unless its path by now leads to another file or through a link.
 void FolderLock::remove() const {
   std::filesystem::path foreign;
   const Descriptor place(openPlace(folder_, file_, foreign));
@@ -134,7 +134,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     std::filesystem::path foreign;
     const Descriptor place(openPlace(folder, file, foreign));
     if (!foreign.empty()) refuseForeign(foreign, "not a folder, or a link to one");
-    // Non-blocking, so that a pipe nobody reads from is refused below and not waited for.
+    // Opens without blocking, so that a pipe without a reader is refused below instead of waited for.
     constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
     descriptor_ = place.number < 0 ? -1 : ::openat(place.number, file.filename().c_str(), kHow, kMode);
     struct stat status {};
@@ -160,9 +160,9 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
       if (const std::string words = readWords(descriptor_); mayBeHeld(words)) return refuse(words);
     }
     if (isStillThere()) break;
-    release();  // its holder has just removed it
+    release();  // the process that held it has just removed it
   }
-  if (kind == LockKind::Shared && !locked_) return true;  // words would keep others from sharing
+  if (kind == LockKind::Shared && !locked_) return true;  // the text would keep others from sharing
   const std::string words = ownWords();
   ssize_t n = ::ftruncate(descriptor_, 0);
   for (std::size_t done = 0; n >= 0 && done < words.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {
@@ -180,8 +180,8 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
 
 bool FolderLock::makeAlone() {
   if (kind_ == LockKind::Alone) return true;
-  // The shared lock goes first, which network file systems would keep where they cannot give the other. Meanwhile
-  // another process may take the lock, and may remove the file with it.
+  // Releases the shared lock first: network file systems would keep it where they cannot grant the exclusive one. In
+  // between another process may take the lock, and may remove the file when it ends.
   if (!locked_ || ::flock(descriptor_, LOCK_UN) != 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 ||
       !isStillThere()) {
     release();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which processes may write into a folder.
+// Locks that decide which processes may write into a folder.
 
 #include <filesystem>
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// In the place of a lock file lies something that this program did not make: a link, a folder, or a file that has
-// another name as well. It is left as it is, and so is what a link names. The text says what to remove.
+// The path of a lock file is taken by something that this program did not make: a link, a folder, or a file with a
+// second hard link. That file and the target of a link stay untouched. The message says what to remove.
 class ForeignFile : public InputError {
  public:
   using InputError::InputError;
@@ -19,32 +19,34 @@ class ForeignFile : public InputError {
 
 enum class LockKind {
   Alone,   // no other process holds the lock
-  Shared,  // none holds it alone
+  Shared,  // no process holds the lock alone
 };
 
-// Holds a lock file until it is destroyed, which removes it where it is known that no other process holds it. The file
-// says which process has taken it last, on which host, since when. The lock is the operating system's (flock; Linux
-// makes it one of the server's on network file systems), so that a process which dies loses it and leaves no more than
-// a file that nobody holds. Where the file system knows no locks, nobody can be kept from sharing, and a file that was
-// taken alone counts as held if its process runs on this host, or was made on another one.
+// Holds a lock file. The destructor removes the file if it is certain that no other process holds the lock. The file
+// states which process took the lock last, on which host, since when. The lock is the operating system's (flock; on
+// network file systems Linux turns it into a lock of the server). A process that dies therefore loses the lock and
+// leaves only a file that nobody holds. On a file system without locks no process can be kept from sharing the folder,
+// and a file that was taken alone counts as held if its process still runs on this host, or if it was written on
+// another host.
 class FolderLock {
  public:
-  // `folder` is there already; it may be a link, and is named in errors. `file` lies in it or in folders of it, none of
-  // which may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error where the file
-  // cannot be made.
+  // `folder` must exist; it may be a link, and errors name it. `file` lies in it or in folders below it, none of which
+  // may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the file cannot be
+  // created.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
-  // The same as the constructor, but gives null where another process holds it, and says which in `holder`.
+  // Does the same as the constructor, but returns null if another process holds the lock, and then describes that
+  // process in `holder`.
   static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder, const std::filesystem::path& file,
                                              LockKind kind, std::string& holder);
 
-  // From shared to alone; false, and the lock is lost, where another process holds it as well, or where nobody can
-  // know.
+  // Turns a shared lock into one held alone. Returns false and loses the lock if another process shares it, or if the
+  // file system has no locks.
   bool makeAlone();
-  // Whether others are kept out: not where the file system knows no locks.
+  // True if the lock keeps other processes out: false on a file system without locks.
   bool isKept() const { return locked_; }
 
  private:

@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// A number as people read it, its digits in groups of three: "1,234,567".
+// Returns a number with its digits in groups of three: "1,234,567".
 inline std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");

@@ -25,14 +25,14 @@ class Sha256 {
   std::unique_ptr<State> state_;
 };
 
-// The same for bytes that are there at once.
+// Returns the SHA-256 of bytes in memory, as Sha256::hex() does.
 std::string sha256(std::string_view bytes);
 
-// The same for a whole file. Throws an Error that names it where it cannot be read.
+// Returns the SHA-256 of a whole file. Throws an Error that names the file if it cannot be read.
 std::string sha256OfFile(const std::filesystem::path& file);
 
-// XXH3 (Collet, xxhash.com; 64 bits) of bytes, as 16 hexadecimal digits in lower case: what `xxhsum -H3` prints. It
-// finds damage ten times as fast as SHA-256, but does not withstand somebody who means to deceive.
+// Returns the XXH3 hash (Collet, xxhash.com; 64 bits) of bytes as 16 hexadecimal digits in lower case, as `xxhsum -H3`
+// prints it. It finds damage ten times as fast as SHA-256, but does not withstand deliberate forgery.
 std::string xxh3(std::string_view bytes);
 
 }  // namespace scanmill

@@ -1,17 +1,16 @@
 #pragma once
 
-// Vector instructions beyond those that the build may take for granted.
+// Lets functions use vector instructions beyond those that every processor of the build's target has.
 
-// SCANMILL_BEST_INSTRUCTIONS stands before a function. The function is then compiled three times, for x86-64-v2, v3
-// (AVX2) and v4 (AVX-512), together with all that it calls in its file; when the program starts, it takes the best
-// version that the processor can run. It is meant for the loops over beams that take most of the time, which become two
-// to three times as fast. All versions give the same bytes, since no operations are contracted and lanes are
-// independent.
+// A function marked SCANMILL_BEST_INSTRUCTIONS is compiled three times, for x86-64-v2, v3 (AVX2) and v4 (AVX-512),
+// together with all functions of its file that it calls. When the program starts, it chooses the best version that the
+// processor can run. The macro is meant for the loops over beams that take most of the time; they become two to three
+// times as fast. All versions give the same bytes, since no operations are contracted and lanes are independent.
 //
-// Functions from other files are not compiled anew. GCC makes no versions of virtual functions: let those call a plain
-// function that has them. The macro is empty in a build for the own processor (SCANMILL_NATIVE), which has no use for
-// it; with sanitizers, since the choice of versions runs before they are ready; and with clang, which refuses the two
-// attributes together.
+// Functions of other files are not compiled anew. GCC makes no versions of virtual functions: let a virtual function
+// call a plain one that has the macro. The macro is empty in three builds: for the host's own processor
+// (SCANMILL_NATIVE), where it has no use; with sanitizers, since the version is chosen before they are ready; and with
+// clang, which refuses the two attributes together.
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && !defined(__AVX2__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SCANMILL_BEST_INSTRUCTIONS \

@@ -15,7 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The least limit that a group or one above it has; a file that is absent or says "max" sets none.
+// Returns the least limit of a control group and the groups above it. A file that is absent or holds "max" sets no
+// limit.
 std::uint64_t leastLimit(const fs::path& root, const std::string& group, const char* file) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   for (fs::path at = fs::path(group).relative_path();; at = at.parent_path()) {
@@ -28,7 +29,7 @@ std::uint64_t leastLimit(const fs::path& root, const std::string& group, const c
 std::uint64_t groupLimit() {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max();
   std::ifstream groups("/proc/self/cgroup");
-  // "0::/path" in version 2, "9:memory:/path" in version 1.
+  // A line is "0::/path" in version 2, "9:memory:/path" in version 1.
   for (std::string line; std::getline(groups, line);) {
     const std::size_t first = line.find(':');
     const std::size_t second = line.find(':', first + 1);
@@ -41,7 +42,7 @@ std::uint64_t groupLimit() {
   return least;
 }
 
-std::atomic<std::uint64_t> allowed{0};  // by the user
+std::atomic<std::uint64_t> allowed{0};  // by the user, in bytes; 0: no limit
 
 std::uint64_t pageBytes() {
   return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));

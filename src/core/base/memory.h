@@ -4,11 +4,11 @@
 
 namespace scanmill {
 
-// How much memory the program may take, in bytes: that of the machine, what the control groups (cgroups v1 or v2) of
-// its scheduler or container allow, or what its user allows, whichever is least.
+// Returns how much memory (bytes) the program may take: the least of the machine's memory, what the control groups
+// (cgroups v1 or v2) of its scheduler or container allow, and what its user allows.
 std::uint64_t memoryLimitBytes();
 
-// What the user allows, in bytes, as long as this lives; 0 for all.
+// Sets how many bytes the user allows for as long as the object lives; 0: no limit.
 class MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t bytes);
@@ -20,7 +20,7 @@ class MemoryLimit {
   std::uint64_t before_;
 };
 
-// How much of it is resident now.
+// Returns how many bytes of the program's memory are resident now.
 std::uint64_t residentBytes();
 
 }  // namespace scanmill

@@ -25,8 +25,8 @@ std::string lastError() {
 
 }  // namespace
 
-// Asked for instead of left to dlopen, which takes the RUNPATH of whoever calls it: under a sanitizer that is the
-// sanitizer's library, and not the program.
+// Asks for the program's folders instead of leaving the search to dlopen(), which takes the RUNPATH of the library that
+// calls it: with a sanitizer that is the sanitizer's library, not the program.
 std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo need{};
@@ -56,8 +56,8 @@ const void* loadModuleObject(const ModuleFile& module, const std::vector<std::st
       sought.push_back(folder);
       continue;
     }
-    // It is loaded locally, so that nothing of its libraries stands in for a symbol of the program. It is never closed,
-    // since its libraries keep threads and tables.
+    // The module is loaded locally, so that no symbol of its libraries replaces a symbol of the program. It is never
+    // closed, since its libraries keep threads and tables.
     void* library = ::dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (library == nullptr) {
       throw Error(fmt::format("{}, {} cannot be loaded: {}; {}, or {}", module.without, file, lastError(),

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// This thread's loops are isolated already, together with the threads that wait for its work.
+// True in the work of withWaiters(): its loops are not isolated again, so that threads that wait for it can help.
 thread_local bool withOthers = false;
 
 class WithOthers {
@@ -38,7 +38,8 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
     body(0, count);
     return;
   }
-  // TBB halves a range down to half its grain: the loop is over whole grains, so that no body gets less than one.
+  // TBB halves a range down to half its grain size. The loop counts whole grains, so that no call of body() gets less
+  // than one.
   const std::size_t grains = (count - 1) / grain + 1;
   TaskOrder begun;
   TaskOrder done;
@@ -50,9 +51,10 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
   };
-  // Isolated: a thread that waits here must not start unrelated outer work, which would hold its buffers meanwhile.
+  // Isolates the loop: a thread that waits for it must not start an unrelated outer task, which would hold further
+  // buffers meanwhile.
   if (withOthers) {
-    const WithOthers no(false);  // loops within this one
+    const WithOthers no(false);  // for loops within this one
     loop();
   } else {
     tbb::this_task_arena::isolate(loop);

@@ -7,23 +7,23 @@
 
 namespace scanmill {
 
-// Calls body(first, last) for disjoint ranges [first, last) that together cover [0, count). Each is at least `grain`
-// long, but for the last. Returns when all calls have returned. How the work is split differs from run to run: what
-// body() does for an index must not depend on its range, and it may write only to what belongs to its range.
+// Calls body(first, last) for disjoint ranges [first, last) that together cover [0, count). Each range has at least
+// `grain` indices, except the last. Returns when all calls have returned. The split differs from run to run: what
+// body() does for an index must not depend on the range, and body() may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-// Does work in which a library runs loops of oneTBB. Meanwhile this thread starts no unrelated work, which might wait
-// for what it holds; in parallelFor() neither.
+// Runs work in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no unrelated
+// task, which could wait for something that this thread holds. parallelFor() ensures the same by itself.
 void isolated(const std::function<void()>& work);
 
-// Does work within tbb::collaborative_call_once(): the threads that wait for it help with its loops of parallelFor(),
-// and with nothing else.
+// Runs work within tbb::collaborative_call_once(): threads that wait for that call help with the work's parallelFor()
+// loops, and with nothing else.
 void withWaiters(const std::function<void()>& work);
-// True on a thread within withWaiters(). What it then does by tbb::collaborative_call_once() would be done by it alone:
-// the loops in there are kept from those who wait for the work as a whole.
+// True on a thread within withWaiters(). If its work starts another tbb::collaborative_call_once(), this thread runs
+// that call without help: threads that wait for the outer call cannot take part in loops of the inner one.
 bool hasWaiters();
 
-// Limits how many threads all parallel work takes, as long as the object lives; 0 means one for each core.
+// Limits how many threads all parallel work uses, for as long as the object lives; 0 means one for each core.
 class ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
@@ -35,7 +35,7 @@ class ThreadLimit {
   void* control_;
 };
 
-// How many threads parallel work may use now.
+// Returns how many threads parallel work may use now.
 int threadCount();
 
 }  // namespace scanmill

@@ -5,7 +5,7 @@
 
 namespace scanmill {
 
-// Gauss-Legendre quadrature of the speed, five points (Abramowitz and Stegun, table 25.4).
+// Integrates the speed by Gauss-Legendre quadrature with five points (Abramowitz and Stegun, table 25.4).
 double Path::Segment::travelled(double from, double to) const {
   constexpr std::array<double, 5> kNode = {0.0, -0.538469310105683, 0.538469310105683, -0.906179845938664,
                                            0.906179845938664};
@@ -48,7 +48,7 @@ Path::Path(const std::vector<Vec3d>& points) {
 }
 
 namespace {
-constexpr double kShortest = 1e-9;  // m, of what is left of a line between two corners
+constexpr double kShortest = 1e-9;  // m; a shorter straight line is left out
 }
 
 Path Path::lines(const std::vector<Vec3d>& points, double rounding) {
@@ -91,7 +91,7 @@ Pose Path::pose(double distance) const {
   const Segment& segment = segments_[part / kParts];
   const double from = static_cast<double>(part % kParts) / kParts;
 
-  // Newton's method on the distance within the part, which is smooth and increases.
+  // Newton's method on the distance within the part, a smooth and increasing function of u.
   const double wanted = distance - travelled_[part];
   double u = from + wanted / (travelled_[part + 1] - travelled_[part]) / kParts;
   for (int i = 0; i < 4; ++i) {

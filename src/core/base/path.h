@@ -9,28 +9,29 @@
 
 namespace scanmill {
 
-// Either a centripetal Catmull-Rom spline: it passes every point, never loops or cusps between two of them, and its
-// heading is continuous, since the tangent at a point bisects the directions before and after it. Yuksel, Schaefer,
-// Keyser, "Parameterization and applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011. Or straight
-// lines from point to point, whose corners are rounded.
+// Either a centripetal Catmull-Rom spline, or straight lines from point to point with rounded corners. The spline
+// passes every point and never has a loop or cusp between two of them. Its heading is continuous, since the tangent at
+// a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and applications of
+// Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
 class Path {
  public:
-  // The spline. `points` are in metres, two at least. Consecutive ones must differ, and the path must not turn straight
-  // back.
+  // Creates the spline through at least two points (m). Consecutive points must differ, and the path must not turn
+  // straight back.
   explicit Path(const std::vector<Vec3d>& points);
-  // The straight lines through such points. A corner is rounded by a parabola that leaves the lines `rounding` metres
-  // (above 0) before and behind it, or half of the way to the next point where that is less; a right angle is passed
-  // 0.35 of that away.
+  // Creates the straight lines through at least two points (m). A parabola rounds each corner: it leaves the lines
+  // `rounding` metres (above 0) before and behind the corner, or halfway to the neighbouring point where that is
+  // nearer. At a right angle the path passes the corner at 0.35 times that distance.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
   double length() const { return travelled_.back(); }  // m
-  // The pose at a distance along the path (m): x heads along the path, without roll. A distance before or after the
-  // path gives its end.
+  // Returns the pose at a distance along the path (m): x heads along the path, without roll. A distance before the
+  // start or beyond the end gives the pose at that end.
   Pose pose(double distance) const;
-  // How much the heading over ground turns to the left for each metre along the path, by the headings `reach` metres
-  // before and behind a place (1/m).
+  // Returns the curvature over ground at a distance along the path (1/m, above 0 to the left), from the headings
+  // `reach` metres before and behind that place.
   double curvature(double distance, double reach) const;
-  // The distance along the path at which it passes one of its points (m), or is nearest to a corner that it rounds.
+  // Returns the distance along the path (m) at which it passes one of its points, or is nearest to a corner that it
+  // rounds.
   double distanceOfPoint(std::size_t point) const { return travelled_[partOfPoint_[point]]; }
 
  private:
@@ -47,8 +48,7 @@ class Path {
   void add(const Segment& segment);
 
   std::vector<Segment> segments_;
-  std::vector<double> travelled_{0};  // m, at the start of each of the kParts equal parts of each segment, and at the
-                                      // end
+  std::vector<double> travelled_{0};  // m, at the start of each part (kParts equal ones per segment), and at the end
   std::vector<std::size_t> partOfPoint_;  // index into travelled_
 };
 

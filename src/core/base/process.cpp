@@ -28,7 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kKeptLines = 12;
 constexpr std::size_t kKeptLength = 400;  // bytes of a kept line
 constexpr std::size_t kMaxLine = std::size_t{16} << 20;
-constexpr double kSlice = 0.05;  // s, between looks at whether a child has ended whose pipes another holds open
+constexpr double kSlice = 0.05;  // s, between checks whether a child has ended although others hold its pipes open
 
 std::string reason(int code) {
   return std::strerror(code);
@@ -69,7 +69,7 @@ struct Pipe {
   Descriptor theirs;
 };
 
-// Above the standard streams, which the child's are made of one after the other.
+// Moves a descriptor to a number above the standard streams, which are replaced one after the other in the child.
 Descriptor lifted(int descriptor) {
   if (descriptor > STDERR_FILENO) return Descriptor(descriptor);
   const int above = ::fcntl(descriptor, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
@@ -78,7 +78,7 @@ Descriptor lifted(int descriptor) {
   return Descriptor(above);
 }
 
-// From the child to us; our end does not block.
+// Creates a pipe from the child to this program. Reading from it does not block.
 Pipe makePipe() {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw Error("no pipe: " + reason(errno));
@@ -87,7 +87,7 @@ Pipe makePipe() {
   return pipe;
 }
 
-// From us to the child. A socket, since writing to a pipe that nobody reads would end this program by a signal.
+// Creates a socket from this program to the child: writing to a pipe without a reader would raise a fatal signal.
 Pipe makeSocket() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw Error("no pipe: " + reason(errno));
@@ -96,7 +96,7 @@ Pipe makeSocket() {
   return pipe;
 }
 
-// posix_spawn's arguments, freed in the end.
+// Owns the arguments of posix_spawn().
 struct SpawnActions {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -110,7 +110,7 @@ struct SpawnActions {
     ::sigfillset(&all);
     ::posix_spawnattr_setsigmask(&attributes, &none);
     ::posix_spawnattr_setsigdefault(&attributes, &all);
-    ::posix_spawnattr_setpgroup(&attributes, 0);  // its own, so that what it starts dies with it
+    ::posix_spawnattr_setpgroup(&attributes, 0);  // a group of its own, so that the child's children are killed with it
     ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
   ~SpawnActions() {
@@ -121,7 +121,7 @@ struct SpawnActions {
   SpawnActions& operator=(const SpawnActions&) = delete;
 };
 
-// Pointers to texts that live elsewhere, as execve wants them.
+// Returns pointers to the texts, which must outlive them, in the form that execve() takes.
 std::vector<char*> pointersTo(std::vector<std::string>& texts) {
   std::vector<char*> pointers(texts.size() + 1, nullptr);
   std::transform(texts.begin(), texts.end(), pointers.begin(), [](std::string& text) { return text.data(); });
@@ -161,14 +161,14 @@ std::filesystem::path findProgram(const std::string& name) {
 
 struct Process::State {
   std::string name;
-  pid_t pid = -1;  // -1: it has ended and was waited for
+  pid_t pid = -1;  // -1: the child has ended and was waited for
   int status = 0;
   Descriptor input;
   Descriptor output;
   Descriptor errors;
-  std::string outputText;      // not yet asked for
-  std::size_t searched = 0;    // of it, without finding the end of a line
-  std::string unfinishedLine;  // of its standard error
+  std::string outputText;      // read, but not asked for yet
+  std::size_t searched = 0;    // bytes of outputText in which no line ends
+  std::string unfinishedLine;  // of the child's standard error
   std::list<std::string> lines;
 
   void start(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment) {
@@ -190,7 +190,7 @@ struct Process::State {
     errors = std::move(err.ours);
   }
 
-  // Whether it has ended. What it left running is killed then: it would hold our pipes open.
+  // True if the child has ended. Processes that it left running are killed then, since they would hold the pipes open.
   bool reap(bool block) {
     if (pid < 0) return true;
     siginfo_t ended{};
@@ -199,7 +199,7 @@ struct Process::State {
       result = ::waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOWAIT | (block ? 0 : WNOHANG));
     } while (result != 0 && errno == EINTR);
     if (result == 0 && ended.si_pid == 0) return false;
-    if (result == 0) ::kill(-pid, SIGKILL);  // as long as the number is still its own
+    if (result == 0) ::kill(-pid, SIGKILL);  // while the number is still the child's
     while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
     }
     pid = -1;
@@ -212,7 +212,7 @@ struct Process::State {
     reap(true);
   }
 
-  // Reads what there is.
+  // Reads what is available, without waiting.
   void take(Descriptor& from, std::string& into) const {
     std::array<char, 1 << 16> block;
     while (from.open() && into.size() <= kMaxLine) {
@@ -244,7 +244,7 @@ struct Process::State {
     if (lines.size() > kKeptLines) lines.pop_front();
   }
 
-  // Waits at most so long until something can be read or written, and does it.
+  // Waits at most `seconds` until something can be read or written, and reads or writes it.
   void pump(double seconds, std::string_view& toWrite) {
     std::array<pollfd, 3> polled{{{output, POLLIN, 0}, {errors, POLLIN, 0}, {-1, POLLOUT, 0}}};
     if (!toWrite.empty()) polled[2].fd = input;
@@ -262,7 +262,7 @@ struct Process::State {
     }
   }
 
-  // Once it has ended: reads what it left in its pipes, whoever else holds them.
+  // Reads what a child that has ended left in its pipes, even if other processes hold them open.
   void finish() {
     take(output, outputText);
     output.close();

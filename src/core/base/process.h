@@ -14,24 +14,24 @@
 
 namespace scanmill {
 
-// Finds the executable file that a shell would start by this name: it is looked for in PATH where the name has no
-// slash. Empty where there is none.
+// Returns the executable file that a shell would start by this name: a name without a slash is looked for in PATH.
+// Empty if there is none.
 std::filesystem::path findProgram(const std::string& name);
 
-// A child has not done in time what was waited for. It still runs.
+// The child has not done in time what the caller waited for. It still runs.
 class TimeOut : public Error {
  public:
   using Error::Error;
 };
 
-// A child process. It is started without a shell, so that no word of its command is parsed again. It gets its three
-// standard streams and no other file descriptor of this program. The destructor kills it and what it has started. If
-// this program ends without that, the child sees the end of its standard input. All times are seconds of wall-clock
-// time.
+// A child process. It is started without a shell, so that nothing parses the words of its command again. It gets its
+// three standard streams and no other file descriptor of this program. The destructor kills the child and the processes
+// that the child has started. If this program dies without running the destructor, the child sees the end of its
+// standard input. All times are seconds of wall-clock time.
 class Process {
  public:
-  // `command` is the program and its arguments; `environment` is added to this program's own. Throws Error where the
-  // program cannot be started.
+  // `command` is the program and its arguments; `environment` is added to this program's own environment. Throws Error
+  // if the program cannot be started.
   explicit Process(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment = {});
   ~Process();
   Process(const Process&) = delete;
@@ -42,13 +42,12 @@ class Process {
   void write(std::string_view text, double seconds);
   // Ends the child's standard input.
   void closeInput();
-  // Waits for the next line of the child's standard output and returns it without its line feed; nullopt where the
-  // output has ended. Throws TimeOut, and Error for a line of over 16 MiB.
+  // Waits for the next line of the child's standard output and returns it without its line feed; nullopt if the output
+  // has ended. Throws TimeOut, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
-  // Waits until the child has ended and says how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut.
+  // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut.
   std::string wait(double seconds);
-  // The last lines that the child has written to its standard error, a dozen at most, as far as the calls above have
-  // read them.
+  // Returns the last lines of the child's standard error, at most a dozen, as far as the calls above have read it.
   std::string lastLines() const;
 
  private:

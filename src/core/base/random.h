@@ -1,16 +1,16 @@
 #pragma once
 
-// Counter-based random numbers: a value has an address, never a place in a shared stream. The same address gives the
-// same value on any thread and any machine. Philox4x32-10: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as
-// easy as 1, 2, 3", SC 2011.
+// Counter-based random numbers: a value is computed from an address instead of the state of a shared stream. The same
+// address gives the same value on any thread and any machine. Philox4x32-10: Salmon, Moraes, Dror, Shaw, "Parallel
+// random numbers: as easy as 1, 2, 3", SC 2011.
 
 #include <array>
 #include <cstdint>
 
 namespace scanmill {
 
-// What a number is for, so that each use has numbers of its own. The values are part of what a seed means: append,
-// never renumber.
+// The use of a random number: each use has numbers of its own. A seed's numbers depend on these values: append new
+// ones, never renumber.
 enum class Purpose : std::uint16_t {
   RangeNoise = 1,
   AngularJitter = 2,
@@ -34,25 +34,25 @@ enum class Purpose : std::uint16_t {
   Shuffle = 20,
   Distribution = 21,
   LostRings = 22,
-  Speckle = 256,  // and the seven after it: four looks each
+  Speckle = 256,  // to 263: four looks each
   Test = 99,
 };
 
-// Where a random number belongs. Two different addresses give independent numbers.
+// The address of a random number. Two different addresses give independent numbers.
 struct RandomAddress {
   std::uint64_t seed = 0;
   std::uint32_t scene = 0;  // index of the sequence (scene, scene seed, trajectory) in the pipeline
   std::uint32_t frame = 0;
   std::uint32_t sensor = 0;  // below 4096
   std::uint32_t beam = 0;    // ring * columns + column
-  std::uint32_t number = 0;  // of the return, 0 the first; below 16
+  std::uint32_t number = 0;  // index of the return, 0 to 15
   Purpose purpose = Purpose::Test;
 };
 
-// Four words, each uniform over all values of 32 bits.
+// Four words, each uniform over all 32-bit values.
 using RandomBlock = std::array<std::uint32_t, 4>;
 
-// The generator itself, with ten rounds.
+// The generator Philox4x32 with ten rounds.
 
 constexpr RandomBlock philox4x32(RandomBlock counter, std::array<std::uint32_t, 2> key) {
   for (int round = 0; round < 10; ++round) {
@@ -66,7 +66,7 @@ constexpr RandomBlock philox4x32(RandomBlock counter, std::array<std::uint32_t, 
   return counter;
 }
 
-// The random words of an address.
+// Returns the random words of an address.
 constexpr RandomBlock randomBlock(const RandomAddress& a) {
   const std::uint32_t tail = (a.sensor << 20) | ((a.number & 15) << 16) | static_cast<std::uint32_t>(a.purpose);
   return philox4x32({a.beam, a.frame, a.scene, tail},

@@ -7,8 +7,8 @@
 
 namespace scanmill {
 
-// Leaves what resize() adds as memory has it: to be written before it is read. Large arrays are then first touched by
-// the threads that fill them, not by one that fills them with zeros.
+// An allocator with which resize() leaves new elements uninitialised: write them before reading them. Large arrays are
+// then first touched by the threads that fill them, not by one thread that fills them with zeros.
 template <class T>
 struct RawAllocator : std::allocator<T> {
   template <class U>

@@ -4,11 +4,11 @@
 
 namespace scanmill {
 
-// Makes a new temporary folder in TMPDIR, or in /tmp where that is not set. Only this user may enter it. The destructor
-// removes it with all that is in it.
+// Creates a new temporary folder in TMPDIR, or in /tmp where TMPDIR is not set. Only this user may enter it. The
+// destructor removes the folder with everything in it.
 class ScratchFolder {
  public:
-  ScratchFolder();  // throws Error where the folder cannot be made
+  ScratchFolder();  // throws Error if the folder cannot be created
   ~ScratchFolder();
   ScratchFolder(const ScratchFolder&) = delete;
   ScratchFolder& operator=(const ScratchFolder&) = delete;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers, sizes, times and places as short text, for people.
+// Numbers, sizes, times and positions as short text, for people.
 
 #include <string>
 
@@ -8,16 +8,16 @@
 
 namespace scanmill {
 
-// A number with three digits and a decimal prefix: "12.3 M", "456 k", "7".
+// Returns a number with three digits and a decimal prefix: "12.3 M", "456 k", "7".
 std::string shortNumber(double value);
 
-// A size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
+// Returns a size with a binary prefix: "1.2 GiB", "34.0 MiB", "12 B".
 std::string shortBytes(double bytes);
 
-// A duration: "1 h 2 min", "4 min 5 s", "6.0 s".
+// Returns a duration: "1 h 2 min", "4 min 5 s", "6.0 s".
 std::string shortTime(double seconds);
 
-// A place to the centimetre: "[1.00, -2.50, 0.12]".
+// Returns a position to the centimetre: "[1.00, -2.50, 0.12]".
 std::string shortPlace(const Vec3d& place);
 
 }  // namespace scanmill

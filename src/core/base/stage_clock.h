@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures where the time of some work goes, stage by stage.
+// Measures how much time each stage of some work takes.
 
 #include <initializer_list>
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Seconds by the name of a stage. Where several threads work on a stage, the seconds of each of them count.
+// Seconds by the name of a stage. If several threads work on a stage, their seconds are added up.
 using StageSeconds = std::map<std::string, double>;
 
 // Adds the seconds of `from` to those of the same stages in `to`.
@@ -21,7 +21,7 @@ void addSeconds(const StageSeconds& from, StageSeconds& to);
 class StageClock {
  public:
   StageClock() = default;
-  // Stages that seconds() lists even where no time is added to them.
+  // The stages appear in seconds() even if no time is added to them.
   StageClock(std::initializer_list<const char*> stages);
   void add(const std::string& stage, double seconds);
   StageSeconds seconds() const;
@@ -31,7 +31,7 @@ class StageClock {
   StageSeconds seconds_;
 };
 
-// Adds the time from its construction to its destruction to a stage of a clock, which must outlive it.
+// Measures from its construction to its destruction, and adds that time to a stage of a clock, which must outlive it.
 class StageTimer {
  public:
   StageTimer(StageClock& clock, const char* stage) : clock_(clock), stage_(stage) {}

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint32_t kNoCharacter = 0xFFFFFFFF;
 
-// The character that begins at `place`, and how many bytes it takes; kNoCharacter for a byte that is no UTF-8.
+// Returns the character that begins at `place` and its length in bytes; kNoCharacter for a byte that is not UTF-8.
 std::pair<std::uint32_t, std::size_t> characterAt(std::string_view text, std::size_t place) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[place + i]); };
   const unsigned char lead = byte(0);

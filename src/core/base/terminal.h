@@ -1,7 +1,8 @@
 #pragma once
 
-// Text for people, on standard output and standard error. What comes from files (names of members, nodes, columns) may
-// hold anything; a terminal must not take it for commands, nor a reader for lines of this program.
+// Text for people, on standard output and standard error. Names that come from files (of members, nodes, columns) may
+// contain any bytes: a terminal must not execute them as commands, and a reader must not take them for lines of this
+// program.
 
 #include <fmt/core.h>
 
@@ -11,18 +12,19 @@
 
 namespace scanmill {
 
-// With control characters written as \x1b, but for line breaks and tabs; also those of Unicode that turn the direction
-// of writing, as \u202e.
+// Returns the text with control characters written as \x1b, except line breaks and tabs, and Unicode's controls of the
+// writing direction written as \u202e.
 std::string forTerminal(std::string_view text);
-// The same with line breaks and tabs written as \n, \r and \t: a name, a cell, a line of a list.
+// Does the same, and writes line breaks and tabs as \n, \r and \t: for a name, a cell, a line of a list.
 std::string oneLine(std::string_view text);
-// The same as forTerminal(), with further lines indented, so that none of them begins as a line of this program does.
+// Does the same as forTerminal(), and indents the second and later lines, so that none looks like a line of this
+// program.
 std::string indented(std::string_view text);
 
 void writeText(std::string_view text);
 void writeError(std::string_view text);
 
-// fmt::print, with all that is printed made fit by forTerminal().
+// Formats like fmt::print() and writes the result through forTerminal().
 template <class... T>
 void printText(fmt::format_string<T...> format, T&&... values) {
   writeText(fmt::format(format, std::forward<T>(values)...));

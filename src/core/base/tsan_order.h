@@ -1,7 +1,7 @@
 #pragma once
 
-// Tells the thread sanitizer how oneTBB orders its tasks. The sanitizer cannot see that by itself, since the library is
-// not built for it, and would report races where there are none. In all other builds this compiles to nothing.
+// Declares to the thread sanitizer how oneTBB orders its tasks. The library is not built with the sanitizer, which
+// therefore cannot see that order and would report false races. In all other builds this compiles to nothing.
 
 #ifdef __SANITIZE_THREAD__
 #include <sanitizer/tsan_interface.h>
@@ -12,9 +12,9 @@
 
 namespace scanmill {
 
-// All that a thread did before it calls give() happened before what any thread does after it calls take() on the same
-// object. The function of a task is marked SCANMILL_UNWATCHED, since it reads what it captured, which lies in oneTBB's
-// memory, before it can call take(). The functions that it calls are watched as always.
+// All that a thread did before it calls give() happens before anything that a thread does after it calls take() on the
+// same object. The function of a task is marked SCANMILL_UNWATCHED, since it reads its captures, which lie in oneTBB's
+// memory, before it can call take(). The sanitizer watches the functions that the task calls as always.
 class TaskOrder {
  public:
 #ifdef __SANITIZE_THREAD__
@@ -29,7 +29,7 @@ class TaskOrder {
   void take() {}
 #endif
 
-  // Lives as long as a task runs: takes from `from` at the start, gives to `to` at the end, an exception included.
+  // Lives while a task runs: takes from `from` at the start and gives to `to` at the end, also after an exception.
   class Task {
    public:
     Task(TaskOrder& from, TaskOrder& to) : to_(to) { from.take(); }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Vectors, rotations and transforms. Right-handed, metres and radians; x forward, y left, z up (REP 103).
+// Vectors, rotations and transforms. Frames are right-handed, in metres and radians; x forward, y left, z up (REP 103).
 
 #include <algorithm>
 #include <array>
@@ -55,7 +55,7 @@ T length(const Vec3<T>& v) {
   return std::sqrt(dot(v, v));
 }
 
-// The unit vector of the same direction. The zero vector stays zero.
+// Returns the unit vector of the same direction. The zero vector stays zero.
 template <class T>
 Vec3<T> normalized(const Vec3<T>& v) {
   const T l = length(v);
@@ -67,7 +67,7 @@ bool isFinite(const Vec3<T>& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
-// A 3 x 3 matrix, held as its three columns, which are the images of the axes x, y and z.
+// A 3 x 3 matrix, stored as its three columns, which are the images of the axes x, y and z.
 struct Mat3 {
   Vec3d x{1, 0, 0};
   Vec3d y{0, 1, 0};
@@ -84,7 +84,7 @@ constexpr double determinant(const Mat3& m) {
   return dot(m.x, cross(m.y, m.z));
 }
 
-// Returns true if the matrix flattens space, exactly or nearly: it has no usable inverse.
+// True if the matrix is singular, exactly or nearly: it has no usable inverse.
 inline bool isSingular(const Mat3& m) {
   const double volume = std::abs(determinant(m));
   return !(volume > 1e-12 * length(m.x) * length(m.y) * length(m.z)) || !std::isfinite(1.0 / volume);
@@ -94,7 +94,7 @@ constexpr Mat3 transposed(const Mat3& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
-// The inverse matrix. It is undefined for a singular one: check determinant() first.
+// Returns the inverse matrix, which is undefined for a singular matrix: check determinant() first.
 constexpr Mat3 inverse(const Mat3& m) {
   const double s = 1.0 / determinant(m);
   return transposed({cross(m.y, m.z) * s, cross(m.z, m.x) * s, cross(m.x, m.y) * s});
@@ -131,15 +131,15 @@ constexpr Quat operator*(const Quat& a, const Quat& b) {
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
-// The rotation matrix of a unit quaternion.
+// Returns the rotation matrix of a unit quaternion.
 constexpr Mat3 toMatrix(const Quat& q) {
   return {{1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.w * q.z), 2 * (q.x * q.z - q.w * q.y)},
           {2 * (q.x * q.y - q.w * q.z), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.w * q.x)},
           {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), 1 - 2 * (q.x * q.x + q.y * q.y)}};
 }
 
-// The rotation of a matrix whose columns are orthonormal. Shepperd's method: the largest of the four components is
-// found first, so that none is divided by little.
+// Returns the rotation of a matrix with orthonormal columns. Shepperd's method: finds the largest of the four
+// components first, to avoid a division by a small number.
 inline Quat fromMatrix(const Mat3& m) {
   const double trace = m.x.x + m.y.y + m.z.z;
   Quat q;
@@ -156,7 +156,7 @@ inline Quat fromMatrix(const Mat3& m) {
   return {q.w * n, q.x * n, q.y * n, q.z * n};
 }
 
-// The rotation Rz(yaw) * Ry(pitch) * Rx(roll); angles in radians. A positive pitch looks down (x forward, z up).
+// Returns the rotation Rz(yaw) * Ry(pitch) * Rx(roll); angles in rad. A positive pitch looks down (x forward, z up).
 inline Quat fromYawPitchRoll(double yaw, double pitch, double roll) {
   const Quat qz{std::cos(yaw / 2), 0, 0, std::sin(yaw / 2)};
   const Quat qy{std::cos(pitch / 2), 0, std::sin(pitch / 2), 0};
@@ -164,13 +164,13 @@ inline Quat fromYawPitchRoll(double yaw, double pitch, double roll) {
   return qz * qy * qx;
 }
 
-// The yaw (rad) of its x axis: the first of the three angles above.
+// Returns the yaw (rad) of the rotated x axis, the `yaw` of fromYawPitchRoll().
 inline double headingOf(const Quat& q) {
   const Vec3d x = toMatrix(q).x;
   return std::atan2(x.y, x.x);
 }
 
-// Spherical interpolation along the shorter arc: t = 0 gives a, t = 1 gives b.
+// Interpolates spherically along the shorter arc: t = 0 gives a, t = 1 gives b.
 inline Quat slerp(const Quat& a, Quat b, double t) {
   double c = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
   if (c < 0) {
@@ -189,7 +189,7 @@ inline Quat slerp(const Quat& a, Quat b, double t) {
   return {q.w * n, q.x * n, q.y * n, q.z * n};
 }
 
-// Where a frame stands in another one. `worldFromSensor` turns points of the sensor's frame into points of the world:
+// The pose of a frame in another frame. `worldFromSensor` transforms points from the sensor's frame to the world's:
 // world point = rotation * sensor point + translation (m).
 struct Pose {
   Quat rotation;
@@ -205,7 +205,7 @@ constexpr Pose inverse(const Pose& p) {
   return {r, -(toMatrix(r) * p.translation)};
 }
 
-// The pose between a (t = 0) and b (t = 1): rotations by slerp(), translations on a straight line.
+// Returns the pose between a (t = 0) and b (t = 1): rotations by slerp(), translations on a straight line.
 inline Pose interpolate(const Pose& a, const Pose& b, double t) {
   return {slerp(a.rotation, b.rotation, t), a.translation + (b.translation - a.translation) * t};
 }
@@ -214,7 +214,7 @@ constexpr Affine toAffine(const Pose& p) {
   return {toMatrix(p.rotation), p.translation};
 }
 
-// A box along the axes, in metres. A new one is empty and grows by what is added.
+// An axis-aligned box, in metres. A new box is empty and grows by what is added.
 struct Box {
   Vec3d low{INFINITY, INFINITY, INFINITY};
   Vec3d high{-INFINITY, -INFINITY, -INFINITY};

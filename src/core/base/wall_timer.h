@@ -4,7 +4,7 @@
 
 namespace scanmill {
 
-// Measures the wall-clock time since it was made.
+// Measures the wall-clock time since its construction.
 class WallTimer {
  public:
   double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -13,7 +13,7 @@ class WallTimer {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Calls work() and returns how long that takes (s of wall-clock time).
+// Calls work() and returns how long it takes (s of wall-clock time).
 double secondsOf(const auto& work) {
   const WallTimer timer;
   work();

@@ -1,7 +1,6 @@
 #pragma once
 
-// Strict reading of maps: every key is asked for by its name and type, and finish() refuses the keys that nobody has
-// asked for.
+// Strict reading of maps: every key is read by its name and type, and finish() refuses keys that nobody has asked for.
 
 #include <cstdint>
 #include <filesystem>
@@ -22,14 +21,14 @@ struct Range {
   double high = INFINITY;
 };
 
-// Read one value as a certain type. `what` names the value in messages. All throw an InputError with the value's place,
-// what was expected and what was found.
+// Each reads one value as a certain type. `what` names the value in messages. All throw an InputError with the value's
+// place, what was expected and what was found.
 double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; 1e3, -.5; never hex or octal
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
 bool readBool(const Value& value, std::string_view what);  // true or false
 std::string readText(const Value& value, std::string_view what);
 Vec3d readVec3(const Value& value, std::string_view what);  // [x, y, z]
-// A list of integers; "..." between two of them stands for all in between: [1, ..., 20]. Each with its place.
+// An integer of a list, with its place. "..." between two integers stands for all in between: [1, ..., 20].
 struct PlacedInteger {
   std::int64_t value = 0;
   Location where;
@@ -37,12 +36,12 @@ struct PlacedInteger {
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high);
 std::vector<double> readNumbers(const Value& value, std::string_view what, Range range = {});
 
-// The name in `names` that is nearest to `word` by edit distance; empty where none is near.
+// Returns the name in `names` that is nearest to `word` by edit distance; empty if none is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& names);
-// The end of a message about an unknown word: " (did you mean 'x'?)" where a name is near, else " (known: a, b, c)".
+// Returns the hint for an unknown word: " (did you mean 'x'?)" if a name is near, else " (known: a, b, c)".
 std::string suggestion(std::string_view word, const std::vector<std::string>& names);
 
-// Reads one map. Keeps a reference: the Value must outlive it.
+// Reads one map. Keeps a reference to the Value, which must outlive this object.
 //
 //   Fields f(value, "sensor");
 //   const double hz = f.number("rate_hz", {0.01, 1000}, 10.0);   // optional, with a default
@@ -54,9 +53,9 @@ class Fields {
   // {}).
   Fields(const Value& value, std::string what);
 
-  bool has(std::string_view key) const;        // does not mark the key; an empty value counts as absent
-  const Value* find(std::string_view key);     // marks the key as known; null where absent or empty
-  const Value& require(std::string_view key);  // throws where absent; an empty value is given as it is
+  bool has(std::string_view key) const;        // does not mark the key as known; an empty value counts as absent
+  const Value* find(std::string_view key);     // marks the key as known; null if absent or empty
+  const Value& require(std::string_view key);  // throws if absent; returns an empty value as it is
   const Location& where() const { return value_.where; }
   const Value& value() const { return value_; }
 
@@ -67,26 +66,26 @@ class Fields {
   bool boolean(std::string_view key, bool fallback);
   std::string text(std::string_view key);
   std::string text(std::string_view key, std::string_view fallback);
-  // One of `names`; an unknown word is refused with a suggestion.
+  // Returns one of `names`; refuses an unknown word with a suggestion.
   std::string choice(std::string_view key, const std::vector<std::string>& names, std::string_view fallback);
   Vec3d vec3(std::string_view key, const Vec3d& fallback);
   std::vector<double> numbers(std::string_view key, Range range);
-  std::vector<std::string> texts(std::string_view key);  // a list of strings or one string; empty where absent
-  // Relative paths are relative to the file that names them.
+  std::vector<std::string> texts(std::string_view key);  // a list of strings or one string; empty if absent
+  // A relative path starts in the folder of the file that names it.
   std::filesystem::path path(std::string_view key);
   std::optional<std::filesystem::path> optionalPath(std::string_view key);
-  // A YAML file: its path, or the name of one that comes with the program; see resolveResource().
+  // A YAML file: its path, or the name of a file that comes with the program; see resolveResource().
   std::filesystem::path resource(std::string_view key, const std::string& subfolder);
   std::optional<std::filesystem::path> optionalResource(std::string_view key, const std::string& subfolder);
 
-  // {position: [x, y, z], yaw_deg:, pitch_deg:, roll_deg:} or {position:, rotation: [w, x, y, z]}, read from this
-  // map's own keys.
+  // Reads a pose from this map's own keys: {position: [x, y, z], yaw_deg:, pitch_deg:, roll_deg:} or {position:,
+  // rotation: [w, x, y, z]}.
   Pose pose();
 
-  // Makes keys known that are read later, or by others. Called together with finish() before anything is read, it
-  // refuses an unknown key before a missing one is complained of.
+  // Marks keys as known that are read later, or by other code. If also() and finish() are called before any key is
+  // read, an unknown key is reported before a missing one.
   Fields& also(std::initializer_list<std::string_view> keys);
-  // Does the same with the keys of a description such as "step_m: 1 m, what it is; gain: 2".
+  // Does the same for the keys of a description such as "step_m: 1 m, what it is; gain: 2".
   Fields& alsoDescribed(std::string_view keys);
 
   // Throws an InputError for the first key that nobody has asked for, with its place and the nearest known key.
@@ -100,13 +99,14 @@ class Fields {
   std::vector<std::string> known_;
 };
 
-// Resolves `name` against the folder of the file that `value` is in. What --set names starts in the folder of the file
-// that it changes or, where there is nothing, in the current one.
+// Resolves `name` against the folder of the file that holds `value`. A path given by --set starts in the folder of the
+// file that it changes or, if nothing exists at that path, in the current folder.
 std::filesystem::path resolvePath(const Value& value, const std::string& name);
 
-// The YAML file that `value` calls `name`: a path as resolvePath() takes it, else one below `subfolder` of the
-// program's own files (or beside it: both os1_128 and sensors/os1_128.yaml are found in pipelines/sensors). The suffix
-// may be left out. Throws InputError that says where it looked, with the nearest name that is there.
+// Returns the YAML file that `value` calls `name`: a path as for resolvePath(), or else a file below `subfolder` of the
+// program's own files (or below its parent folder: both os1_128 and sensors/os1_128.yaml are found in
+// pipelines/sensors). The suffix may be left out. Throws an InputError that says where it looked and names the nearest
+// existing file.
 std::filesystem::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 #pragma once
 
-// Recognises the kinds of YAML files by keys that only one kind has. Where a file is given in the place of another
-// kind, the message can then say what it is.
+// Recognises the kinds of YAML files by keys that only one kind has. If a file of the wrong kind is given, the message
+// can then say what it is.
 
 #include "config/value.h"
 
@@ -9,10 +9,10 @@ namespace scanmill {
 
 enum class FileKind { Unknown, Pipeline, Scene, Sensor, Ontology, Materials };
 
-// `root` is a whole file.
+// Returns the kind of a file; `root` is the whole file.
 FileKind fileKind(const Value& root);
 
-// Throws an InputError that says what the file is and where it belongs, if it is surely of another kind than expected.
+// Throws an InputError that says what the file is and where it belongs, if it is certainly not of the expected kind.
 void expectKind(const Value& root, FileKind expected);
 
 }  // namespace scanmill

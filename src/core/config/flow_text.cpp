@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Whether a plain scalar reads the same in {...} and [...], in an assignment and in a shell's quotes.
+// True if a plain scalar reads the same in {...} and [...], in an assignment and in a shell's quotes.
 bool staysPlain(const std::string& text) {
   const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
   const auto inner = [&](char c) { return word(c) || c == '-' || c == '+' || c == '/' || c == '%' || c == ' '; };
@@ -18,7 +18,7 @@ bool staysPlain(const std::string& text) {
          std::all_of(text.begin(), text.end(), inner);
 }
 
-// In quotes, on one line.
+// Returns the text in quotes, on one line.
 std::string quotedText(const std::string& text) {
   const bool escaped = text.find_first_of("\n\r\t") != std::string::npos;
   std::string quoted;
@@ -34,14 +34,14 @@ std::string quotedText(const std::string& text) {
   return escaped ? "\"" + quoted + "\"" : "'" + quoted + "'";
 }
 
-// A dollar begins a variable in values, not in keys.
+// Doubles dollars, since a single dollar begins a variable in values (not in keys).
 std::string doubledDollars(const std::string& text) {
   std::string doubled;
   for (const char c : text) doubled += c == '$' ? std::string("$$") : std::string(1, c);
   return doubled;
 }
 
-// Of a value within a list or map.
+// Returns the text of a value within a list or map.
 std::string innerText(const Value& value) {
   return value.kind == Value::Kind::Null ? "null" : flowText(value);
 }

@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// A value as YAML on one line, "{resolution: 512}"; a value of the kind Null gives "{}".
+// Returns a value as YAML on one line, such as "{resolution: 512}"; a value of the kind Null gives "{}".
 std::string flowText(const Value& value);
 
 }  // namespace scanmill

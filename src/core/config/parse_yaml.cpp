@@ -1,4 +1,4 @@
-// parseYaml(): yaml-cpp's events, checked one by one as they come, so that a hostile file is refused before it costs
+// parseYaml() checks yaml-cpp's events one by one as they arrive, so that a hostile file is refused before it costs
 // memory.
 
 #include <fmt/core.h>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNodes = 1'000'000;
-constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // of all scalars, aliases and variables expanded
+constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // all scalars together, with aliases and variables expanded
 
 struct Extent {
   std::size_t nodes = 1;
@@ -49,7 +49,7 @@ Extent extentOf(const Value& value) {
   return sum;
 }
 
-// yaml-cpp's words for the commonest mistakes, and what their author can do.
+// Explains yaml-cpp's messages about the commonest mistakes, and says what the author can do.
 std::string explain(const std::string& message) {
   static const std::array<std::pair<std::string_view, std::string_view>, 10> kAdvice{{
       {YAML::ErrorMsg::END_OF_SEQ_FLOW, "a list [ ... ] is not closed"},
@@ -69,7 +69,8 @@ std::string explain(const std::string& message) {
   return "invalid YAML: " + message;
 }
 
-// A colour without quotes is a comment, which takes the rest of its line, and the brackets there, away.
+// Returns a hint if a colour such as #ff8000 lacks quotes on a line up to `before`, else an empty text. Without quotes
+// the colour begins a comment, which hides the rest of its line, closing brackets included.
 std::string bareColor(std::string_view text, int before) {
   int line = 1;
   for (std::size_t at = 0; at < text.size() && line <= before; ++at) {
@@ -100,7 +101,7 @@ class TreeBuilder : public YAML::EventHandler {
     return {file_, mark.line + 1, mark.column + 1};
   }
 
-  // Where the innermost list or map that is not closed begins: the mark of such an error is of no help.
+  // Returns where the innermost unclosed list or map begins, since the mark of yaml-cpp's error does not help.
   const Location& innermost() const { return open_.empty() ? root_.where : open_.back().value.where; }
 
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -115,7 +116,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuseAsKey(mark, "is empty");
     Value value;
     value.where = place(mark);
-    // The event of a value that was left out carries the mark of whatever comes next.
+    // If a key has no value, its event has the mark of whatever comes next.
     if (!open_.empty() && open_.back().value.kind == Value::Kind::Map && open_.back().keyWhere.line != mark.line + 1) {
       value.where = open_.back().keyWhere;
     }
@@ -177,7 +178,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text; this one {}", what));
   }
 
-  // Whether the tag makes a scalar text whatever it looks like: "!" is yaml-cpp's tag of everything that is not plain.
+  // True if the tag makes a scalar text, whatever it looks like: yaml-cpp gives "!" to all scalars that are not plain.
   bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
     if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;
@@ -215,7 +216,7 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::move(value), anchor);
   }
 
-  // Counts what is about to be added at `mark`, before it costs anything.
+  // Counts what is about to be added, and throws an InputError at `mark` before it costs memory beyond a limit.
   void count(const YAML::Mark& mark, const Extent& extent) {
     nodes_ += extent.nodes;
     bytes_ += extent.bytes;
@@ -232,7 +233,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void add(Value value, YAML::anchor_t anchor) {
     if (anchor != 0) {
-      // The anchor's copy is paid for like an alias: nested anchors must not multiply a document.
+      // The anchor's copy counts towards the limits like an alias: nested anchors must not multiply a document.
       const Extent extent = extentOf(value);
       nodes_ += extent.nodes;
       bytes_ += extent.bytes;

@@ -50,8 +50,8 @@ std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   return fmt::format("{} from {} to {}", noun, low, high);
 }
 
-// The decimal number that `text` is as a whole. from_chars alone would also take inf and nan, and 017 is eight times
-// one and seven more to some readers of YAML.
+// Reads the whole `text` as a decimal number; returns false if it is none. from_chars() alone would also accept inf and
+// nan. Leading zeros are refused, since some readers of YAML take 017 for an octal number.
 template <class T>
 bool parseDecimal(std::string_view text, std::string_view characters, T& number) {
   if (text.find_first_not_of(characters) != std::string_view::npos) return false;
@@ -110,7 +110,7 @@ Vec3d readVec3(const Value& value, std::string_view what) {
 }
 
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high) {
-  constexpr std::int64_t kMost = 1'000'000;  // in between
+  constexpr std::int64_t kMost = 1'000'000;  // integers that one "..." stands for
   if (list.kind != Value::Kind::Sequence) refuse(list, what, "a list of integers");
   std::vector<PlacedInteger> numbers;
   numbers.reserve(list.items.size());

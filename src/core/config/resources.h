@@ -5,14 +5,14 @@
 
 namespace scanmill {
 
-// The folder that holds the program's own files, in pipelines/, scenes/ and labels/. It is what the environment
-// variable SCANMILL_RESOURCES names; without that, the installed folder share/scanmill beside the program's; without
-// that, the source tree that the program was built from.
+// Returns the folder that holds the program's own files, in pipelines/, scenes/ and labels/: the folder that the
+// environment variable SCANMILL_RESOURCES names; without that variable the folder share/scanmill of the installation;
+// in a program that is not installed, the source tree that it was built from.
 std::filesystem::path resourceFolder();
 
-// What an option of the command line names: a YAML file, or one of a subfolder of resourceFolder() without its suffix,
-// such as "semantic_kitti" of "labels". Throws InputError, with names that there are. See resolveResource() for files
-// that are named in files.
+// Returns the file that an option of the command line names: by the path of a YAML file, or by the name (without
+// suffix) of a file in a subfolder of resourceFolder(), such as "semantic_kitti" in "labels". Throws an InputError that
+// names existing files. For names that stand in files see resolveResource().
 std::filesystem::path namedResource(const std::string& name, const std::string& subfolder);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// Which known word was meant.
+// Finds the known word that was probably meant by an unknown one.
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Case and the two usual joints between words are no difference.
+// Returns the word in lower case with "_" for "-" and " ": these differences do not count.
 std::string folded(std::string_view word) {
   std::string plain(word);
   for (char& c : plain) {
@@ -21,7 +21,8 @@ std::string folded(std::string_view word) {
   return plain;
 }
 
-// Insertions, deletions, replacements and swaps of neighbours that lead from a to b (optimal string alignment).
+// Returns how many insertions, deletions, replacements and swaps of neighbours lead from a to b (optimal string
+// alignment).
 std::size_t editDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> beforeLast(b.size() + 1);
   std::vector<std::size_t> last(b.size() + 1);
@@ -40,7 +41,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-// A word cut short (`yaw` for `yaw_deg`), or with something added.
+// True if one word is the beginning of the other: cut short (`yaw` for `yaw_deg`), or with something added.
 bool isPrefix(std::string_view a, std::string_view b) {
   return std::min(a.size(), b.size()) >= 3 && (a.starts_with(b) || b.starts_with(a));
 }
@@ -59,7 +60,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t near = std::max<std::size_t>(1, std::max(plain.size(), other.size()) / 3);
     if (distance > near && !isPrefix(plain, other)) continue;
     if (distance == std::max(plain.size(), other.size())) continue;
-    // Of two words at the same distance, the one that begins alike is the nearer.
+    // If two names are at the same distance, the one that begins the word, or that the word begins, is nearer.
     const std::size_t off = 2 * distance - (distance > 0 && isPrefix(plain, other) ? 1 : 0);
     if (best.empty() || off < leastOff) {
       best = name;

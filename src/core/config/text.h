@@ -1,6 +1,6 @@
 #pragma once
 
-// Which text a YAML file may hold, environment variables in it, text for messages, and names whatever their case.
+// Checks the text of YAML files, expands environment variables in it, and prepares text for messages and comparisons.
 
 #include <cstddef>
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// A YAML file that is larger than this is taken for a mistake and refused.
+// A YAML file larger than this is refused as a mistake.
 constexpr std::size_t kMaxYamlBytes = std::size_t{64} << 20;
 
 // Throws InputError with file:line:column for NUL bytes, other control characters, invalid UTF-8 and tabs in the
@@ -22,13 +22,13 @@ void checkText(std::string_view text, const std::string& file);
 // a variable that is not set and has no fallback.
 std::string expandVariables(std::string_view text, const Location& where);
 
-// The text in quotes, on one line, and cut to a length that fits into a message.
+// Returns the text in quotes, on one line, and cut to a length that fits into a message.
 std::string quotedForMessage(std::string_view text);
 
-// The text with the letters A to Z in lower case.
+// Returns the text with the letters A to Z in lower case.
 std::string lowerCase(std::string_view text);
 
-// The end of a file's name, such as ".jpg", in lower case.
+// Returns the extension of a file's name, such as ".jpg", in lower case.
 std::string lowerExtension(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -39,7 +39,7 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                                            part, parent, list.items.size() - 1));
 }
 
-// The assignment a.b.c=v as "a={b: {c: v}}", where `keys` of them stay before the "=".
+// Returns the assignment a.b.c=v as "a={b: {c: v}}", in which the first `keys` keys stay before the "=".
 std::string asMaps(const std::vector<std::string>& parts, std::size_t keys, std::string_view value) {
   std::string text;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -10,10 +10,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kFarthest = 1e9;  // m, of a coordinate
-constexpr double kNearest = 1e-6;  // m, between two waypoints
-constexpr double kSteepest = 85;   // deg, of a slope: beyond, "heading along the path" says no yaw
-constexpr double kSharpest = 175;  // deg, of a turn at a waypoint: beyond, the path goes straight back
+constexpr double kFarthest = 1e9;  // m, largest coordinate
+constexpr double kNearest = 1e-6;  // m, smallest distance of two waypoints
+constexpr double kSteepest = 85;   // deg, largest slope: on a steeper path "heading along the path" gives no yaw
+constexpr double kSharpest = 175;  // deg, largest turn at a waypoint: beyond, the path goes straight back
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Places that a path leads through.
+// Reads the waypoints of a path.
 
 #include <vector>
 
@@ -9,15 +9,15 @@
 
 namespace scanmill {
 
-// Whether a path may lead up and down.
+// Whether the height of a path may change.
 enum class Climbs { Yes, No };
 
-// [[x, y, z], ...], two at least, in metres. Throws InputError with the place for a point that repeats the one before
-// it, for a stretch that is too steep to have a heading, and for a path that goes straight back. Where the path does
-// not climb all are as high as the first.
+// Reads [[x, y, z], ...], at least two points, in metres. Throws an InputError with the place of a point that repeats
+// the one before it, of a segment that is too steep to have a heading, or of a turn straight back. If the path does not
+// climb, all points get the height of the first.
 std::vector<Vec3d> readWaypoints(const Value& value, Climbs climbs = Climbs::Yes);
 
-// Throws InputError where the position is farther away than coordinates are exact.
+// Returns the position. Throws InputError if it is so far away that coordinates are no longer exact.
 Vec3d checkedPosition(const Vec3d& position, const Location& where);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Clouds of points as scanners, surveys and other programs leave them: .las, .ply, .pcd, the formats of datasets, and
+// Point clouds as scanners, surveys and other programs store them: .las, .ply, .pcd and the formats of datasets; also
 // single scans of public datasets: .bin, .pcd.bin and .npz.
 
 #include <filesystem>
@@ -12,26 +12,27 @@
 namespace scanmill {
 
 struct Cloud {
-  Vec3d origin;  // m, in the file's coordinates: what positions are relative to, so that float32 holds them
+  Vec3d origin;  // m, in the file's coordinates; positions are relative to it, so that float32 is exact enough
   Scan scan;
 };
 
-// Zero for a place within a kilometre of zero in each coordinate, where float32 is exact to 0.1 mm; else the place,
-// rounded down to whole metres.
+// Returns the origin of a cloud near `place`. Each of its coordinates is 0 if that of the place lies within a kilometre
+// of 0, where float32 is exact to 0.1 mm; else it is the place's, rounded down to whole metres.
 Vec3d cloudOrigin(const Vec3d& place);
 
-// Whether a file is a cloud that scenes are made of: by its suffix, and a .ply by its header, which has vertices and no
-// faces; where there is none, it is no cloud. Throws InputError for a .ply whose header is damaged.
+// True if a file is a cloud that can be part of a scene: by its suffix, and a .ply by its header, which must have no
+// faces. False for a .ply that does not exist or is empty. Throws InputError for a .ply whose header is damaged.
 bool isCloud(const std::filesystem::path& file);
-// Whether readCloud() reads it: clouds, .bin and .npz.
+// True if readCloud() reads the file: clouds, .bin and .npz.
 bool isScan(const std::filesystem::path& file);
-// ".pcd, .drc, ...": all that it reads.
+// Returns all suffixes that readCloud() reads: ".pcd, .drc, ...".
 std::string scanSuffixes();
 
-// Reads a cloud. Columns of the table (scan/columns.h) are filled from what others call them: the classification of LAS
-// is `label`; of a .ply `class`, `classification`, `semantic` and CloudCompare's `scalar_...` too. What the table lacks
-// (red, green, blue, nx, ny, nz, gps_time) is kept as foreign columns. SemanticKITTI's labels are read with the scan
-// that they stand beside. Throws InputError that names the file, and its line where it has lines.
+// Reads a cloud. Columns of the table (scan/columns.h) are filled from other names, too: `label` from the
+// classification of LAS, and of a .ply from `class`, `classification`, `semantic` and CloudCompare's `scalar_...`.
+// Columns that the table lacks (red, green, blue, nx, ny, nz, gps_time) become foreign columns. SemanticKITTI's label
+// file is read with the scan that it stands beside. Throws an InputError that names the file, and the line of a text
+// file.
 Cloud readCloud(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Turns numbers of a file into values of a column, for the readers of this room.
+// Converts numbers of a file into values of a column, for the readers of this library.
 
 #include <fmt/format.h>
 
@@ -12,12 +12,12 @@
 
 namespace scanmill {
 
-// Returns the number as a value of a column of the type T. Throws an InputError at `where` that names column and point
-// where T is an integer that cannot hold the number: one that is too small or too large, a fraction, or NaN.
+// Returns the number as a value of a column of the type T. If T is an integer type that cannot hold the number (too
+// small, too large, a fraction, or NaN), throws an InputError at `where` that names the column and the point.
 template <class T, class Stored>
 T columnValue(Stored stored, std::string_view name, std::size_t point, const Location& where) {
   if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
-    // Written so that NaN fails it too.
+    // Written so that NaN fails the test, too.
     using Limits = std::numeric_limits<T>;
     const auto number = static_cast<long double>(stored);
     const bool fits = number >= Limits::min() && number <= Limits::max();

@@ -3,10 +3,9 @@
 //   x,y,z,intensity,label
 //   1.5,-2.25,0.125,37,4
 //
-// Numbers have the shortest digits that read back to the same bits, lines end with '\n' ("\r\n" is read as well), the
-// misses of an organised scan are "nan". The text says nothing of the sensor: decode() gives one row per line, and
-// rings and columns unknown. Columns of others, which the table of columns does not have, are kept as double-precision
-// numbers.
+// Numbers have the shortest digits that read back to the same bits, lines end with '\n' ("\r\n" is read as well), and
+// misses of an organised scan are "nan". The text does not describe the sensor: decode() returns one row per line, and
+// rings and columns are unknown. Columns that the table of columns lacks are kept as double-precision numbers.
 
 #include <fmt/format.h>
 
@@ -22,7 +21,8 @@ namespace scanmill {
 
 namespace {
 
-// Cuts the text up to the next `separator`, which is removed; the rest of the text where there is none.
+// Returns the text before the next `separator` and leaves in `text` what stands behind it. If there is no separator,
+// returns all of the text.
 std::string_view cut(std::string_view& text, char separator) {
   const std::size_t end = std::min(text.find(separator), text.size());
   const std::string_view piece = text.substr(0, end);
@@ -30,18 +30,18 @@ std::string_view cut(std::string_view& text, char separator) {
   return piece;
 }
 
-// Up to the end of the line, which other programs may write as "\r\n".
+// Removes a line with its end, which other programs may write as "\r\n", and returns the line.
 std::string_view cutLine(std::string_view& text) {
   std::string_view line = cut(text, '\n');
   if (line.ends_with('\r')) line.remove_suffix(1);
   return line;
 }
 
-// Reads a cell of the last point.
+// Reads a cell of the scan's last point.
 using ReadCell = std::function<void(std::string_view word, const Location& where)>;
 
-// Where the values of a column go. A name that the table of columns does not have is kept as a foreign column, unless
-// it is nearly one of the table's.
+// Returns the function that stores a column's cells. A name that the table of columns lacks becomes a foreign column;
+// if it resembles a name of the table, throws InputError.
 ReadCell cellReader(Scan& scan, const std::string& name, const Location& at) {
   for (const auto& [axis, member] : {std::pair{"x", &Vec3f::x}, {"y", &Vec3f::y}, {"z", &Vec3f::z}}) {
     if (name != axis) continue;

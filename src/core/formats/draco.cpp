@@ -1,21 +1,22 @@
-// draco: Google Draco point clouds, sequential, so points keep their order and identical ones stay.
+// draco: Google Draco point clouds, encoded sequentially, so that points keep their order and duplicates are kept.
 //
 //   format: draco
 //   max_error_mm: 1     # Euclidean, of a position
-//   speed: 7            # Draco's scale, 10 the least effort; here it only sets the precision of the probabilities
-//   intensity_bits: 0   # 0 keeps every bit; else as many over the span of each scan's intensities
+//   speed: 7            # Draco's scale: 10 is the least effort; here it only sets the precision of the probabilities
+//   intensity_bits: 0   # 0 keeps every bit; else this many bits over the range of each scan's intensities
 //   time: false         # time follows from ring and column by the beam table in the manifest, so it is left out
 //
-// POSITION is a quantised float32 attribute: any reader gets metres. The others are GENERIC with a metadata entry
-// "name", in the order of the table of columns (scan/columns.h), which says what may be rounded, and by how much.
-// Integers have the narrowest of u8, u16 and u32 and are never changed; intensities that are all integers up to 65535
-// are such too, others are float32. The geometry's metadata holds rings and columns of the sensor. Misses are left out:
-// ring and column join what stays. Of foreign columns, those of numbers that Draco's attributes hold exactly (u8, u16,
-// u32, float32) stay.
+// POSITION is a quantised float32 attribute, so that any reader gets metres. The other columns are GENERIC attributes
+// with a metadata entry "name", in the order of the table of columns (scan/columns.h), which says what may be rounded,
+// and by how much. Integers are stored exactly in the narrowest of u8, u16 and u32. Intensities are stored in the same
+// way if all are integers up to 65535, else as float32. The geometry's metadata holds rings and columns of the sensor.
+// Misses are left out: ring and column identify the beams of the remaining points. Foreign columns are kept if Draco's
+// attributes hold their type exactly (u8, u16, u32, float32).
 //
-// What was measured (tests/benchmarks/encoders.cpp): a street seen by 64 x 2048 beams with 10 mm of range noise, in
-// firing and in image order; xyz, intensity, label, instance, ring, column; 1 mm. Million points per second of
-// processor time on one core of an AMD EPYC (family 26) that had other work too, and bytes a point:
+// Measured (tests/benchmarks/encoders.cpp) on a street seen by 64 x 2048 beams with 10 mm of range noise; columns xyz,
+// intensity, label, instance, ring, column; 1 mm. The first two figures are speeds, in firing and in image order
+// (million points per second of processor time on one core of an AMD EPYC, family 26, that had other work too); the
+// last two are bytes per point in the same orders:
 //
 //   this file: quantised floats, narrow integers                31, 34     3.6, 2.6
 //   Draco's encoder, the same attributes                        8.0, 8.4   3.6, 2.6
@@ -25,8 +26,9 @@
 //     with de-duplication                                       2.7, 3.6   3.6, 2.6
 //     u32 ids and the bits of the time as u32                   0.3, 0.3   3.8, 4.8
 //
-// The last line is Draco's table of frequencies, as long as the largest correction: about 0.7 GB for the bits of times.
-// Speed 0 saves up to 1.4 % of the bytes and decodes at 5.5 and 8.5 instead of 11 and 13, so the default is 7.
+// The last line is slow because of Draco's table of frequencies, which is as long as the largest correction: about 0.7
+// GB for the bits of times. Speed 0 saves up to 1.4 % of the bytes, but decodes only 5.5 and 8.5 million points per
+// second instead of 11 and 13, so the default is 7.
 
 #include <fmt/format.h>
 
@@ -49,12 +51,12 @@ namespace scanmill {
 
 namespace {
 
-// Beside the points' own: metadata and descriptors; tables of probabilities of the lengths of symbols.
+// Bounds of the bytes that are not per point: metadata and descriptors, and tables of probabilities of symbol lengths.
 constexpr double kMostHeaderBytes = 100;
 constexpr double kMostColumnBytes = 200;
 
-// What an entry of symbols of so many bits takes at most: its length, the symbols themselves, and less than one for
-// probabilities that are rounded. Symbols with probabilities of their own are only taken where they are shorter.
+// Returns the most bits that an entry of `components` symbols of `bits` bits takes: its length, the symbols themselves,
+// and less than one bit for rounded probabilities. Symbols get probabilities of their own only if that is shorter.
 double symbolBits(int bits, int components) {
   return bits * components + std::log2(bits + 1.0) + 1;
 }
@@ -67,7 +69,7 @@ struct DracoOptions {
 };
 
 bool allFinite(std::span<const float> values) {
-  // A sum of v * 0 is 0 unless some v is not finite; several sums let the loop be vectorised in any order.
+  // The sum of v * 0 is 0 unless some v is not finite. With several sums the loop can be vectorised.
   float sums[16] = {};
   std::size_t i = 0;
   for (; i + 16 <= values.size(); i += 16) {
@@ -77,7 +79,7 @@ bool allFinite(std::span<const float> values) {
   return std::all_of(std::begin(sums), std::end(sums), [](float sum) { return sum == 0; });
 }
 
-// Values as integers, empty unless each is exactly one of 0 to 65535 (-0 is none).
+// Returns the values as integers; empty unless each is exactly an integer from 0 to 65535 (-0 is not).
 std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
   std::vector<std::uint16_t> integers(values.size());
   std::uint32_t different = 0;
@@ -85,8 +87,8 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
     const bool fits = values[i] >= 0 && values[i] <= 65535;  // false for NaN
     const auto integer = static_cast<std::uint16_t>(fits ? values[i] : 0.0f);
     integers[i] = integer;
-    // The sign is looked at by itself: without trapping mathematics g++ turns the two conversions into a truncation,
-    // and that keeps the sign of -0.
+    // The sign is tested separately: with -fno-trapping-math g++ turns the two conversions into a truncation, which
+    // keeps the sign of -0.
     const auto bits = std::bit_cast<std::uint32_t>(values[i]);
     different |= (std::bit_cast<std::uint32_t>(static_cast<float>(integer)) ^ bits) | (bits >> 31);
   }
@@ -94,7 +96,7 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
   return integers;
 }
 
-// Valid until the thread makes another.
+// Returns the grid indices of the values, valid until the next call on the same thread.
 SCANMILL_BEST_INSTRUCTIONS QuantisedColumn onGrid(std::span<const float> values, const Grid& grid) {
   thread_local Scratch<std::int32_t> scratch;
   std::int32_t* indices = scratch.get(values.size());
@@ -158,7 +160,7 @@ class DracoFormat : public Format {
     return writer.finish();
   }
 
-  // The time of a point follows from its ring and column, so it is kept only where somebody asks for it.
+  // The time of a point follows from its ring and column, so it is kept only if the option `time` asks for it.
   bool keeps(const Column& column) const { return column.name != kTime.row.name || options_.time; }
 
   template <class T>
@@ -189,7 +191,7 @@ class DracoFormat : public Format {
     }
   }
 
-  // A foreign scan may hold anything under a column's name: only values that can be the column's are rounded as such.
+  // True if the column may be rounded: a scan of another program may hold values that are not valid for its name.
   static bool allValid(const Column& column, const std::vector<float>& values) {
     if (!allFinite(values)) return false;
     if (column.validity != ColumnValidity::Interval) return true;
@@ -216,7 +218,7 @@ class DracoFormat : public Format {
     if (options_.intensityBits > 0 && allFinite(values)) {
       const auto [low, high] = std::minmax_element(values.begin(), values.end());
       const double bound = (double{*high} - double{*low}) / (std::exp2(options_.intensityBits) - 1) / 2;
-      // A narrow span far from zero has no more bits than these to give: it stays as it is.
+      // Over a narrow range far from zero float32 has hardly more than these bits: the values are stored exactly.
       if (bound > std::max(std::fabs(*low), std::fabs(*high)) * 0x1p-21) {
         const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: intensity");
         return writer.addQuantised(name, onGrid(values, grid));

@@ -15,21 +15,22 @@ namespace scanmill {
 
 namespace {
 
-// A header can announce any number of points, and Draco allocates what it says. Points of which nothing changes take
-// no bits at all, hence the first of the two limits, the largest sensor that we know of (2048 x 2048).
+// A header can announce any number of points, and Draco allocates memory for all of them: hence two limits. Points that
+// do not differ take no bits at all, so the first limit does not depend on the bytes: it is the largest sensor known
+// (2048 x 2048).
 constexpr std::uint64_t kPointsWithoutBytes = std::uint64_t{1} << 22;
 constexpr std::uint64_t kPointsPerByte = 64;
 constexpr std::uint64_t kMostBytesPerPoint = 256;
 constexpr int kDeepestMetadata = 8;
 
-// Walks over what comes before the values, and refuses what would make the decoder allocate without need.
+// Checks all that comes before the values, and refuses sizes for which the decoder would allocate memory without need.
 class HeaderCheck {
  public:
   HeaderCheck(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what, 0, 0} {}
 
   void run() {
     if (!bytes_.starts_with("DRACO")) fail("not a Draco file");
-    skip(7);  // and the version, which the decoder judges
+    skip(7);  // the magic number and the version, which the decoder checks
     if (byte() != draco::POINT_CLOUD) fail("a Draco mesh, not a point cloud");
     const std::uint8_t method = byte();
     if (method > draco::POINT_CLOUD_KD_TREE_ENCODING) fail("unknown Draco method");
@@ -158,7 +159,7 @@ class CloudReader {
     return nullptr;
   }
 
-  // Empty: the attribute has no name.
+  // Returns the attribute's name; empty if it has none.
   std::string nameOf(int attribute) const {
     const draco::AttributeMetadata* metadata = cloud_.GetAttributeMetadataByAttributeId(attribute);
     std::string name;
@@ -166,7 +167,7 @@ class CloudReader {
     return name;
   }
 
-  // What has a name that the table of columns does not have, and one value a point.
+  // Reads attributes with one value per point and a name that the table of columns does not have.
   void readForeign(Scan& scan) const {
     if (!cloud_.GetMetadata()) return;
     for (int i = 0; i < cloud_.num_attributes(); ++i) {
@@ -181,7 +182,7 @@ class CloudReader {
     }
   }
 
-  // Fills components after each other, point by point.
+  // Writes the attribute's values to `to`: point by point, the components of a point one after the other.
   template <class T>
   void readAttribute(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
     visitStored(attribute, name, [&]<class Stored>(Stored) { convert<Stored>(attribute, name, to); });

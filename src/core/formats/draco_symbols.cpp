@@ -16,7 +16,7 @@ namespace {
 
 using Counts = std::vector<std::uint32_t>;
 
-constexpr int kMaxRawBits = 18;  // of a symbol that has an entry of its own in the table of probabilities
+constexpr int kMaxRawBits = 18;  // bits of the largest symbol that can have its own entry in the table of probabilities
 constexpr std::uint8_t kTagged = 0;
 constexpr std::uint8_t kRaw = 1;
 constexpr int kTagPrecisionBits = 12;
@@ -25,10 +25,11 @@ struct Histogram {
   Counts counts;  // up to the largest symbol
   std::uint64_t total = 0;
   std::uint32_t unique = 0;
-  double bits = 0;  // Shannon: what the symbols take, without the table
+  double bits = 0;  // Shannon's bound for the symbols, without the table
 };
 
-// Runs of one symbol are the rule (a label, a column): four tables keep an increment from waiting for the last one.
+// Counts the symbols. Long runs of one symbol (labels, columns) are common: with four tables an increment need not wait
+// for the one before.
 template <class Symbol>
 Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t largest) {
   constexpr std::size_t kTables = 4;
@@ -60,13 +61,14 @@ Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t larg
   return result;
 }
 
-// About what the table takes: two bytes for a symbol that occurs, one for up to 64 in a row that do not.
+// Returns about how many bits the table takes: two bytes for each symbol that occurs, one byte for up to 64 in a row
+// that do not occur.
 double tableBits(const Histogram& h) {
   return 16.0 * h.unique + 8.0 * std::min<double>(h.unique, static_cast<double>(h.counts.size() - h.unique)) +
          static_cast<double>(h.counts.size()) / 8;
 }
 
-// Probabilities in units of 2^-precisionBits: at least 1 for a symbol that occurs, their sum exactly 1.
+// Returns probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs, their sum exactly 1.
 std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
   const std::int64_t whole = std::int64_t{1} << precisionBits;
   std::vector<std::uint32_t> result(h.counts.size());
@@ -83,7 +85,7 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
     result[largest] += static_cast<std::uint32_t>(whole - sum);
     return result;
   }
-  // Many rare symbols were rounded up to 1: the others give way in proportion.
+  // Many rare symbols were rounded up to 1: the others are reduced in proportion.
   while (sum > whole) {
     std::int64_t shrinkable = 0;
     for (const std::uint32_t p : result) shrinkable += p > 1 ? p - 1 : 0;
@@ -103,7 +105,8 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
   for (std::size_t s = 0; s < probability.size(); ++s) {
     const std::uint32_t p = probability[s];
     if (p == 0) {
-      // The two low bits 3, then how many more symbols do not occur; the last one always does.
+      // The two low bits are 3, the others count further symbols that do not occur. The last symbol of the table always
+      // occurs.
       std::size_t more = 0;
       while (more < 63 && probability[s + more + 1] == 0) ++more;
       out.push_back(static_cast<char>((more << 2) | 3));
@@ -116,16 +119,17 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
   }
 }
 
-// Coding a symbol of probability p: bytes leave until the state is below 1024 p, then the state becomes
-// (state / p) * 2^precision + state % p + start, that is state + (state / p) * rest + start. The state lies between
-// 4 and 1024 times 2^precision, so for each symbol either `bits` or `bits` + 8 leave, and the division is a
-// multiplication that is exact for states below 2^31, of the state before its bits leave: the chain from one state to
-// the next is two multiplications long, where Draco's has a division and unpredictable branches.
+// Coding a symbol of probability p writes the low bytes of the state until the state is below 1024 p. Then the state
+// becomes (state / p) * 2^precision + state % p + start, which is state + (state / p) * rest + start. The state lies
+// between 4 and 1024 times 2^precision, so each symbol writes either `bits` or `bits` + 8 bits. The division is a
+// multiplication by the reciprocal, exact for states below 2^31, and starts from the state before its bits are written.
+// So only two multiplications lie between one state and the next, where Draco has a division and unpredictable
+// branches.
 struct Step {
   std::uint32_t reciprocal;  // 2^(shift - bits) / p, rounded up
-  std::uint32_t limit;       // from this state on, 8 more bits leave
+  std::uint32_t limit;       // from this state on, 8 more bits are written
   std::uint32_t rest;        // 2^precision - p
-  std::uint32_t start;       // sum of the probabilities before
+  std::uint32_t start;       // sum of the probabilities of the symbols before
   std::uint16_t bits;
   std::uint16_t shift;
 };
@@ -150,7 +154,7 @@ std::vector<Step> steps(const std::vector<std::uint32_t>& probability, int preci
   return result;
 }
 
-// The table and the symbols, which a rANS decoder reads in reverse order.
+// Appends the table and the symbols, the last symbol first, since a rANS decoder reads them in reverse order.
 template <class Symbol>
 void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, std::string& out) {
   const std::vector<std::uint32_t> probability = probabilities(h, precisionBits);
@@ -172,7 +176,7 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
       state = (state >> bits) + step.start + quotient * step.rest;
     }
   }
-  // The last state, its length in the two high bits.
+  // Appends the last state, with its length in the two high bits.
   const std::uint32_t last = state - base;
   const int bytes = last < (1u << 6) ? 1 : last < (1u << 14) ? 2 : last < (1u << 22) ? 3 : 4;
   const std::uint32_t tail = last | (static_cast<std::uint32_t>(bytes - 1) << (8 * bytes - 2));
@@ -186,7 +190,7 @@ std::uint8_t bitLength(std::uint32_t value) {
   return static_cast<std::uint8_t>(std::bit_width(value | 1u));
 }
 
-// The length in bits of each entry's widest component; valid until the thread asks for others.
+// Returns the length in bits of each entry's widest component, valid until the next call on the same thread.
 template <std::size_t kComponents>
 std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols) {
   thread_local Scratch<std::uint8_t> scratch;
@@ -200,7 +204,7 @@ std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols)
   return {lengths, entries};
 }
 
-// Every entry's length through rANS, then its components with that many bits each.
+// Appends every entry's length through rANS, then the components of each entry with that many bits each.
 void appendTagged(std::span<const std::uint32_t> symbols, int components, std::span<const std::uint8_t> lengths,
                   const Histogram& h, std::string& out) {
   out.push_back(static_cast<char>(kTagged));
@@ -222,7 +226,7 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
   out.append(room, to);
 }
 
-// Draco's rule for the precision: from the number of symbols that occur, and the level.
+// Returns the precision by Draco's rule, from the number of different symbols and the level.
 int symbolBits(std::uint32_t unique, int level) {
   const int more = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
   return std::clamp(static_cast<int>(std::bit_width(unique)) + more, 1, kMaxRawBits);

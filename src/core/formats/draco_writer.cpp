@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-// From 25 bits on, a decoder's step = range / float(2^bits - 1) is range / 2^bits: exactly the step that we mean.
+// A decoder's step = range / float(2^bits - 1) equals the encoder's step, range / 2^bits, from 25 bits on.
 constexpr int kLeastBits = 25;
 
 template <class T>
@@ -36,13 +36,14 @@ std::uint32_t zigzag(std::int32_t value) {
 }
 
 struct Symbols {
-  std::span<std::uint32_t> values;  // valid until the thread makes others
+  std::span<std::uint32_t> values;  // valid until the next call of correct() on the thread
   std::int32_t low = 0;
   std::int32_t high = 0;
-  bool predicted = true;  // from the point before; else the values themselves
+  bool predicted = true;  // differences to the point before; else the values themselves
 };
 
-// Differences to the point before, wrapped around the range of the values ("wrap transform" of the specification).
+// Returns the differences to the point before, wrapped around the range of the values ("wrap transform" of the
+// specification).
 template <class T>
 Symbols correct(std::span<const T> values, std::size_t components) {
   thread_local Scratch<std::uint32_t> scratch;
@@ -129,9 +130,9 @@ std::string DracoWriter::finish() const {
   out += names_;
   appendVarint(entries_, out);
   out += entryBytes_;
-  appendVarint(0, out);  // no metadata within
+  appendVarint(0, out);  // no nested metadata
   appendRaw(points_, out);
-  out.push_back(attributes_ > 0 ? 1 : 0);  // groups of attributes
+  out.push_back(attributes_ > 0 ? 1 : 0);  // number of groups of attributes
   if (attributes_ == 0) return out;
   appendVarint(attributes_, out);
   out.reserve(out.size() + descriptors_.size() + encoders_.size() + values_.size() + grids_.size());
@@ -178,7 +179,7 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
     appendRaw(symbols.high, values_);
   } else {
     values_.push_back(static_cast<char>(draco::PREDICTION_NONE));
-    values_.push_back(0);  // as they are, with
+    values_.push_back(0);  // not entropy coded, but as integers of this many bytes:
     values_.push_back(sizeof(std::uint32_t));
     values_.append(reinterpret_cast<const char*>(symbols.values.data()), symbols.values.size_bytes());
   }

@@ -3,8 +3,8 @@
 // Writes point clouds in Draco's bit stream, version 2.3, sequential method (https://google.github.io/draco/spec).
 //
 // Draco's own encoder copies every column into an attribute, from there into 32-bit integers and from there into
-// corrections, value by value, and searches the entropy of each: see draco.cpp for what that costs. Here a column
-// becomes symbols in one pass over it. Any Draco decoder reads the result.
+// corrections, value by value, and computes the entropy of each: draco.cpp says what that costs. This writer turns a
+// column into symbols in one pass. Any Draco decoder reads the result.
 
 #include <cstdint>
 #include <span>
@@ -15,7 +15,7 @@ namespace scanmill {
 
 // A column of values on a regular grid. A component of a value is low + index * step.
 struct QuantisedColumn {
-  std::span<const std::int32_t> indices;  // components after each other, point by point; 0 or more
+  std::span<const std::int32_t> indices;  // point by point, a point's components in succession; 0 or more
   std::span<const float> low;             // one per component
   float step = 0;
 };
@@ -24,11 +24,11 @@ class DracoWriter {
  public:
   DracoWriter(std::uint32_t points, int level) : points_(points), level_(level) {}
 
-  // Add an entry to the geometry's metadata.
+  // Adds an entry to the geometry's metadata.
   void addEntry(std::string_view key, std::int32_t value);
   void addEntry(std::string_view key, std::string_view value);
 
-  // Add a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name".
+  // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name".
   // Integers are stored in the narrowest type that holds all values, floats as they are.
   void addPosition(const QuantisedColumn& column);
   void addQuantised(std::string_view name, const QuantisedColumn& column);
@@ -54,8 +54,8 @@ class DracoWriter {
   std::uint32_t entries_ = 0;
   std::string entryBytes_;
   std::string names_;        // metadata of the attributes
-  std::string descriptors_;  // of the attributes
-  std::string encoders_;     // one byte each
+  std::string descriptors_;  // types and components of the attributes
+  std::string encoders_;     // one byte per attribute
   std::string values_;
   std::string grids_;
 };

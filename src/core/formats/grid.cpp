@@ -12,7 +12,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kMaxIndex = (1 << 30) - 2;
-constexpr double kHalfUlp = 0x1p-24;    // of a float32, relative
+constexpr double kHalfUlp = 0x1p-24;    // largest relative rounding error of a float32
 constexpr double kFloatWhole = 0x1p24;  // integers up to here are exact in float32
 
 }  // namespace
@@ -27,8 +27,8 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
   Grid grid;
   const double diagonal = std::sqrt(static_cast<double>(low.size()));  // of a cube of side 1
   const double axisBound = bound / diagonal;
-  const double widest = 2 * axisBound * (1 - 1e-9);  // less the rounding of the index in double
-  // Everything is a multiple of `unit`, and small enough a multiple to be exact in float32.
+  const double widest = 2 * axisBound * (1 - 1e-9);  // less a margin for the rounding of the index in double
+  // The step and all grid points are multiples of `unit`, of at most 2^24 units, hence exact in float32.
   const double reach = std::max(extent, magnitude) + 2 * widest;
   const double unit =
       std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(widest)) - 20));
@@ -38,7 +38,7 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
     for (const float l : low) grid.low.push_back(static_cast<float>(std::floor(l / unit) * unit));
     return grid;
   }
-  // The reader rounds the index, the product and the sum.
+  // The bound must include the reader's rounding of the index, the product and the sum.
   const double rounding = kHalfUlp * (2 * extent + magnitude + 4 * axisBound);
   const double possible = rounding + extent / kMaxIndex;
   if (!(axisBound >= possible)) {
@@ -55,7 +55,7 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
 int mostIndexBits(double reach, std::size_t components, double bound) {
   constexpr int kMostBits = 30;
   const double widest = 2 * bound / std::sqrt(static_cast<double>(components)) * (1 - 1e-9);
-  // What chooseGrid() may round the step down by, as both are powers of two.
+  // chooseGrid() rounds the step down to a multiple of a power of two; `unit` is an upper bound of that power.
   const double unit = std::max(2 * (2 * reach + 2 * widest) / kFloatWhole, widest * 0x1p-20);
   if (unit > widest / 2) return kMostBits;
   const double largest = (2 * reach + unit) / (widest - unit) + 1;

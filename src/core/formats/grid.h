@@ -1,7 +1,7 @@
 #pragma once
 
-// Regular grids for quantised floats. What a reader computes from a grid's indices in float32 is within a stated bound
-// of the original value.
+// Regular grids for quantised floats. The value that a reader computes in float32 from an index lies within a stated
+// bound of the original value.
 
 #include <cstdint>
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// The component c of a grid point is low[c] + index * step, which a reader computes as float(float(index) * step) +
+// The component c of a grid point is low[c] + index * step. A reader computes it as float(float(index) * step) +
 // low[c].
 struct Grid {
   std::vector<float> low;
@@ -18,16 +18,16 @@ struct Grid {
 };
 
 // Chooses a grid for values between `low` and `high`, which have one entry per component. No value is moved by more
-// than `bound`, a Euclidean distance over the components, with the rounding in the reader included. A side has at most
-// 2^30 points. Where float32 has enough bits, the grid's points are exact and all of the bound goes into the step.
-// Throws an InputError that names `what` and says which bound is possible.
+// than `bound`, a Euclidean distance over the components that includes the reader's rounding. A side of the grid has at
+// most 2^30 points. If float32 has enough bits, the grid's points are exact and the step uses all of the bound. If the
+// bound is too small, throws an InputError that names `what` and says which bound is possible.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
-// At most how many bits the largest index has on such a grid for values between -reach and reach.
+// Returns the most bits that an index has on the grid that chooseGrid() chooses for values between -reach and reach.
 int mostIndexBits(double reach, std::size_t components, double bound);
 
-// Writes the index of the nearest grid point for each value; the components of a point follow each other. `indices` has
-// room for as many as there are values.
+// Writes the index of the nearest grid point for each value; the components of a point follow each other. `indices`
+// must have room for one index per value.
 void quantise(std::span<const float> values, const Grid& grid, std::int32_t* indices);
 
 }  // namespace scanmill

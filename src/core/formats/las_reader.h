@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Points that are withheld are left out. Coordinates are metres, as nearly all files have them; the units that a file
-// may state in its coordinate system are not read. Throws InputError that begins with `what`, the name of the bytes:
-// not LAS, of another version, truncated, or compressed (LAZ).
+// Reads the points, except those marked as withheld. Coordinates are taken for metres, as nearly all files have them;
+// the units that a file may state in its coordinate system are not read. Throws an InputError that begins with `what`,
+// the name of the bytes, if they are not LAS, of another version, truncated, or compressed (LAZ).
 Cloud readLas(std::string_view bytes, const std::string& what);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers as bytes, the least significant first, whatever the machine.
+// Writes numbers as bytes, the least significant first, on any machine.
 
 #include <bit>
 #include <concepts>

@@ -1,6 +1,6 @@
 #pragma once
 
-// The makers behind the rows of formats(), each defined in the file of its format.
+// The functions that create the formats of formats(), each defined in the file of its format.
 
 #include <memory>
 

@@ -19,7 +19,8 @@ namespace {
 constexpr std::size_t kAlignment = 64;  // bytes
 constexpr std::size_t kBeforeHeader = 10;
 
-// Bytes of an element: the number behind the order of bytes and the kind; characters ('U') have four.
+// Returns the bytes of an element, from a type such as "<f4": the number behind byte order and kind, times four for
+// text ('U').
 std::size_t elementSize(std::string_view descr) {
   std::size_t size = 0;
   const char* const end = descr.data() + descr.size();
@@ -41,7 +42,7 @@ std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape,
     throw Error(
         fmt::format("{} bytes for an array {} of shape ({}), which has {}", bytes.size(), descr, dimensions, expected));
   }
-  // "(3,)" of one dimension, "(3, 4)" of more.
+  // Python writes "(3,)" for one dimension, "(3, 4)" for more.
   if (!dimensions.empty()) dimensions.resize(dimensions.size() - (shape.size() == 1 ? 1 : 2));
   std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", descr, dimensions);
   const std::size_t used = kBeforeHeader + header.size() + 1;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Arrays of NumPy.
+// Writes NumPy's arrays.
 
 #include <cstddef>
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace scanmill {
 
-// The bytes of a file .npy with an array of this shape, an empty one being a single number. `descr` is the type as
-// NumPy writes it ("<f4", "<u2", "|u1", "<U12"); `bytes` are the elements, little-endian, the last index running
-// fastest. Throws Error where there are more or fewer bytes than the shape has room for.
+// Returns the bytes of a .npy file with an array of this shape; an empty shape is a single number. `descr` is the type
+// as NumPy writes it ("<f4", "<u2", "|u1", "<U12"); `bytes` are the elements, little-endian, the last index running
+// fastest. Throws Error if `bytes` does not have the size that type and shape require.
 std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape, std::string_view bytes);
 
 }  // namespace scanmill

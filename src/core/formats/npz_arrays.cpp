@@ -15,9 +15,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // of an array
+constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // largest array
 
-// Calls visit(name, bytes) for each file .npy of a ZIP archive.
+// Calls visit(name, bytes) for each .npy file of a ZIP archive.
 template <class Visit>
 void readZip(std::string_view bytes, const std::string& what, const Visit& visit) {
   const std::unique_ptr<archive, decltype(&archive_read_free)> zip(archive_read_new(), &archive_read_free);
@@ -49,7 +49,7 @@ void readZip(std::string_view bytes, const std::string& what, const Visit& visit
   }
 }
 
-// The text behind `key` of a Python dictionary, up to the end of the header; empty where it is not there.
+// Returns the text behind `key` in a Python dictionary, up to the end of the header; empty if the key is absent.
 std::string_view valueIn(std::string_view header, std::string_view key) {
   for (const char quote : {'\'', '"'}) {
     const std::string quoted = fmt::format("{}{}{}:", quote, key, quote);
@@ -90,7 +90,7 @@ NpyArray parseNpy(const std::string& name, const std::string& file, const std::s
   }
   const std::size_t element = npyNumberBytes(array.type);
   array.bytes = file.substr(before + length);
-  if (element == 0) return array;  // no number: whoever wants numbers refuses it
+  if (element == 0) return array;  // callers that need numbers refuse it
   if (element > 1 && array.type[0] != '<')
     fail(fmt::format("is of the type {}, big-endian: save it as <f4", array.type));
   std::size_t expected = element;

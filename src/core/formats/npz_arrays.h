@@ -10,17 +10,17 @@
 namespace scanmill {
 
 struct NpyArray {
-  std::string name;                // without .npy
-  std::string type;                // as NumPy writes it ("<f4"); empty where it has no plain name
-  std::vector<std::size_t> shape;  // empty of a single number
-  std::string bytes;               // of numbers as many as shape and type say; the last index runs fastest
+  std::string name;                // file name without .npy
+  std::string type;                // as NumPy writes it ("<f4"); empty if it has no plain name
+  std::vector<std::size_t> shape;  // empty for a single number
+  std::string bytes;               // last index fastest; numbers: as many as shape and type say
 };
 
-// All files .npy of the archive, in its order. Throws an InputError that begins with `what`: no ZIP archive, an array
-// that is damaged, larger than 4 GiB, in Fortran's order or big-endian.
+// Returns all .npy files of the archive, in its order. Throws an InputError that begins with `what` if the bytes are
+// not a ZIP archive or an array is damaged, larger than 4 GiB, in Fortran's order or big-endian.
 std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& what);
 
-// Of an element of a type that NumPy writes like this, if it is a number of 1 to 8 bytes; else 0.
+// Returns the bytes of an element of a NumPy type such as "<f4", if it is a number of 1 to 8 bytes; else 0.
 std::size_t npyNumberBytes(std::string_view type);
 
 }  // namespace scanmill

@@ -103,7 +103,7 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
   };
   scan.rings = most(scan[kRing]);
   scan.columns = most(scan[kColumn]);
-  if (shape.size() == 2) {  // the planes of several returns stand below one another, each with all rings
+  if (shape.size() == 2) {  // one plane per return, one below the other, each with all rings
     const auto rows = static_cast<std::uint32_t>(shape[0]);
     scan.organised = true;
     scan.planes = scan.rings > 0 && rows % scan.rings == 0 ? rows / scan.rings : 1;

@@ -9,11 +9,12 @@
 
 namespace scanmill {
 
-// The positions are the array `xyz` or `points`, of shape (N, 3) or (rings, columns, 3), the latter with misses as NaN;
-// further numbers of a point, as in (N, 4), are its intensity and its ring. An array of the same shape without the last
-// dimension is the column of its name; those that the table of columns does not have are kept as foreign columns, and
-// `labels`, `classes` and `semantic` are taken for `label`. All else is left out. Throws an InputError that begins with
-// `what`: no ZIP archive, an array that is damaged, in Fortran's order, big-endian or of no number, or no positions.
+// Reads a scan. Its positions are the array `xyz` or `points`, of shape (N, 3) or (rings, columns, 3); misses of the
+// latter are NaN. Further numbers per point, as in (N, 4), are intensity and ring. Every other array with one number
+// per point is the column of its name: a foreign column if the table of columns lacks the name, and `label` if it is
+// called `labels`, `classes` or `semantic`. All else is left out. Throws an InputError that begins with `what` if the
+// bytes are not a ZIP archive, an array is damaged, in Fortran's order or big-endian, or the positions are missing or
+// not numbers.
 Scan readNpz(std::string_view bytes, const std::string& what);
 
 }  // namespace scanmill

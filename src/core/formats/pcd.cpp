@@ -3,9 +3,9 @@
 //   format: pcd
 //   encoding: binary_compressed   # LZF over whole columns; or binary, rows as they are; or ascii
 //
-// Fields: x y z F 4, then the scan's columns in the types of the table of columns (scan/columns.h), but for the label,
-// which is U 4, as PCL's PointXYZL has it. An organised scan keeps WIDTH and HEIGHT, its misses are NaN. A comment
-// keeps the sensor's rings and columns.
+// Fields: x y z F 4, then the scan's columns in the types of the table of columns (scan/columns.h), except the label,
+// which is U 4 as in PCL's PointXYZL. An organised scan keeps WIDTH and HEIGHT, and its misses are NaN. A comment in
+// the header states the sensor's rings and columns.
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ namespace {
 
 enum class Encoding { Compressed, Binary, Ascii };
 
-constexpr double kMostLzfGrowth = 33.0 / 32;  // a byte before up to 32 that are kept as they are
+constexpr double kMostLzfGrowth = 33.0 / 32;  // one more byte for up to 32 bytes that do not shrink
 
 template <class T>
 constexpr std::size_t storedSize(std::string_view name) {
@@ -48,7 +48,7 @@ std::size_t rowSize(const Scan& scan) {
 }
 
 double mostHeaderBytes(ColumnSet columns) {
-  std::size_t bytes = 350;  // without columns, with the longest numbers
+  std::size_t bytes = 350;  // without columns, numbers at their longest
   for (const std::string& name : columns.names()) bytes += name.size() + std::string_view(" , 4 F 1").size();
   return static_cast<double>(bytes);
 }
@@ -100,7 +100,8 @@ void scatterColumn(std::string_view name, const T* values, std::size_t count, ch
   scatter(values, count, to, stride);
 }
 
-// Rows. A block stays in the first-level cache while one column after the other is spread over it.
+// Appends the points as rows. Each block of rows stays in the first-level cache while its columns are written one after
+// the other.
 void appendBinary(const Scan& scan, std::string& out) {
   constexpr std::size_t kBlockBytes = 12 * 1024;
   const std::size_t stride = rowSize(scan);
@@ -121,7 +122,7 @@ void appendBinary(const Scan& scan, std::string& out) {
   }
 }
 
-// One column after the other, LZF over all, behind the sizes before and after decompression.
+// Appends the sizes before and after decompression, then the columns one after the other, compressed together by LZF.
 void appendCompressed(const Scan& scan, std::string& out) {
   const std::size_t size = scan.size();
   const std::size_t raw = rowSize(scan) * size;
@@ -175,7 +176,7 @@ class Pcd : public Format {
       out = header(scan, "ascii");
       appendRows(scan, ' ', out);
     } else if (encoding_ == Encoding::Binary || scan.size() == 0) {
-      // LZF has no empty block: without points the header says it all.
+      // LZF has no empty block: without points the header is enough.
       out = header(scan, "binary");
       appendBinary(scan, out);
     } else {

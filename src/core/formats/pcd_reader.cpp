@@ -38,14 +38,14 @@ struct PcdHeader {
   std::uint64_t rowWords = 0;  // elements in a row
   std::string_view data;
   std::string_view body;
-  int bodyLine = 0;                                    // where the body starts
+  int bodyLine = 0;                                    // line where the body starts
   std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns
   bool organised = false;
 };
 
 constexpr std::uint64_t kMostFields = 1024;
 constexpr std::uint64_t kMostElements = 65536;
-// LZF's longest back reference gives 264 bytes for 3.
+// LZF expands at most by its longest back reference, 3 bytes to 264.
 constexpr std::uint64_t kLzfGain = 88;
 
 Words split(std::string_view line) {
@@ -187,7 +187,8 @@ class HeaderReader {
   bool pointsKnown_ = false;
 };
 
-// Values of one field: `first` is its first byte, `step` the bytes to the next point's. Fills to[0], to[stride] ...
+// Converts the values of one field: `first` is its first byte, `step` the bytes to the next point's value. Fills to[0],
+// to[stride] ...
 template <class Stored, class T>
 void convert(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride, std::size_t points,
              const Location& where) {
@@ -261,7 +262,7 @@ class BodyReader {
     return &*found;
   }
 
-  // Sensors' own recordings call their intensity so (Ouster).
+  // The name of the intensity in recordings of some sensors (Ouster).
   static constexpr std::string_view kReflectivity = "reflectivity";
 
   const PcdField* findColumn(std::string_view name) const {
@@ -269,8 +270,8 @@ class BodyReader {
     return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
   }
 
-  // Fields that belong to no column of the table are kept, but for those of several values a point, and the padding
-  // that PCL calls "_".
+  // True if the field is kept as a foreign column: it belongs to no column of the table, has one value per point, and
+  // is not padding, which PCL calls "_".
   static bool isForeign(const PcdField& field) {
     return field.count == 1 && field.name != "_" && field.name != "x" && field.name != "y" && field.name != "z" &&
            columnIndex(field.name) == kColumnCount;
@@ -328,7 +329,7 @@ class BodyReader {
     return readTable(planes.get(), true);
   }
 
-  // Rows of fields, or one field after the other where `planar`.
+  // Reads rows of fields or, if `planar`, one field after the other.
   Scan readTable(const char* table, bool planar) {
     Scan scan = newScan();
     const std::size_t points = header_.points;
@@ -362,7 +363,8 @@ class BodyReader {
   }
 
   Scan readAscii() {
-    // A row takes at least a digit and a separator per element: no header makes us reserve more than that.
+    // Each element takes at least a digit and a separator, so the size of the body bounds the memory that a false
+    // header can make this function reserve.
     if (header_.points > 0 && header_.points > header_.body.size() / (2 * header_.rowWords) + 1) {
       throw InputError(where_,
                        fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
@@ -428,7 +430,7 @@ class BodyReader {
   const PcdHeader& header_;
   Location where_;
   Vec3d* origin_;
-  std::vector<Vec3d> exact_;  // m, where there is an origin: until it is known
+  std::vector<Vec3d> exact_;  // m, positions before the origin is subtracted; used if an origin is asked for
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ struct PlyType {
 
 struct PlyProperty {
   std::string name;
-  PlyType count{};  // of a list; its size is 0 where the property is a single value
+  PlyType count{};  // type of a list's length; of size 0 if the property is a single value
   PlyType value{};
 
   bool isList() const { return count.size > 0; }
@@ -38,8 +38,8 @@ struct PlyHeader {
   bool isMac = false;  // lines end with a carriage return alone
 };
 
-// Reads the header of a PLY file. Throws an InputError that names the file, the line and what is wrong: there is no
-// end_header, a line or type is unknown, or there are more elements than the file has bytes.
+// Reads the header of a PLY file. Throws an InputError that names the file, the line and the fault: there is no
+// end_header, a line or type is unknown, or an element has a larger count than the file has bytes.
 PlyHeader readPlyHeader(const std::filesystem::path& file);
 
 }  // namespace scanmill

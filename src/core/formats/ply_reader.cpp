@@ -22,7 +22,8 @@
 namespace scanmill {
 namespace {
 
-// What a property is called in a scan: in lower case, without CloudCompare's prefix, and by the name of our column.
+// Returns the name of a property's column: lower case, without CloudCompare's prefix, and the table's name for a
+// synonym.
 std::string columnNameOf(const std::string& property) {
   static const std::map<std::string, std::string> kOthers{{"class", "label"},
                                                           {"classification", "label"},

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the points of a PLY file: its element `vertex`, whatever else it has.
+// Reads the points of a PLY file, its element `vertex`.
 
 #include <filesystem>
 
@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-// See readCloud() of formats/cloud_file.h for the names of columns. Throws InputError with the file and its line.
+// For the names of columns see readCloud() in formats/cloud_file.h. Throws an InputError with the file and line.
 Cloud readPly(const std::filesystem::path& file);
 
 }  // namespace scanmill

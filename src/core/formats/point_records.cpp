@@ -26,12 +26,12 @@ std::vector<T> valuesOf(std::string_view bytes) {
   return values;
 }
 
-// The rings that points of one ring after another, each from straight ahead round to there, belong to; empty where the
-// order is none of that kind. A ring ends where the way round passes straight ahead after half a turn or more, so that
-// points which stand a little out of order there do not begin another.
+// Returns the ring of each point, if the points are ordered by ring and each ring is one turn that starts straight
+// ahead; empty if they are ordered otherwise. A ring ends where the azimuth passes straight ahead after at least half a
+// turn, so that points slightly out of order at that azimuth do not begin another ring.
 std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   constexpr std::size_t kFewest = 8, kMost = 256;
-  constexpr double kOrdered = 0.9;  // of the rings lie below the one before
+  constexpr double kOrdered = 0.9;  // share of the rings that must lie below the ring before
   std::vector<double> azimuth;
   double way = 0;
   for (const Vec3f& p : points) {
@@ -57,7 +57,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   }
   if (begins.size() < kFewest) return {};
   begins.push_back(points.size());
-  std::vector<double> elevations;  // of each ring, the median
+  std::vector<double> elevations;  // rad, each ring's median
   for (std::size_t r = 0; r + 1 < begins.size(); ++r) {
     std::vector<double> own;
     for (std::size_t i = begins[r]; i < begins[r + 1]; ++i) {
@@ -99,7 +99,7 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
   std::uint32_t rings = 0;
   for (std::size_t at = 0; at < values.size(); at += numbers) {
     const Vec3f p{values[at], values[at + 1], values[at + 2]};
-    // Written so that NaN fails it too.
+    // Written so that NaN fails the test, too.
     const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
     if (!near(p.x) || !near(p.y) || !near(p.z)) {
       throw InputError({what}, fmt::format("point {} lies at {}, {}, {}: these are no records of {} float32 ({})",

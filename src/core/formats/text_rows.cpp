@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kBuffer = 1 << 16;
 
-// Characters of the longest number of a type, and a separator.
+// The characters of a type's longest number and a separator.
 template <class T>
 constexpr std::size_t kLongest = std::is_same_v<T, float> ? 16  // "-1.17549435e-38"
                                  : std::is_same_v<T, double>
@@ -29,7 +29,7 @@ std::size_t longestRowOf(const Scan& scan) {
 
 template <class T>
 char* append(char* to, T value, char separator) {
-  // The sign of a NaN says nothing, and "-nan" is not what readers expect.
+  // A NaN's sign means nothing, and readers do not expect "-nan".
   if constexpr (std::is_floating_point_v<T>) {
     if (std::isnan(value)) value = std::numeric_limits<T>::quiet_NaN();
   }

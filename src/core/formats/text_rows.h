@@ -11,15 +11,15 @@
 
 namespace scanmill {
 
-// Appends one line per point, its columns in the order of columnNames(). Numbers have the fewest digits that read back
+// Appends one line per point, with columns in the order of columnNames(). Numbers have the fewest digits that read back
 // to the same bits.
 void appendRows(const Scan& scan, char separator, std::string& out);
 
-// How many characters the longest line of a scan with these columns of the table can have.
+// Returns how many characters the longest line of a scan with these columns of the table can have.
 std::size_t longestRow(ColumnSet columns);
 
 // Reads a whole word as a number of any type that a column may have. Throws an InputError at `where` that names
-// `column` where the word is no number or the type does not hold it.
+// `column` if the word is no number or the type cannot hold it.
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where);
 

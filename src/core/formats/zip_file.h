@@ -8,8 +8,8 @@
 
 namespace scanmill {
 
-// The bytes of an archive of these files, each of a name in ASCII and its bytes, deflated, in this order. No clock is
-// written: the same files give the same archive. Throws Error where libarchive cannot make it.
+// Returns the bytes of a ZIP archive of these files, each given by its name in ASCII and its bytes; deflated, in this
+// order. No time is stored: the same files give the same archive. Throws Error if libarchive cannot create the archive.
 std::string zipOf(std::span<const std::pair<std::string, std::string>> files);
 
 }  // namespace scanmill

@@ -27,9 +27,9 @@ namespace {
 
 constexpr int kMaxSize = 16384;
 constexpr int kMostSide = 4096;
-constexpr int kBand = 64;  // rows that are decoded at a time
+constexpr int kBand = 64;  // rows decoded at a time
 
-// Recognises the kind of an image by its first bytes; empty where its name has to tell.
+// Returns the kind of an image by its first bytes; empty if only the ending of its name can tell the kind.
 std::string kindOf(std::string_view bytes) {
   const auto starts = [&](std::string_view magic, std::size_t at = 0) {
     return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
@@ -46,12 +46,12 @@ std::string kindOf(std::string_view bytes) {
   return {};
 }
 
-// True for the kinds that are read by libpng and libjpeg; all else is OpenImageIO's.
+// True for the kinds that libpng and libjpeg read; OpenImageIO reads all others.
 bool isReadHere(std::string_view kind) {
   return kind == "png" || kind == "jpg";
 }
 
-// By which most kinds are known.
+// Returns the first bytes of a file, which identify most kinds.
 std::string firstBytes(const std::filesystem::path& path) {
   std::string bytes(16, '\0');
   std::ifstream stream(path, std::ios::binary);
@@ -65,7 +65,7 @@ std::string endingOf(const std::string& name) {
   return ending.empty() ? ending : ending.substr(1);
 }
 
-// Returns what a reader says went wrong, on one line.
+// Returns a reader's error message, on one line.
 std::string reason(const std::exception& error) {
   std::string text = error.what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
@@ -82,8 +82,8 @@ const ImagesModule& moduleFor(const std::string& name) {
   }
 }
 
-// Opens the bytes, of the kind that `kind` ends with, or without bytes the file of that name. `name` stands for the
-// image in messages.
+// Opens an image: the bytes, whose kind is the ending of `kind`, or without bytes the file named `kind`. `name` stands
+// for the image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   try {
     const std::string known = kindOf(bytes);
@@ -111,7 +111,7 @@ void readRows(ImageReader& image, int count, std::uint8_t* pixels, const std::st
   }
 }
 
-// The factors that undo the multiplication of an 8-bit colour by each alpha.
+// Returns, for each alpha, the factor that undoes the multiplication of an 8-bit colour by that alpha.
 std::array<float, 256> divisionByAlpha(double gamma) {
   std::array<float, 256> gain{};
   for (std::size_t i = 1; i < gain.size(); ++i) {
@@ -120,8 +120,8 @@ std::array<float, 256> divisionByAlpha(double gamma) {
   return gain;
 }
 
-// A file of a few bytes may claim any size. These kinds have no way to say more in a byte: deflate makes 1032 bytes of
-// one, of 8 pixels each.
+// The most pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, with 8 pixels in
+// each. The header of a small file may claim any size; this bound exposes false claims. It holds for the kinds below.
 constexpr double kMostPixelsPerByte = 8 * 1032;
 
 bool isBoundedByBytes(const std::string& kind) {
@@ -140,7 +140,7 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   if (isBoundedByBytes(kind) && pixels > kMostPixelsPerByte * static_cast<double>(bytes)) {
     fail(fmt::format("the image is damaged: its {} bytes cannot hold {}", bytes, size));
   }
-  // Most readers decode all of it at once, in whatever depth it has.
+  // Most readers decode the whole image at once, in the depth in which it is stored.
   const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
   const double needed = pixels * header.channels * 4;
   const auto limit = static_cast<double>(memoryLimitBytes());

@@ -1,6 +1,6 @@
 #pragma once
 
-// The interface of libscanmill_images.so, in which OpenImageIO is (base/module.h).
+// The interface of libscanmill_images.so, the module that links OpenImageIO (base/module.h).
 
 #include <cstdint>
 #include <memory>
@@ -15,8 +15,8 @@ struct ImageHeader {
   int width = 0;   // px
   int height = 0;  // px
   int channels = 0;
-  int alphaChannel = -1;  // -1 where there is none
-  double alphaGamma = 0;  // colours^gamma were multiplied by alpha; 0 where they were not
+  int alphaChannel = -1;  // -1: none
+  double alphaGamma = 0;  // colours^gamma were multiplied by alpha; 0: they were not
 };
 
 // An image that is open for reading.
@@ -24,8 +24,8 @@ class ImageReader {
  public:
   virtual ~ImageReader() = default;
   virtual ImageHeader header() const = 0;
-  // Reads the next `count` rows, from the top one on: 8 bit a channel, interleaved, width * count * channels bytes.
-  // Throws std::runtime_error in the library's words.
+  // Reads the next `count` rows, from the top one on: 8 bits per channel, interleaved, width * count * channels bytes.
+  // Throws std::runtime_error with the library's message.
   virtual void rows(int count, std::uint8_t* pixels) = 0;
 };
 
@@ -34,8 +34,9 @@ class ImagesModule {
   static constexpr ModuleFile kFile{"libscanmill_images.so", "images other than PNG and JPEG cannot be read",
                                     "install OpenImageIO (on Debian the package libopenimageio-dev)"};
   virtual ~ImagesModule() = default;
-  // Opens an image and reads its header: `bytes`, which the caller keeps as long as the reader, of the kind that the
-  // name ends with, or where there are none the file of that name. Throws std::runtime_error in OpenImageIO's words.
+  // Opens an image and reads its header: `bytes`, of the kind that the ending of `name` gives, or if there are none the
+  // file `name`. The caller must keep the bytes as long as the reader. Throws std::runtime_error with OpenImageIO's
+  // message.
   virtual std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const = 0;
 };
 

@@ -1,7 +1,7 @@
 #include "images/jpeg_reader.h"
 
 #include <cstdio>
-// jpeglib.h includes nothing that it needs.
+// jpeglib.h does not include the headers that it needs.
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// Each scan of a progressive JPEG refines all of it, and a file of few bytes may claim any number. Encoders make ten.
+// Each scan of a progressive JPEG refines the whole image, and a small file may hold very many. Encoders write ten.
 constexpr int kMostScans = 500;
 
 class JpegReader final : public ImageReader {
@@ -25,7 +25,7 @@ class JpegReader final : public ImageReader {
     jpeg_.client_data = this;
     errors_.error_exit = fail;
     errors_.emit_message = failWhereDamaged;
-    errors_.output_message = [](j_common_ptr) {};  // it would print
+    errors_.output_message = [](j_common_ptr) {};  // libjpeg's own function prints
     progress_.progress_monitor = limitScans;
     try {
       guarded([&] { readHeader(bytes); });
@@ -59,7 +59,7 @@ class JpegReader final : public ImageReader {
   }
 
  private:
-  // libjpeg jumps back to here where it fails: `work` holds nothing that would have to be destroyed.
+  // libjpeg jumps back to this place when it fails: `work` must not hold objects that need to be destroyed.
   template <class Work>
   void guarded(const Work& work) {
     if (setjmp(jump_) != 0) throw std::runtime_error(message_.data());
@@ -72,7 +72,7 @@ class JpegReader final : public ImageReader {
     std::longjmp(self.jump_, 1);
   }
 
-  // A negative level is a warning; the others trace what libjpeg does.
+  // A negative level is a warning; other levels trace what libjpeg does.
   static void failWhereDamaged(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
     if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR) fail(common);

@@ -7,9 +7,9 @@
 
 namespace scanmill {
 
-// Opens a JPEG, which the caller keeps as long as the reader, and reads its header. Returns null for an image of four
-// inks (CMYK), which OpenImageIO converts. Damage is thrown as std::runtime_error in libjpeg's words, and so is what
-// libjpeg only warns of, unless the pixels are the same without it.
+// Opens a JPEG and reads its header. The caller must keep the bytes as long as the reader. Returns null for an image of
+// four inks (CMYK), which OpenImageIO converts. Throws std::runtime_error with libjpeg's message for damage, and for
+// anything else that libjpeg warns of, unless it leaves the pixels unchanged.
 std::unique_ptr<ImageReader> openJpeg(std::string_view bytes);
 
 }  // namespace scanmill

@@ -45,7 +45,7 @@ class PngReader final : public ImageReader {
   }
 
  private:
-  // libpng jumps back to here where it fails: `work` holds nothing that would have to be destroyed.
+  // libpng jumps back to this place when it fails: `work` must not hold objects that need to be destroyed.
   template <class Work>
   void guarded(const Work& work) {
     if (setjmp(jump_) != 0) throw std::runtime_error(message_.data());
@@ -71,8 +71,8 @@ class PngReader final : public ImageReader {
 
   void readHeader() {
     png_set_read_fn(png_, this, take);
-    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // all that is not needed for the pixels
-    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // sizes are limited by the header's reader
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // chunks that the pixels do not need
+    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() limits the size
     png_read_info(png_, info_);
     png_set_expand(png_);
     png_set_scale_16(png_);
@@ -99,8 +99,8 @@ class PngReader final : public ImageReader {
   std::array<char, 200> message_{};
   ImageHeader header_;
   bool interlaced_ = false;
-  std::vector<std::uint8_t> whole_;  // of an interlaced one
-  int next_ = 0;                     // row
+  std::vector<std::uint8_t> whole_;  // all rows, of an interlaced image
+  int next_ = 0;                     // next row
 };
 
 }  // namespace

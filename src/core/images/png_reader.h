@@ -7,8 +7,8 @@
 
 namespace scanmill {
 
-// Opens a PNG, which the caller keeps as long as the reader, and reads its header. libpng would write about damage to
-// standard error, where others call it; here what it says is thrown as std::runtime_error. Colours are as stored:
+// Opens a PNG and reads its header. The caller must keep the bytes as long as the reader. Throws std::runtime_error
+// with libpng's message for damage, which libpng by itself would print to standard error. Colours are as stored:
 // profiles and gamma are not applied.
 std::unique_ptr<ImageReader> openPng(std::string_view bytes);
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// The byte whose light is the nearest one.
+// Returns the sRGB byte whose linear value is nearest to `light`.
 std::uint8_t encoded(float light) {
   const std::array<float, 256>& linear = linearOfBytes();
   const auto above = std::lower_bound(linear.begin(), linear.end(), light);
@@ -29,7 +29,7 @@ void Reduction::add(const std::uint8_t* rgba) {
   const std::array<float, 256>& linear = linearOfBytes();
   for (int x = 0; x < width_; ++x, rgba += 4) {
     Sum& sum = sums_[static_cast<std::size_t>(x / factor_)];
-    // A trace of weight, so that what is wholly clear keeps its colour.
+    // A small weight even for alpha 0, so that fully transparent pixels keep their colour.
     const float weight = static_cast<float>(rgba[3]) + 1e-3f;
     for (std::size_t c = 0; c < 3; ++c) sum.light[c] += weight * linear[rgba[c]];
     sum.weight += weight;

@@ -6,16 +6,16 @@
 
 namespace scanmill {
 
-// Makes an image smaller by a whole number, row by row: each pixel is the mean of a square of them. Colours count by
-// their light and their alpha.
+// Reduces an image by a whole factor, row by row: each pixel is the mean of a square of factor x factor pixels. Colours
+// are averaged in linear light, weighted by alpha.
 class Reduction {
  public:
-  // `width`: of the image, px.
+  // `width` is the width of the image to reduce (px).
   Reduction(int width, int factor);
 
-  // Adds a row of 8 bit RGBA.
+  // Adds a row of 8-bit RGBA.
   void add(const std::uint8_t* rgba);
-  // Writes the row of means of the rows since the last one, (width + factor - 1) / factor pixels.
+  // Writes one reduced row, (width + factor - 1) / factor pixels: the means of the rows added since the last call.
   void take(std::uint8_t* rgba);
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// Between linear values and those of sRGB (IEC 61966-2-1), from 0 to 1.
+// Converts between linear values and sRGB values (IEC 61966-2-1), both from 0 to 1.
 
 #include <array>
 #include <cmath>
@@ -16,7 +16,7 @@ inline double linearOf(double srgb) {
   return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
 }
 
-// linearOf() of the 256 values of a byte, which are 255ths.
+// Returns linearOf(i / 255) for each of the 256 values i of a byte.
 inline const std::array<float, 256>& linearOfBytes() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> made{};

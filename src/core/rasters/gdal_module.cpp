@@ -22,7 +22,7 @@ namespace {
   throw std::runtime_error(text.empty() ? otherwise : text);
 }
 
-// A coordinate system, whose axes are in the order of the raster's x and y.
+// A coordinate system whose axes are in the order of the raster's x and y.
 class Reference {
  public:
   explicit Reference(const std::string& definition) : handle_(OSRNewSpatialReference(nullptr)) {
@@ -104,8 +104,8 @@ class Gdal final : public RastersModule {
  public:
   Gdal() {
     GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);  // messages are asked for
-    // GDAL may write statistics beside files of others.
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // fail() fetches the messages
+    // GDAL must not write files of statistics beside the user's files.
     CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
   }
   std::unique_ptr<RasterReader> open(const std::string& file) const override {

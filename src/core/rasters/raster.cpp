@@ -34,8 +34,8 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// GDAL takes what is no number in a text grid (Esri's .asc) for 0. Not a number may be written as nan or 1.#IND, and
-// no sample as * (GRASS).
+// Throws an InputError for words that are not numbers in a text grid (Esri's .asc), since GDAL reads them as 0. Allowed
+// are nan and 1.#IND for "not a number", and * for "no sample" (GRASS).
 void refuseWords(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::size_t line = 0;
@@ -51,7 +51,7 @@ void refuseWords(const std::filesystem::path& file) {
     const std::size_t wrong =
         heading ? std::string_view::npos : row.find_first_not_of(" \t\r0123456789+-.eE*#nNaAiIfFdDqQ");
     if (wrong == std::string_view::npos) continue;
-    const std::size_t from = row.find_last_of(" \t", wrong) + 1;  // 0 where there is none
+    const std::size_t from = row.find_last_of(" \t", wrong) + 1;  // 0 if no blank comes before the word
     const std::string word(row.substr(from, row.find_first_of(" \t\r", wrong) - from));
     throw InputError(
         {file.string(), static_cast<int>(line)},
@@ -59,7 +59,7 @@ void refuseWords(const std::filesystem::path& file) {
   }
 }
 
-// Columns and rows [first, last) of samples whose middles lie within.
+// Returns {first column, first row, end column, end row} of the samples whose centres lie within; ends are excluded.
 std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
   double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
   for (const double x : {within[0], within[2]}) {
@@ -133,7 +133,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
     fail(file, fmt::format("has {} x {} samples; at most {} are read: take fewer by `every` or `within`", raster.width,
                            raster.height, request.mostSamples));
   }
-  // The last samples of what does not divide evenly are left out.
+  // If the window does not divide evenly, its last samples are left out.
   const int taken = raster.width * std::min(request.every, across);
   const int takenDown = raster.height * std::min(request.every, down);
   const double columnsEach = static_cast<double>(taken) / raster.width;

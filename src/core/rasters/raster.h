@@ -1,7 +1,7 @@
 #pragma once
 
-// Rasters that say where on the earth they lie (GeoTIFF and what else GDAL reads). GDAL's module is loaded at the first
-// call, from any thread. Where it cannot be loaded, calls throw an Error that says what to install.
+// Georeferenced rasters (GeoTIFF and all other formats that GDAL reads). The module of GDAL is loaded at the first
+// call, from any thread. If it cannot be loaded, calls throw an Error that says what to install.
 
 #include <array>
 #include <cstdint>
@@ -17,36 +17,36 @@ using RasterBounds = std::array<double, 4>;
 
 struct Raster {
   int width = 0, height = 0;
-  std::vector<float> values;        // by rows; NaN where there is none
-  std::array<double, 6> transform;  // from column and row, counted from the edges of samples, to x and y
+  std::vector<float> values;        // row by row; NaN where there is no value
+  std::array<double, 6> transform;  // from column and row, counted from the raster's outer edges, to x and y
   bool geographic = false;          // x and y are longitude and latitude in degrees
-  double metresPerUnit = 1;         // of x and y, where it is not geographic
-  std::string reference;            // its coordinate system
+  double metresPerUnit = 1;         // of x and y, if not geographic
+  std::string reference;            // definition of the coordinate system
 
-  // x and y of a sample's middle.
+  // Returns x and y of a sample's centre.
   std::array<double, 2> place(int column, int row) const;
-  // Column and row of a place, counted from the edges; fractions are parts of samples.
+  // Returns column and row of a place, counted from the raster's outer edges; fractions are parts of samples.
   std::array<double, 2> sample(double x, double y) const;
-  // The value at a place; NaN outside.
+  // Returns the value at a place; NaN outside of the raster.
   float at(double x, double y) const;
 };
 
 struct RasterRequest {
   int band = 1;
-  int every = 1;     // so many samples along each axis become one
-  bool mean = true;  // their mean; else the middle one, as of numbers of classes
+  int every = 1;     // this many samples along each axis become one
+  bool mean = true;  // their mean; else the middle sample, as for class numbers
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;
 };
 
-// Throws InputError that names the file and what is wrong: it is absent or damaged, no raster, does not say where it
-// lies, has no such band, more samples than are asked for, or none within the bounds.
+// Reads a raster. Throws an InputError that names the file and says what is wrong: it is absent, damaged or no raster,
+// does not say where it lies, has no such band, has more than `mostSamples` samples, or has none within the bounds.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
-// Whether both have the same coordinate system, or one does not say it.
+// True if both have the same coordinate system, or if one does not state its own.
 bool sameReference(const Raster& a, const Raster& b);
 
-// How many bands a raster has. Throws as readRaster().
+// Returns how many bands a raster has. Throws as readRaster() does.
 int bandsOf(const std::filesystem::path& file);
 
 }  // namespace scanmill

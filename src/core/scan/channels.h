@@ -1,7 +1,8 @@
 #pragma once
 
-// What may be known of the hits of a shot's rays. Only the channels that an effect, a column or a recording asks for
-// are allocated and computed. A channel is a row of kChannels, a member of Hits (scan/hits.h) and whoever fills it.
+// Channels are the properties of a hit that may be computed. Only those that an effect, a column or a recording asks
+// for are allocated and computed. A channel has a row of kChannels, a member of Hits (scan/hits.h) and code that fills
+// it.
 
 #include <array>
 #include <cstddef>
@@ -12,7 +13,7 @@
 
 namespace scanmill {
 
-// One array of Hits each (scan/hits.h), where the values are described.
+// Each channel is one array of Hits (scan/hits.h), where the values are described.
 enum class Channel : std::uint32_t {
   Range = 1u << 0,
   Normal = 1u << 1,
@@ -49,13 +50,13 @@ constexpr Channels operator|(Channel a, Channel b) {
 struct ChannelRow {
   Channel channel;
   std::string_view name;  // in messages and plans
-  std::string_view exr;   // of its EXR channel in files of hits; of a vector, that of x
-  bool drawn;             // renderers draw it as a pass
-  bool kept;              // `generate --keep-hits` keeps it
+  std::string_view exr;   // name of its EXR channel in files of hits; of a vector, that of x
+  bool drawn;             // renderers render it as a pass
+  bool kept;              // `generate --keep-hits` stores it
 };
 
 inline constexpr std::array<ChannelRow, 8> kChannels{{
-    {Channel::Range, "range", "range", true, true},  // drawn as depth
+    {Channel::Range, "range", "range", true, true},  // rendered as depth
     {Channel::Normal, "normal", "N.X", true, false},
     {Channel::Instance, "instance", "instance", true, true},
     {Channel::Semantic, "semantic", "semantic", true, true},
@@ -65,7 +66,7 @@ inline constexpr std::array<ChannelRow, 8> kChannels{{
     {Channel::Incidence, "incidence", "incidence", false, true},  // follows from the normal
 }};
 
-// Returns the channels whose row says so, such as channelsThat(&ChannelRow::drawn).
+// Returns the channels whose row has this flag set, for example channelsThat(&ChannelRow::drawn).
 constexpr Channels channelsThat(bool ChannelRow::*says) {
   Channels channels;
   for (const ChannelRow& row : kChannels) channels |= row.*says ? Channels(row.channel) : Channels();

@@ -1,8 +1,8 @@
 #pragma once
 
-// The table of the columns that a point of a scan may have besides its position. Each column is stated here and nowhere
-// else: whoever writes, reads, checks, plans, describes or colours columns goes over this table. A new column is a row
-// here and the lines of sense/gather.cpp that fill it.
+// The table of the columns that a point of a scan may have besides its position. Each column is defined only here: all
+// code that writes, reads, checks, plans, describes or colours columns goes over this table. A new column is a row here
+// and the lines of sense/gather.cpp that fill it.
 
 #include <array>
 #include <cstddef>
@@ -21,21 +21,21 @@ namespace scanmill {
 
 enum class ColumnType : std::uint8_t { Float32, UInt8, UInt16, UInt32 };
 
-// What a value is a property of.
+// Says what the values of a column describe.
 enum class ColumnOrigin : std::uint8_t {
-  Beam,    // of the beam, whatever it meets
-  Hit,     // of the surface that the beam meets, exact and noise-free
-  Return,  // of what the receiver makes of it, after all effects
+  Beam,    // the beam, whatever it hits
+  Hit,     // the surface that the beam hits, exact and noise-free
+  Return,  // what the receiver makes of the hit, after all effects
 };
 
-// What a format with bounded errors (Draco) may do to a column. Integers are always exact.
+// The error that a format with bounded errors (Draco) may add to a column. Integers are always exact.
 enum class ColumnLoss : std::uint8_t {
   Exact,
-  AsPositions,  // as large an error as the format's positions have
+  AsPositions,  // an error as large as that of the format's positions
   Bounded,      // an error of at most Column::lossBound
 };
 
-// Which values are sound.
+// The values that a column may have.
 enum class ColumnValidity : std::uint8_t {
   Any,
   Finite,
@@ -51,9 +51,9 @@ enum class ColumnColors : std::uint8_t {
   Scale,      // a colour map from the least to the greatest value
 };
 
-// How values are shown to people: as numbers, `factor` times the value in `unit`, and as colours.
+// How values are shown to people: as numbers, which are `factor` times the value, in `unit`; and as colours.
 struct ColumnDisplay {
-  std::string_view title{};  // of colours by this column; empty: the column's name
+  std::string_view title{};  // title of the colour legend; empty: the column's name
   std::string_view unit{};
   double factor = 1;
   int decimals = -1;  // -1: five significant digits
@@ -61,30 +61,30 @@ struct ColumnDisplay {
   double scalePower = 1;         // the colour at the part t of the map stands for low + (high - low) * t^scalePower
   double scaleClipped = 0;       // share of the values that lie beyond each end of the scale
   bool scaleOfValidity = false;  // the scale runs from Column::low to Column::high, whatever the values
-  char key = 0;                  // of the viewer, that colours by this column; 0: none
-  bool inReport = false;         // the page of a dataset colours its points by this column too
+  char key = 0;                  // the viewer's key that colours by this column; 0: none
+  bool inReport = false;         // a dataset's report colours its points by this column too
 };
 
 struct Column {
   std::string_view name;  // in files and in output.columns
   ColumnType type;
-  std::string_view unit;     // of stored values; empty: they have none
+  std::string_view unit;     // of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
-  double none;               // the value where there is none, such as in the misses of an organised scan
+  double none;               // stored where a point has no value, such as a miss of an organised scan
   ColumnOrigin origin;
-  Channels channels{};    // of Hits, that it is computed from
-  bool byDefault = true;  // written where a pipeline does not name output.columns
+  Channels channels{};    // channels of Hits that the column is computed from
+  bool byDefault = true;  // written if a pipeline does not name output.columns
   ColumnLoss loss = ColumnLoss::Exact;
   double lossBound = 0;  // in `unit`
   ColumnValidity validity = ColumnValidity::Any;
-  double low = 0;  // of ColumnValidity::Interval
+  double low = 0;  // bounds of ColumnValidity::Interval
   double high = 0;
   ColumnDisplay display{};
 };
 
 inline constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-// Of how the thing moves that a beam meets.
+// Returns the row of a column about the motion of the object that a beam hits.
 constexpr Column motionColumn(std::string_view name, std::string_view unit, Channels channels,
                               std::string_view meaning) {
   return {.name = name,
@@ -99,7 +99,7 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
           .display = {.unit = unit, .decimals = 3}};
 }
 
-// In the order in which files hold them, behind x, y and z.
+// The columns in the order in which files hold them, behind x, y and z.
 inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "intensity",
      .type = ColumnType::Float32,
@@ -167,7 +167,7 @@ inline constexpr auto kColumns = std::to_array<Column>({
      .channels = Channel::Incidence,
      .byDefault = false,
      .loss = ColumnLoss::Bounded,
-     .lossBound = 1e-4,  // 0.006 deg: less than the 0.35 mrad between angles whose float32 cosines are nearest to 1
+     .lossBound = 1e-4,  // 0.006 deg; the float32 cosine of a small angle is itself exact to 0.35 mrad only
      .validity = ColumnValidity::Interval,
      .low = 0,
      .high = kPi / 2,
@@ -274,7 +274,7 @@ inline constexpr auto kColumns = std::to_array<Column>({
 
 inline constexpr std::size_t kColumnCount = kColumns.size();
 
-// The index of a column in the table; kColumnCount where there is none of that name.
+// Returns the index of a column in the table; kColumnCount if no column has that name.
 constexpr std::size_t columnIndex(std::string_view name) {
   std::size_t index = 0;
   while (index < kColumnCount && kColumns[index].name != name) ++index;
@@ -332,7 +332,7 @@ constexpr void forEachColumn(Visit&& visit) {
   (std::make_index_sequence<kColumnCount>());
 }
 
-// The type's name: "float32", "uint8", "uint16" or "uint32".
+// Returns the type's name: "float32", "uint8", "uint16" or "uint32".
 std::string_view nameOf(ColumnType type);
 
 constexpr std::size_t bytesOf(ColumnType type) {
@@ -352,7 +352,7 @@ class ColumnSet {
     for (std::size_t i = 0; i < kColumnCount; ++i) set.add(i);
     return set;
   }
-  // The columns that are written where a pipeline does not name any.
+  // Returns the columns that are written if a pipeline does not name any.
   static constexpr ColumnSet byDefault() {
     ColumnSet set;
     for (std::size_t i = 0; i < kColumnCount; ++i) {
@@ -384,7 +384,7 @@ class ColumnSet {
   }
   constexpr bool operator==(const ColumnSet&) const = default;
 
-  // The channels of Hits that the columns are computed from.
+  // Returns the channels of Hits that the columns are computed from.
   constexpr Channels channels() const {
     Channels needed;
     for (std::size_t i = 0; i < kColumnCount; ++i) {
@@ -392,7 +392,7 @@ class ColumnSet {
     }
     return needed;
   }
-  // The columns' names, in the order of the table.
+  // Returns the columns' names, in the order of the table.
   std::vector<std::string> names() const;
 
  private:
@@ -400,23 +400,23 @@ class ColumnSet {
   std::uint64_t bits_ = 0;
 };
 
-// Which columns a scan keeps, and whether it keeps its misses.
+// Selects the columns of a scan, and whether the scan has its misses and its reasons.
 struct ScanLayout {
   ColumnSet columns = ColumnSet::byDefault();
   bool organised = false;
-  bool reasons = false;  // Scan::reasonOfBeam too
+  bool reasons = false;  // whether Scan::reasonOfBeam is filled
 };
 
-// The names of all rows, in their order.
+// Returns the names of all rows, in their order.
 std::vector<std::string> allColumnNames();
 
-// The names of all columns of a scan as its files list them: "x", "y", "z" and those of the set.
+// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and those of the set.
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 
-// A text with a unit behind it, such as "time (s)"; the text alone where there is no unit.
+// Returns a text with a unit behind it, such as "time (s)"; the text alone if the unit is empty.
 std::string withUnit(std::string_view text, std::string_view unit);
 
-// A stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".
+// Returns a stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".
 std::string displayText(const Column& column, double value);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// What each ray meets: exact and noise-free, misses included.
+// The hit of each ray: exact and noise-free, misses included.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,60 +12,61 @@
 
 namespace scanmill {
 
-// The range of a ray that meets nothing between the sensor's minimum and maximum range.
+// The range of a ray that hits nothing between the sensor's minimum and maximum range.
 constexpr float kMiss = std::numeric_limits<float>::infinity();
 
-// Of a hit whose material is none of the scene's: it is matt.
+// The material of a hit whose surface has no material of the scene: it counts as matt.
 constexpr std::uint16_t kNoMaterial = 0xFFFF;
 
-// How a ray came to what it meets.
+// How a ray reached its hit.
 enum class RayPath : std::uint8_t {
   Direct,
   ThroughGlass,
-  Mirrored,    // off a mirror at least once
-  OwnVehicle,  // it ends at the vehicle that carries the sensor
+  Mirrored,    // reflected by a mirror at least once
+  OwnVehicle,  // the ray ends at the vehicle that carries the sensor
 };
 
-// A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i is that of beam i, and each
-// array is an image of rings x columns, with the beam's index ring * columns + column. An array is empty where its
-// channel was not asked for. A ray that misses has the range kMiss and zero in all other arrays.
+// A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i belongs to beam i, and each
+// array is an image of rings x columns, indexed by ring * columns + column. An array is empty if its channel was not
+// asked for. A ray that misses has the range kMiss and zero in all other arrays.
 struct Hits {
   std::uint32_t rings = 0;    // of the sensor
   std::uint32_t columns = 0;  // of the sensor
   Channels channels;
 
-  // The beam of each ray, and its share of the beam's power, where beams fire several rays; both empty where every beam
-  // fires one.
+  // If beams fire several rays: the beam of each ray, and the ray's share of the beam's power. Both are empty if every
+  // beam fires one ray.
   std::vector<std::uint32_t> beamOfRay;
   std::vector<float> weightOfRay;
-  std::vector<RayPath> pathOfRay;  // empty: all are direct
-  bool glassIsClear = false;       // rays went on behind glass, whose panes scatter nothing
+  std::vector<RayPath> pathOfRay;  // empty: all rays are direct
+  bool glassIsClear = false;       // rays were traced on behind glass; panes then scatter nothing
 
   std::vector<float> range;              // m, from the ray's own origin along the ray
-  std::vector<Vec3f> normal;             // unit, world axes, of the triangle, turned towards the sensor
-  std::vector<std::uint32_t> instance;   // 0: none (stuff)
+  std::vector<Vec3f> normal;             // unit normal of the triangle, world axes, turned towards the sensor
+  std::vector<std::uint32_t> instance;   // id of the object instance; 0: none (stuff)
   std::vector<std::uint16_t> semantic;   // class id of the ontology; 0: unlabeled
   std::vector<std::uint16_t> material;   // index into Scene::materials
   std::vector<std::uint32_t> primitive;  // triangle index in its mesh
   std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
   std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
 
-  // How the material reflects at the hit. Methods fill these three where they know it for each ray, as in passes drawn
-  // by others; they are empty where the figures of Scene::materials hold. Either all three are filled or none.
+  // How the material reflects at the hit. A method fills these three arrays if it knows the values for each ray, as
+  // from passes that another program rendered. If they are empty, the values of Scene::materials apply. Either all
+  // three are filled or none.
   std::vector<float> roughness;         // 0 mirror to 1 matt
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // in units of a white Lambertian target
 
-  // The indices of rays that the method gave up, ascending. They are neither hits nor misses; their range is kMiss, as
-  // nothing is known of it.
+  // The indices of rays that the method gave up, ascending. They are neither hits nor misses; their range is unknown
+  // and set to kMiss.
   std::vector<std::uint32_t> unresolved;
 
-  std::size_t size() const { return std::size_t{rings} * columns; }  // beams
+  std::size_t size() const { return std::size_t{rings} * columns; }  // number of beams
   std::size_t rays() const { return range.size(); }
   bool hit(std::size_t ray) const { return range[ray] < kMiss; }
 
-  // Makes room for one ray a beam: sizes the arrays of the channels that `asked` names, and of Range in any case, and
-  // empties all others. The values are undefined afterwards.
+  // Sizes the arrays for one ray per beam: those of the channels in `asked`, and `range` in any case. Empties all
+  // others. The values are undefined afterwards.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 

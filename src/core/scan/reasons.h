@@ -1,6 +1,6 @@
 #pragma once
 
-// For every beam a reason: what its return comes from, or why it has none.
+// The reason of a beam: what its return comes from, or why it has none.
 
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Those below 16 are the column `cause` of the beam's nearest return.
+// A value below 16 is also the column `cause` of the beam's nearest return.
 enum class Reason : std::uint8_t {
   None = 0,  // not known yet
   Surface = 1,
@@ -37,14 +37,14 @@ struct ReasonEntry {
   std::array<std::uint8_t, 3> color;  // sRGB
 };
 
-// All but None, those of beams with a return first.
+// Returns the rows of all reasons except None; those of beams with a return come first.
 std::span<const ReasonEntry> reasons();
-// Null where no row has the value.
+// Returns null if no row has the value.
 const ReasonEntry* findReason(std::uint8_t value);
-// Null where no row has this name.
+// Returns null if no row has this name.
 const ReasonEntry* findReason(std::string_view name);
 
-// How many beams have each reason; reasons that none has are left out.
+// How many beams have each reason; reasons without beams are left out.
 using ReasonCounts = std::map<std::uint8_t, std::uint64_t>;
 ReasonCounts countReasons(std::span<const std::uint8_t> reasonOfBeam);
 

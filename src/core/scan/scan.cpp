@@ -63,7 +63,7 @@ bool knowsBeams(const Scan& scan) {
   return scan.size() == 0 || (!scan[kRing].empty() && !scan[kColumn].empty());
 }
 
-// The order tells more than the columns, which are zero where a beam missed.
+// In an organised scan the order of the points is reliable; its columns ring and column are zero where a beam missed.
 PointKey keyOf(const Scan& scan, std::size_t point) {
   if (scan.organised) {
     const std::size_t row = point / scan.columns;

@@ -1,6 +1,6 @@
 #pragma once
 
-// A scan: what the sensor reports in one revolution and what is written, a row per point.
+// A scan: the points that the sensor reports in one revolution, one row per point, as they are written to files.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,32 +28,32 @@ struct ForeignColumn {
   Values values;
 };
 
-// A scan is dense or organised. A dense one leaves misses out; its points are ordered by column, then ring, then
-// return. An organised one is an image of `columns` x (planes * rings) pixels, row by row: plane n holds the (n + 1)th
+// A scan is dense or organised. A dense scan leaves misses out; its points are ordered by column, then ring, then
+// return. An organised scan is an image of `columns` x (planes * rings) pixels, row by row: plane n holds the (n + 1)th
 // return of each beam. Its misses have a NaN position and each column's value for "none".
 //
-// A point is known by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan to
-// its noise-free reference, but for the beams that have lost or gained returns: their others are counted anew, the
-// nearest first. Columns that nobody asked for are empty.
+// A point is identified by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan
+// to its noise-free reference, except for beams that have lost or gained returns: their remaining returns are numbered
+// anew, the nearest first. Columns that nobody asked for are empty.
 class Scan {
  public:
   std::uint32_t rings = 0;    // of the sensor
   std::uint32_t columns = 0;  // of the sensor
   bool organised = false;
-  std::uint32_t planes = 1;  // of an organised scan; 1 in dense ones
+  std::uint32_t planes = 1;  // of an organised scan; 1 in a dense scan
 
   std::vector<Vec3f> position;         // m, sensor frame
   std::vector<ForeignColumn> foreign;  // each as long as the scan
 
-  // What became of each beam of the sensor, ring * columns + column: values of Reason (scan/reasons.h). Empty where
-  // nobody asked. It is no column: beams without a return have one too.
+  // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column. Empty
+  // if nobody asked for it. It is not a column, since beams without a return have a reason too.
   std::vector<std::uint8_t> reasonOfBeam;
 
   std::size_t size() const { return position.size(); }
   std::uint32_t width() const { return organised ? columns : static_cast<std::uint32_t>(size()); }
   std::uint32_t height() const { return organised ? planes * rings : 1; }
 
-  // The values of a column of the table, one per point; empty where the scan does not have it.
+  // Returns the values of a column of the table, one per point; empty if the scan does not have it.
   template <std::size_t Index>
   std::vector<typename ColumnKey<Index>::Value>& operator[](ColumnKey<Index>) {
     return std::get<Index>(values_);
@@ -88,20 +88,20 @@ void visitColumns(ScanType& scan, Visit&& visit) {
   }
 }
 
-// The columns of the table that the scan has.
+// Returns the columns of the table that the scan has.
 ColumnSet columnsOf(const Scan& scan);
 
-// "x", "y", "z", then the names of the columns that the scan has, in the order of visitColumns().
+// Returns "x", "y", "z", then the names of the columns that the scan has, in the order of visitColumns().
 std::vector<std::string> columnNames(const Scan& scan);
 
-// Throws Error where a column is neither empty nor as long as the scan, or an organised scan is not planes * rings *
-// columns long.
+// Throws Error if a column is neither empty nor as long as the scan, or if an organised scan does not have planes *
+// rings * columns points.
 void requireConsistent(const Scan& scan);
 
-// The points whose position is finite; the sensor's rings and columns stay.
+// Returns a dense scan of the points with a finite position; the sensor's rings and columns stay.
 Scan withoutMisses(const Scan& scan);
 
-// Which beam a point belongs to, and which of the beam's returns it is, counted from 0.
+// The beam of a point (ring, column), and which of the beam's returns the point is (number, counted from 0).
 struct PointKey {
   std::uint32_t ring = 0;
   std::uint32_t column = 0;
@@ -109,15 +109,15 @@ struct PointKey {
   bool operator==(const PointKey&) const = default;
 };
 
-// Whether the scan says which beam each of its points belongs to. An organised scan says it by its order, a dense one
-// by its columns ring and column. True for a scan without points.
+// True if the scan says which beam each of its points belongs to: an organised scan by its order, a dense scan by its
+// columns ring and column. True for a scan without points.
 bool knowsBeams(const Scan& scan);
 
-// The key of a point of a scan that knows its beams. Where a dense scan has no column `return`, every point is taken
-// for a first return.
+// Returns the key of a point of a scan that knows its beams. If a dense scan has no column `return`, every point counts
+// as a first return.
 PointKey keyOf(const Scan& scan, std::size_t point);
 
-// How far the keys of a scan reach: one more than the largest ring, column and number.
+// Returns one more than the largest ring, column and number in the keys of a scan.
 PointKey extentOf(const Scan& scan);
 
 }  // namespace scanmill
