@@ -8,12 +8,12 @@
 namespace scanmill::models {
 namespace {
 
-// Of a grown animal (m).
+// Dimensions of a grown animal (m).
 struct AnimalForm {
   double length;    // from chest to rump
   double height;    // of the back
   double depth;     // of the chest
-  double width;     // half of it
+  double width;     // half width of the chest
   double neck;      // length
   double head;      // length
   double leg;       // thickness

@@ -11,9 +11,9 @@ namespace {
 
 namespace gtl = boost::polygon;
 
-constexpr double kBelowSlopes = -3;  // m, for slopes
-constexpr double kRooms = 3.6;       // m deep
-constexpr double kUnit = 1e-3;       // m, of Boost's whole numbers
+constexpr double kBelowSlopes = -3;  // m, foot of the walls on sloping ground
+constexpr double kRooms = 3.6;       // m, depth of rooms
+constexpr double kUnit = 1e-3;       // m per unit of Boost's integer coordinates
 
 using Ring = gtl::polygon_data<int>;
 using Shape2 = gtl::polygon_set_data<int>;
@@ -97,7 +97,7 @@ class BlockMaker {
     return nearest;
   }
 
-  // The building lies to the left of the way from a to b.
+  // Adds the wall from a to b; the building lies to its left.
   void wall(const Point2& a, const Point2& b, bool door) {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
@@ -151,7 +151,7 @@ class BlockMaker {
     }
   }
 
-  // At the back of the rooms, all round.
+  // Adds walls at the back of the rooms, all round the building.
   void innerWalls() {
     Shape2 core = plan_;
     core.shrink(static_cast<unsigned>(kRooms / kUnit));

@@ -9,11 +9,11 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kFoundation = -0.4;  // walls begin below the ground, m
+constexpr double kFoundation = -0.4;  // m, foot of the walls, below the ground
 constexpr double kStorey = 2.9;       // m
 
-// Of the rendered houses most are tinted, or grey with age; drawn apart from all else, so that forms stay what they
-// are.
+// Returns the material of a plastered facade; most are tinted, or grey with age. The choice has its own random stream,
+// so that the houses' shapes do not depend on it.
 const char* facadeOf(std::uint64_t seed, const House& house) {
   constexpr std::uint32_t kFacadeDraw = 1000000;
   return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";
@@ -21,7 +21,7 @@ const char* facadeOf(std::uint64_t seed, const House& house) {
 
 constexpr double kThickness = 0.16;  // m, of pitched roofs
 constexpr double kHipEaves = 0.45;   // m, beyond the walls
-constexpr double kInRoof = 0.05;     // m by which the walls of hip roofs end inside them
+constexpr double kInRoof = 0.05;     // m that walls reach into hip roofs
 
 class HouseMaker {
  public:
@@ -76,7 +76,8 @@ class HouseMaker {
   }
 
  private:
-  // The slope first gives way, then the storeys.
+  // Adapts the house to a given top of its roof (m): the storeys are as high as fits, at least kLeastStorey; if even
+  // these do not fit, the roof's slope is reduced, to no less than 6 degrees.
   void reach(double top) {
     constexpr double kLeastStorey = 2.3;  // m
     const double shorter = std::min(h_.width, h_.depth);
@@ -86,7 +87,7 @@ class HouseMaker {
                         : h_.roof == Roof::CrossGable ? h_.width / 2
                                                       : shorter / 2 + kHipEaves;
     const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
-    const double above = flat ? 0.5 : 0.1;  // of the last storey's top, where the walls end
+    const double above = flat ? 0.5 : 0.1;  // m that the walls end above the last storey
     const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
     if (!flat) pitch_ = std::clamp(room / span, std::tan(radians(6.0)), pitch_);
     storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);
@@ -156,7 +157,7 @@ class HouseMaker {
     }
   }
 
-  // A base of the walls that stands 3 cm proud of them.
+  // Adds a base that protrudes 3 cm from the walls.
   void plinth() {
     const double z = (base_ - 0.12 + kFoundation) / 2;
     const double height = base_ - 0.12 - kFoundation;
@@ -188,8 +189,8 @@ class HouseMaker {
     s_.tube(metal_, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
   }
 
-  // A flat slab: a, b along the eaves, c, d along the ridge; counter-clockwise from outside. Its side at the ridge is
-  // hidden and left out.
+  // Adds a flat slab: a, b along the eaves, c, d along the ridge, counter-clockwise seen from outside. The side at the
+  // ridge is hidden and left out.
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
     s_.quad(tile_, a, b, c, d);
@@ -199,7 +200,7 @@ class HouseMaker {
     s_.quad(tile_, d + down, a + down, a, d);
   }
 
-  // The ridge runs along x of the given frame, over a plan of width x depth.
+  // Adds a gable roof over a plan of width x depth; its ridge runs along x of the given frame.
   void gableRoof(const Mat3& turn, const Vec3d& origin, double width, double depth) {
     const Affine outer = s_.frame;
     s_.frame = outer * Affine{turn, origin};

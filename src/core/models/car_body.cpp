@@ -1,5 +1,5 @@
 // A body is lofted: cross-sections along x follow a side profile (bonnet, windscreen, roof, rear) and leave out the
-// wheel arches; the same surface is paint or glass by where it lies.
+// wheel arches; whether the surface is paint or glass depends on the position.
 
 #include "models/car_body.h"
 
@@ -59,7 +59,7 @@ class BodyMaker {
   }
 
  private:
-  static constexpr int kPoints = 15;  // of half a section, from the middle of the floor to the middle of the roof
+  static constexpr int kPoints = 15;  // points from the middle of the floor to the middle of the roof
 
   double halfWidth(double x) const {
     const double end = f_.length / 2;
@@ -107,7 +107,7 @@ class BodyMaker {
         {x, top * 0.6, t - crown * 0.2},
         {x, 0, t},
     };
-    // Bumpers: around the height of 0.5 m the ends stand out.
+    // Bumpers: the ends protrude around a height of 0.5 m.
     const double end = std::clamp((std::abs(x) - f_.length / 2 + 0.3) / 0.3, 0.0, 1.0);
     for (Vec3d& v : p) v.x += std::copysign(end * bulgeAt(v.y, v.z, w), x);
     return p;
@@ -173,20 +173,21 @@ class BodyMaker {
     cap(left.back(), false);
   }
 
-  // How far the ends stand out at a height and a distance from the middle: bumpers, at 0.5 m, in a curve.
+  // Returns how far the bumpers protrude (m) at a height `z` and a distance `y` from the middle: most at z = 0.48 m,
+  // less towards the sides.
   double bulgeAt(double y, double z, double width) const {
     const double height = (z - 0.48) / 0.42;
     return f_.bulge * std::max(0.0, 1 - height * height) * (1 - 0.5 * std::pow(std::abs(y) / width, 4.0));
   }
 
-  // Closes an end from the right half of its section to the left.
+  // Closes the front or rear between the left and the right half of its section.
   void cap(const std::vector<Vec3d>& half, bool rear) {
     constexpr int kAcross = 8;
     const double end = rear ? -f_.length / 2 : f_.length / 2;
     const double width = halfWidth(end);
     std::vector<std::vector<Vec3d>> rows;
     for (std::size_t i = 1; i < half.size(); ++i) {
-      if (i == 2) continue;  // at the height of the next
+      if (i == 2) continue;  // same height as the next point
       std::vector<Vec3d> row;
       for (int c = 0; c <= kAcross; ++c) {
         const double y = lerp(half[i].y, -half[i].y, double(c) / kAcross) * (rear ? 1 : -1);
@@ -240,7 +241,7 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
   const SurfaceIndex rubber = shape.surface(className, "rubber");
   const SurfaceIndex rim = shape.surface(className, "metal_bare");
   const SurfaceIndex dark = shape.surface(className, "plastic_black");
-  // The axle is y: z of the profile goes outwards along it.
+  // The axle is the y axis: z of the profile points outwards along the axle.
   const Affine axle = place * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;
   const double inner = radius * 0.64;

@@ -1,4 +1,4 @@
-// What stands about: of roadworks, of gardens, of squares.
+// Objects of roadworks, gardens and squares.
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kClutterSunk = 0.05;  // m
+constexpr double kClutterSunk = 0.05;  // m below the ground
 
 void appendCone(Shape& s, Draw& draw) {
   const SurfaceIndex body = s.surface("object", "plastic_black");
@@ -36,7 +36,7 @@ void appendBarrier(Shape& s) {
   for (const double z : {0.3, 0.95}) s.box(board, {0, 0, z}, {2, 0.03, 0.22});
 }
 
-// A container for rubble, full.
+// Appends a full container for rubble.
 void appendSkip(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("object", "painted_metal");
   const SurfaceIndex rubble = s.surface("object", "soil");
@@ -101,7 +101,7 @@ void appendShed(Shape& s, Draw& draw) {
   const double top = draw.in(1.9, 2.2);
   const int boards = static_cast<int>(2 * x / 0.16);
   s.box(wood, {0, 0, top / 2 - 0.2}, {2 * x - 0.04, 2 * y - 0.04, top + 0.4});
-  for (int k = 0; k < boards; ++k) {  // every other board stands proud
+  for (int k = 0; k < boards; ++k) {  // boards protrude from the wall, with gaps
     const double at = -x + (k + 0.5) * 2 * x / boards;
     for (const double side : {-y, y}) s.box(wood, {at, side, top / 2 - 0.2}, {0.11, 0.03, top + 0.4});
   }
@@ -114,7 +114,7 @@ void appendShed(Shape& s, Draw& draw) {
   s.box(wood, {0, -y - 0.02, 0.85}, {0.8, 0.04, 1.7});
 }
 
-// A basin with a rim of stone; a fountain has a column in its middle.
+// Appends a basin with a rim of stone; a fountain has a column in its middle.
 void appendBasin(Shape& s, Draw& draw, bool fountain) {
   const SurfaceIndex stone = s.surface(fountain ? "structure" : "object", "concrete");
   const SurfaceIndex water = s.surface("water", "water");

@@ -9,12 +9,12 @@
 namespace scanmill::models {
 namespace {
 
-// Turns z to y: tori and wheels stand upright in the plane y = const.
+// Returns the frame that turns z to y, so that tori and wheels stand upright in a plane y = const.
 Affine upright(const Vec3d& center) {
   return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, center};
 }
 
-// Half of a ring over a wheel, as a thin strip with two sides.
+// Appends half of a ring over a wheel, as a thin strip with two sides.
 void appendMudguard(Shape& s, SurfaceIndex surface, const Vec3d& hub, double radius, double width, double from,
                     double to) {
   std::vector<std::vector<Vec3d>> rows;

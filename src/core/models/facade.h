@@ -18,11 +18,12 @@ struct Opening {
 struct FacadeLook {
   SurfaceIndex wall = 0, trim = 0, wood = 0, metal = 0, tile = 0, glass = 0, casing = 0;
   double foundation = -0.4;  // where walls begin, m
-  double top = 6;            // where they end
+  double top = 6;            // where walls end, m
   bool shutters = false;
 };
 
-// In `wallFrame` x goes along the wall (to the right, seen from outside), y up, z outwards. Shutters hang on fronts.
+// Appends a wall with its windows and doors. In `wallFrame` x runs along the wall (to the right, seen from outside), y
+// up, z outwards. Only fronts have shutters.
 void addFacade(Shape& shape, const FacadeLook& look, const Affine& wallFrame, double width,
                const std::vector<Opening>& openings, bool front);
 

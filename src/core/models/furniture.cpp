@@ -1,4 +1,5 @@
-// Street furniture, bus shelters, poster columns, fences and garden walls. What stands in the ground begins below it.
+// Street furniture, bus shelters, poster columns, fences and garden walls. Posts and bases begin a little below the
+// ground.
 
 #include <cmath>
 
@@ -7,7 +8,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kSunk = 0.06;  // m
+constexpr double kSunk = 0.06;  // m below the ground
 
 void appendBench(Shape& s) {
   const SurfaceIndex wood = s.surface("object", "wood");

@@ -7,7 +7,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr std::uint32_t kDetails = 2000000;  // added to the house's number: draws of their own
+constexpr std::uint32_t kDetails = 2000000;  // added to the house's number: a separate random stream
 constexpr double kWall = 0.25;               // thickness of the outer walls, m
 
 class Details {
@@ -38,7 +38,7 @@ class Details {
   double pitch() const { return h_.width / h_.columns; }
   double windowMiddle(int column) const { return (column + 0.5) * pitch(); }
 
-  // Floors, a wall along the house and walls across it between the columns of windows, and a few pieces of furniture.
+  // Adds floors, a wall along the house, walls across it between the columns of windows, and a few pieces of furniture.
   void rooms() {
     const SurfaceIndex inside = s_.surface("building", "plaster");
     const SurfaceIndex boards = s_.surface("building", "wood");
@@ -68,7 +68,7 @@ class Details {
     }
   }
 
-  // To the left and the right of a window of the front, or a blind that is drawn down some way.
+  // Adds curtains at the left and the right of a front window, or a blind that is partly lowered.
   void curtains(int floor, int column) {
     const bool door = floor == 0 && column == h_.doorColumn;
     if (door || (floor == 0 && h_.shop) || !draw_.chance(0.6)) return;
@@ -86,7 +86,7 @@ class Details {
     }
     const double width = half * draw_.in(0.3, 0.95);
     for (const double side : {-1.0, 1.0}) {
-      // In folds.
+      // The curtains hang in folds.
       constexpr int kFolds = 6;
       for (int k = 0; k < kFolds; ++k) {
         const double a = middle + side * (half - width * k / kFolds);
@@ -98,7 +98,7 @@ class Details {
     }
   }
 
-  // Bands around the house between its storeys, and under the eaves.
+  // Adds bands around the house between its storeys, and under the eaves.
   void courses() {
     const double out = draw_.in(0.05, 0.12);
     const double height = draw_.in(0.12, 0.3);
@@ -127,7 +127,7 @@ class Details {
     }
   }
 
-  // The wall between two points of the plan, with a window in each storey.
+  // Adds the wall between two points of the plan, with a window in each storey.
   void bayWall(const Point2& a, const Point2& b, int floors) {
     const auto at = [&](double t, double z) { return Vec3d{lerp(a.x, b.x, t), lerp(a.y, b.y, t), z}; };
     const auto panel = [&](SurfaceIndex surface, double t0, double t1, double z0, double z1) {
@@ -181,7 +181,7 @@ class Details {
     s_.box(m_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
   }
 
-  // Leaves up to a hand's length before the front wall, from the ground; the windows are kept free.
+  // Adds leaves up to 0.35 m in front of the front wall, from the ground upwards; windows and the door stay free.
   void ivy() {
     const SurfaceIndex leaf = s_.surface("vegetation", "leaf");
     const double from = draw_.in(0, 0.6) * h_.width;
@@ -191,7 +191,7 @@ class Details {
     const int count = static_cast<int>((to - from) * top * 70);
     for (int k = 0; k < count; ++k) {
       const double x = draw_.in(from, to);
-      // Ragged upwards and sideways.
+      // Height and depth of the ivy vary along the wall.
       const double ragged = 0.5 + 0.5 * std::sin(5 * x) * std::sin(2.3 * x + 1);
       const double z = top * std::sqrt(draw_.next()) * (0.6 + 0.4 * ragged);
       const double y = -depth * std::sqrt(draw_.next()) * (0.4 + 0.6 * ragged);
@@ -213,7 +213,8 @@ class Details {
     return height > m_.sill && height < m_.sill + m_.windowHeight;
   }
 
-  // Of a shop: a slanted cloth on a frame, the board with the name over it, and a sign that stands out from the wall.
+  // Adds to a shop's front the board with its name, and often an awning (a slanted cloth on a frame) and a sign that
+  // protrudes from the wall.
   void awning() {
     const SurfaceIndex cloth = s_.surface("building", "cloth");
     const double z = m_.base + 2.55;
@@ -233,7 +234,7 @@ class Details {
     for (const double x : {0.45, h_.width - 0.45}) s_.tube(m_.metal, {x, -0.02, low}, {x, -out, low}, 0.02, 0.02, 6);
   }
 
-  // A lamp at the door, a box for meters, now and then a dish or a cooler.
+  // Adds a lamp at the door, a box for meters, now and then a dish or a cooler.
   void fittings() {
     const double door = h_.doorX();
     s_.ball(m_.metal, {door + 0.75, -0.12, m_.base + 1.9}, {0.09, 0.1, 0.14}, 8);
@@ -252,7 +253,7 @@ class Details {
     }
   }
 
-  // At the end of the driveway, to the right of the house: its gate 6.2 m behind the front.
+  // Adds a garage at the end of the driveway, to the right of the house; its gate is 6.2 m behind the house's front.
   void garage() {
     constexpr double kWallFoot = -1.5;
     const double x0 = h_.width + kGarageBeside;
@@ -270,7 +271,7 @@ class Details {
       s_.box(m_.wall, {x, y0 + 0.1, (2.1 + kWallFoot) / 2}, {0.35, 0.2, 2.1 - kWallFoot});
     }
     s_.box(m_.wall, {(x0 + x1) / 2, y0 + 0.1, (2.1 + top) / 2}, {x1 - x0, 0.2, top - 2.1});
-    const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // open ones leave a strip under the lintel
+    const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // lower edge; an open gate leaves a strip under the lintel
     s_.quad(m_.metal, {x0 + 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, 2.12},
             {x0 + 0.3, y0 + 0.15, 2.12});
     for (int k = 1; k < 6 && gate == 0; ++k) {

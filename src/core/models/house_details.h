@@ -1,7 +1,7 @@
 #pragma once
 
-// What makes a facade more than a plane: rooms behind the glass, courses and corner stones, bays, porches, ivy,
-// awnings, a garage. In the house's frame (see House).
+// Details that make a facade more than a plane: rooms behind the glass, courses and corner stones, bays, porches, ivy,
+// awnings, a garage. All in the house's frame (see House).
 
 #include <cstdint>
 
@@ -9,12 +9,12 @@
 
 namespace scanmill::models {
 
-// How a house was built (m).
+// Dimensions of a house (m) and the surfaces of its parts.
 struct HouseMeasures {
-  double base = 0.3;    // the ground floor's height over the ground
+  double base = 0.3;    // height of the ground floor above the ground
   double storey = 2.9;  // from floor to floor
   double wallTop = 6;
-  double sill = 0.8;  // of windows, over their floor
+  double sill = 0.8;  // of windows, above the floor of their storey
   double windowWidth = 1.2, windowHeight = 1.4;
   double reveal = 0.14;      // how far windows are set back
   double foundation = -0.4;  // where walls begin

@@ -1,7 +1,8 @@
 #pragma once
 
-// The workshop of procedural scenes: numbers, a mesh under construction, and one function per kind of object. Frame of
-// an object: metres, x forward, z up, ground at z = 0. Nothing outside scene/ includes this header.
+// Builds the objects of procedural scenes: random numbers, a mesh under construction, and one function per kind of
+// object. Frame of an object: metres, x forward, z up, ground at z = 0. Outside this folder only town/ and tests
+// include this header.
 
 #include <algorithm>
 #include <array>
@@ -21,8 +22,8 @@
 
 namespace scanmill::models {
 
-// What kind of object a random number is for. Every kind has numbers of its own, so that more objects of one kind leave
-// the others as they are. The values are part of what a seed means: append, never renumber.
+// The kind of object that random numbers are for. Each kind has its own random stream, so that more objects of one kind
+// leave the other kinds unchanged. What a seed yields depends on these values: append, never renumber.
 enum class Kind : std::uint32_t {
   Plot = 1,
   Lot,
@@ -62,7 +63,7 @@ enum class Kind : std::uint32_t {
   Grass,
 };
 
-// The random numbers of one object, drawn one after the other.
+// The random stream of one object: each call returns the stream's next number.
 class Draw {
  public:
   Draw(std::uint64_t seed, Kind kind, std::uint32_t object = 0);
@@ -80,10 +81,10 @@ class Draw {
   std::size_t used_ = 4;
 };
 
-// `from`, from + step and so on, as long as they are below `to`.
+// Returns from, from + step, from + 2 * step, ... as long as they are below `to`.
 std::vector<double> steps(double from, double to, double step);
 
-// make(0) to make(count - 1).
+// Returns make(0), ..., make(count - 1).
 template <class Make>
 auto makeForms(int count, const Make& make) {
   std::vector<decltype(make(0))> forms;
@@ -106,16 +107,16 @@ double smooth(double t);  // smoothstep of t, which is clamped to [0, 1]
 
 Affine at(const Vec3d& position);
 Affine at(const Vec3d& position, double yaw);
-// Places the origin at the position and the z axis along the direction; x and y are any axes that fit.
+// Maps the origin to `position` and the z axis to `direction`; the directions of x and y are arbitrary.
 Affine along(const Vec3d& position, const Vec3d& direction);
 
-// A mesh of a scene, and the box around it (m).
+// A mesh of the scene and its bounding box (m).
 struct Model {
   std::uint32_t mesh = 0;
   Box bounds;
 };
 
-// A mesh under construction. All that is appended is transformed by `frame`. Lengths are in metres.
+// A mesh under construction. Everything appended is transformed by `frame`. Lengths are in metres.
 class Shape {
  public:
   Shape(SceneBuilder& builder, std::string name);
@@ -127,21 +128,21 @@ class Shape {
   void box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size);
   void boxAt(SurfaceIndex surface, const Affine& place, const Vec3d& size);
   void ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments = 12);
-  // A closed pipe along a polyline with a radius at each point.
+  // Appends a closed pipe along a polyline with a radius at each point.
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
-  // Revolves a profile of (radius, z) about the z axis. Outside is to the right of the profile's direction, which goes
-  // from bottom to top.
+  // Revolves a profile of (radius, z) about the z axis. The surface faces to the right of the profile's direction:
+  // outwards where the profile goes upwards.
   void revolve(SurfaceIndex surface, const Affine& place, const std::vector<Point2>& profile, int segments,
                bool closed = false);
   void torus(SurfaceIndex surface, const Affine& place, double radius, double thickness, int segments, int around = 8);
-  // A prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. Its top has the surface
-  // `front`, the rest `rim`.
+  // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. Its top has the
+  // surface `front`, the rest `rim`.
   void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, const std::vector<Point2>& polygon,
              double thickness);
-  // Quads between rows of points, all rows being equally long. `wrap` joins the last point of a row to its first; `of`
-  // gives the surface of a quad. Where corners coincide, a quad becomes a triangle. Seen from outside, a quad's corners
-  // go round counter-clockwise from a point to the next one of its row.
+  // Appends quads between rows of points, all rows being equally long. `wrap` joins the last point of a row to its
+  // first; `of` returns the surface of a quad. A quad whose corners coincide becomes a triangle. Seen from outside, the
+  // corners of a quad run counter-clockwise from a point to the next point of its row.
   void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
             const std::function<SurfaceIndex(int row, int column)>& of);
 
@@ -164,24 +165,25 @@ struct Span {
   bool holds(double v) const { return v > low && v < high; }
 };
 
-constexpr double kGarageFrom = 6.2;  // m behind the front of its house
+constexpr double kGarageFrom = 6.2;  // m behind the front of the house
 constexpr double kGarageBeside = 0.25;
 constexpr double kGarageWidth = 3.3;
 constexpr double kGarageDepth = 5.8;
 
 enum class Roof { Flat, Gable, CrossGable, Hip };
 
-// In the house's frame the front wall lies in y = 0 and faces -y. It reaches along x from 0 to width, and the house
-// along y from 0 to depth.
+// A house. In its own frame the front wall lies in y = 0, faces -y and extends from x = 0 to `width`; the house extends
+// from y = 0 to `depth` (m).
 struct House {
-  Affine place;  // where it stands
+  Affine place;  // pose of the house
   double width = 10, depth = 9;
   int floors = 2, columns = 4, doorColumn = 1;
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
-  std::optional<double> top;  // of the roof, m; where there is none, as floors and slope need
-  // The ground before the front that details may take (m): house_details.h. None: the walls stay bare, the house empty.
+  std::optional<double> top;  // m, top of the roof; none: as floors and slope need
+  // Depth of the ground in front of the house that details may use (m), see house_details.h. None: bare walls, no
+  // rooms.
   std::optional<double> forecourt;
   bool garage = false, ivy = false;
 
@@ -189,13 +191,13 @@ struct House {
   Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }
 };
 
-// A building over any outline, with a flat roof and rooms behind its windows, its ground at z = 0.
+// A building over any outline, with a flat roof and rooms behind its windows. Its ground is at z = 0.
 struct Block {
   std::vector<Point2> outline;              // counter-clockwise, without its first point at the end
   std::vector<std::vector<Point2>> courts;  // clockwise
-  int floors = 2;                           // none: a shed without windows
-  double height = 0;                        // of the walls, m, which end 0.4 m above the roof; 0: as the floors need
-  Point2 entrance;                          // the wall that is nearest to it has the door
+  int floors = 2;                           // 0: a shed without windows
+  double height = 0;                        // m, top of the walls, 0.35 m above the roof; 0: as the floors need
+  Point2 entrance;                          // the door is in the wall nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
 };
@@ -210,17 +212,17 @@ struct TreeModel {
   double crownRadius = 2;
 };
 constexpr int kTreeForms = 8;
-constexpr int kBroadleafForms = 6;  // the first of them
-// `detail`: factor on the number of leaves, whose area in all stays the same. `foliage`: part of its leaves that a
-// broadleaf has kept, 0 to 1; what has lost them shows its twigs. `ragged`: how far a broadleaf's crown is from being
-// round, 0 to 1: heavier on one side, with limbs that reach out and gaps between them.
+constexpr int kBroadleafForms = 6;  // the first of the tree forms
+// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: share of its leaves that a
+// broadleaf has kept, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round) to 1:
+// heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
                    double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
 Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
-// 2 m along x, leaves all through it, of a height and depth by its form.
+// 2 m along x, filled with leaves; height and depth depend on the form.
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
-// Shrubs taller than a man.
+// Shrubs of 1.4 to 3.2 m height.
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
 
 enum class CarForm { Hatchback, Sedan, Wagon, Suv, Van, Pickup, Delivery };
@@ -230,10 +232,10 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeBus(SceneBuilder& builder, std::uint64_t seed);
 enum class WorkVehicle { Trailer, Caravan, Tractor, Excavator, Count };
 Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle what, int number);
-// Tyre and rim in the plane y = 0 about the origin, outside to +y.
+// Appends a tyre and rim about the origin of `place`. The axle is the y axis, the outer side is at +y.
 void appendWheel(Shape& shape, std::string_view className, const Affine& place, double radius, double width);
 
-// Where a rider touches a bicycle, in its frame.
+// The points of a bicycle that its rider touches, in the bicycle's frame (m).
 struct BicycleFit {
   Vec3d saddle, leftGrip, rightGrip, leftPedal, rightPedal;
 };
@@ -241,16 +243,16 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form);
 
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
-// The moments of a stride, in their order and evenly apart.
+// A walking person: one mesh for each of the moments of a stride, in order and evenly spaced in time.
 struct Walker {
   std::vector<Model> moments;
-  double stride = 1.3;  // m, from a moment to its next time
+  double stride = 1.3;  // m walked in one cycle of all moments
 };
 Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
 
 constexpr int kAnimalForms = 6;
-constexpr int kPetForms = 3;  // dogs and cats, the first of them; the others graze
+constexpr int kPetForms = 3;  // the first of the animal forms: dogs and cats; the others are grazing animals
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
 
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };
@@ -258,7 +260,7 @@ constexpr int kSigns = 6;
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // faces +x
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // its arm reaches to +x
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // faces +x
-// Of wood, its crossarm along y. Where its wires hang (m).
+// A wooden pole with its crossarm along y, and the points where its wires are attached (m).
 struct UtilityPole {
   Model model;
   std::vector<Vec3d> insulators;
@@ -268,7 +270,7 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed);
 
 enum class Furnishing { Bin, WheelieBin, Hydrant, Bench, LetterBox, PowerBox, BicycleRack, Bollard, Planter, Count };
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what);
-// A cone stands as it is, a barrier runs along x, a shed opens to -y.
+// A barrier extends along x, the door of a shed faces -y.
 enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // open to -y

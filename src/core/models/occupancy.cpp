@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kCell = 8;  // m
 
-// Whether the projections of two rectangles on both axes of `a` overlap.
+// True if the projections of two rectangles on both axes of `a` overlap.
 bool overlapOnAxes(const Footprint& a, const Footprint& b) {
   const double c = std::cos(b.yaw - a.yaw);
   const double s = std::sin(b.yaw - a.yaw);
@@ -20,7 +20,7 @@ bool overlapOnAxes(const Footprint& a, const Footprint& b) {
          std::abs(y) < a.halfY + b.halfX * std::abs(s) + b.halfY * std::abs(c);
 }
 
-// Calls visit(key) for the cells that the rectangle's circle reaches into.
+// Calls visit(key) for all cells that the circumcircle of the rectangle may reach into.
 template <class Visit>
 void forCells(const Footprint& f, const Visit& visit) {
   const double reach = std::hypot(f.halfX, f.halfY);
@@ -34,7 +34,7 @@ void forCells(const Footprint& f, const Visit& visit) {
 
 }  // namespace
 
-// The separating axis theorem for rectangles.
+// Uses the separating axis theorem for rectangles.
 bool Occupancy::isFree(const Footprint& f) const {
   bool free = true;
   forCells(f, [&](std::uint64_t key) {

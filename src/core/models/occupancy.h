@@ -1,6 +1,6 @@
 #pragma once
 
-// Which rectangles of the ground are taken.
+// The rectangles of the ground that objects occupy.
 
 #include <cmath>
 #include <cstdint>
@@ -11,13 +11,13 @@
 
 namespace scanmill::models {
 
-// The rectangle on the ground that something stands on (m, rad).
+// The rectangle on the ground that an object covers (m, rad).
 struct Footprint {
   Point2 center;
   double halfX = 0, halfY = 0;
   double yaw = 0;
 
-  // The place so many metres from its centre along its axes.
+  // Returns the point `u` and `v` metres from the centre along the rectangle's x and y axes.
   Point2 at(double u, double v) const {
     const double c = std::cos(yaw);
     const double s = std::sin(yaw);
@@ -25,7 +25,7 @@ struct Footprint {
   }
 };
 
-// The key of a cell of a grid over the ground, by its column and row.
+// Returns the key of a cell of a grid over the ground, from its column and row.
 constexpr std::uint64_t cellKey(std::int64_t column, std::int64_t row) {
   return static_cast<std::uint64_t>(column) << 32 ^ (static_cast<std::uint64_t>(row) & 0xFFFFFFFF);
 }
@@ -37,7 +37,7 @@ class Occupancy {
 
  private:
   std::vector<Footprint> taken_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // that each rectangle's circle reaches into
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // rectangles whose circumcircle may reach in
 };
 
 }  // namespace scanmill::models

@@ -1,4 +1,4 @@
-// People: limbs between joints, where the elbows and knees follow from where the hands and feet are.
+// People: limbs between joints; the positions of elbows and knees follow from those of hands and feet.
 
 #include <algorithm>
 #include <cmath>
@@ -26,7 +26,7 @@ struct Clothes {
   double girth = 1;
 };
 
-// The middle joint of a limb from a to b with the two given lengths, bent towards `pole`.
+// Returns the middle joint of a limb from a to b with the two given lengths, bent towards `pole`.
 Vec3d bend(const Vec3d& a, const Vec3d& b, double first, double second, const Vec3d& pole) {
   const Vec3d d = b - a;
   const double reach = std::min(length(d), (first + second) * 0.999);
@@ -156,7 +156,7 @@ class PersonMaker {
   SurfaceIndex skin_, upper_, lower_, dark_, plastic_;
 };
 
-// One moment of a stride; the phase is 1 with the left leg in front and -1 with the right.
+// Returns the pose of a walker with the left leg in front.
 Pose walking(double stride, double swing, double lean) {
   Pose p;
   p.hips.z = 0.905;
@@ -178,7 +178,8 @@ void mirror(Pose& p) {
   for (Vec3d* v : {&p.leftAnkle, &p.rightAnkle, &p.leftHand, &p.rightHand}) v->y = -v->y;
 }
 
-// A moment of a stride, by its phase (rad): the left foot touches the ground in front at 0 and leaves it behind at pi.
+// Returns the pose at a phase (rad) of a stride: the left foot touches the ground in front of the body at 0 and leaves
+// the ground behind the body at pi.
 Pose striding(double phase, double reach, double swing, double lean) {
   Pose p;
   p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);
@@ -234,7 +235,7 @@ Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form) {
   }
   if (draw.chance(0.5)) mirror(p);
   const Clothes c = drawClothes(draw);
-  const double height = form == 7 ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9);  // one of them is a child
+  const double height = form == 7 ? draw.in(1.15, 1.35) : draw.in(1.58, 1.9);  // form 7 is a child
   s.frame = {Mat3::scale(Vec3d{1, 1, 1} * (height / 1.75)), {}};
   PersonMaker(s, "pedestrian", c).make(p);
   return s.finish();

@@ -1,4 +1,4 @@
-// Traffic signs, street lamps and traffic lights. What stands in the ground begins below it.
+// Traffic signs, street lamps and traffic lights. Their posts begin a little below the ground.
 
 #include <cmath>
 
@@ -7,9 +7,9 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kSignSunk = 0.1;  // m
+constexpr double kSignSunk = 0.1;  // m below the ground
 
-// Turns a drawing in x, y into a board that stands upright and looks to +x: x of the drawing becomes y, y becomes z.
+// Returns the frame that sets a drawing in x, y upright, facing +x: x of the drawing becomes y, y becomes z.
 Affine facing(const Vec3d& center) {
   return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
 }
@@ -83,7 +83,7 @@ Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form) {
   const SurfaceIndex glass = s.surface("street_lamp", "glass");
   const double height = form == 0 ? draw.in(6.5, 8.0) : draw.in(4.0, 5.0);
   s.revolve(metal, {}, {{0.1, -kSignSunk}, {0.1, 0.9}, {0.075, 1.0}, {0.05, height - 0.6}}, 14);
-  s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the door of its fuse box
+  s.box(paint, {0, -0.095, 0.55}, {0.08, 0.02, 0.3});  // the fuse box's door
   if (form == 0) {                                     // an arm over the road
     const double reach = draw.in(1.2, 2.0);
     std::vector<Vec3d> arm{{0, 0, height - 0.7}};
@@ -128,7 +128,7 @@ UtilityPole makeUtilityPole(SceneBuilder& builder, std::uint64_t seed) {
   }
   pole.telephone = {0.13, 0, height - draw.in(1.5, 2)};
   s.box(metal, {0.12, 0, pole.telephone.z - 0.1}, {0.06, 0.1, 0.14});
-  if (draw.chance(0.3)) {  // what feeds the houses
+  if (draw.chance(0.3)) {  // a transformer
     s.tube(metal, {-0.38, 0, arm - 1.5}, {-0.38, 0, arm - 0.6}, 0.24, 0.24, 14);
     s.box(metal, {-0.14, 0, arm - 1}, {0.2, 0.12, 0.1});
   }
@@ -160,7 +160,7 @@ Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed) {
     }
     s.grid(rows, true, [&](int, int) { return box; });
   }
-  // For those on foot, and the box with the button.
+  // The signal for pedestrians, and the box with the button.
   s.box(box, {0, 0.17, z - 0.15}, {0.22, 0.18, 0.5});
   for (const double dz : {-0.12, 0.12}) s.ball(glass, {0, 0.265, z - 0.15 + dz}, {0.08, 0.02, 0.08}, 12);
   s.box(box, {0, -0.08, 1.05}, {0.09, 0.06, 0.16});

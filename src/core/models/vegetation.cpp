@@ -1,6 +1,6 @@
-// Trees, bushes and hedges with real leaves: small folded polygons, denser towards the outside of a crown, none of them
-// alpha-tested. A leaf polygon stands for a spray of leaves: about 15 cm, so that a crown of 6000 has the leaf area of
-// a tree (leaf area index 3 to 5).
+// Trees, bushes and hedges with real leaves: small folded polygons, denser towards the outside of a crown, without
+// alpha testing. A leaf polygon is about 15 cm long and represents a spray of leaves, so that a crown of 6000 polygons
+// has the leaf area of a tree (leaf area index 3 to 5).
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ struct Habit {
   double height, crownBase, crownRadius;  // m
   double trunkRadius;                     // m
   int clusters;                           // lumps of the crown
-  double clusterSize;                     // radius over the crown's
+  double clusterSize;                     // radius of a lump relative to the crown's
   int leaves;
   double leaf;  // length, m
 };
@@ -33,7 +33,7 @@ constexpr std::array<Habit, kTreeForms> kHabits{{
     {"pine", true, 9.0, 2.4, 2.2, 0.15, 0, 0, 4800, 0.30},
 }};
 
-// A pointed leaf of two triangles, folded along its midrib, in the plane with the given normal.
+// Appends a pointed leaf of two triangles, folded along its midrib, in the plane with the given normal.
 void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& tip, const Vec3d& normal,
                 double width) {
   const Vec3d axis = tip - stem;
@@ -63,14 +63,14 @@ void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& 
   }
 }
 
-// Radius of the crown over its largest, at a height from 0 (base) to 1 (top).
+// Returns the crown's radius relative to its largest, at a height from 0 (base) to 1 (top).
 double crownProfile(const Habit& habit, double t) {
   const bool column = habit.crownRadius < 0.15 * habit.height;
   return column ? 0.55 + 0.45 * std::sin(kPi * std::min(1.0, t * 0.9 + 0.15))
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-// What leaves hide in summer.
+// Appends the twigs inside a cluster of leaves, visible once leaves have fallen.
 void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
                  double thick) {
   for (int k = 0; k < count; ++k) {
@@ -80,7 +80,7 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
   }
 }
 
-// What makes a crown its own: from draws of its own, so that round ones stay what they are.
+// The irregularity of one crown. It has its own random stream, so that round crowns do not depend on it.
 class Raggedness {
  public:
   Raggedness(std::uint64_t seed, int form, double share)
@@ -89,12 +89,12 @@ class Raggedness {
     long_ = draw_.in(0, 2 * kPi);
   }
 
-  // Factor on how far out a cluster of leaves lies.
+  // Returns a factor on the distance from the trunk of a cluster of leaves in the direction `angle` (azimuth, rad).
   double reach(double angle) const {
     return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
   }
   double size() { return share_ > 0 ? lerp(1, draw_.in(0.45, 1.4), share_) : 1; }
-  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // by a share of the crown's height
+  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // as a share of the crown's height
   bool missing() { return share_ > 0 && draw_.chance(0.22 * share_); }
 
  private:
@@ -139,7 +139,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
     const double t = (i + draw.next()) / habit.clusters;
     const double r = radius * crownProfile(habit, t);
     const double size = radius * habit.clusterSize * draw.in(0.8, 1.25) * ragged.size();
-    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);  // the golden angle spreads them
+    const double angle = i * 2.39996 + draw.in(-0.5, 0.5);  // the golden angle spreads the clusters evenly
     const double out = std::max(0.0, r - size) * draw.in(0.75, 1.05) * ragged.reach(angle);
     const double z = base + size * 0.5 + t * std::max(0.1, crown - size * 1.3) + ragged.raised() * crown;
     if (ragged.missing()) continue;
@@ -163,7 +163,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   }
 }
 
-// Whorls of branches, each with sprays of needles on both sides.
+// Appends whorls of branches, each with sprays of needles on both sides.
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const SurfaceIndex branch = s.surface("tree", "bark");
@@ -200,7 +200,7 @@ void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, doub
     const Vec3d side = normalized(cross(along, Vec3d{0, 0, 1}));
     const int count = static_cast<int>(habit.leaves * reach / total);
     for (int k = 0; k < count; ++k) {
-      const double t = 1.02 - 0.85 * std::pow(draw.next(), 1.4);  // more of them near the tip
+      const double t = 1.02 - 0.85 * std::pow(draw.next(), 1.4);  // more needles near the tip
       const double size = draw.around(habit.leaf, 0.3) * lerp(1.25, 0.8, t);
       const Vec3d stem = b.root + along * t + Vec3d{0, 0, draw.in(-0.05, 0.05)};
       const Vec3d tip =
@@ -256,7 +256,7 @@ Model makeHedge(SceneBuilder& builder, std::uint64_t seed) {
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const double height = draw.in(0.9, 1.4);
   const Vec3d half{1.0, 0.3, height / 2};
-  // The twigs inside, dark and dense, are a solid core.
+  // A solid core represents the dense, dark twigs inside.
   s.box(s.surface("vegetation", "bark"), {0, 0, height / 2 - 0.1}, {1.9, 0.34, height - 0.04});
   constexpr int kLeaves = 1200;
   for (int k = 0; k < kLeaves; ++k) {
@@ -294,14 +294,14 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     s.tube(bark, root, {root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)}, 0.02,
            0.006, 5);
   }
-  // As many as make the leaf area index 4 across the hedge; more of them outside, where the light is.
+  // Enough leaves for a leaf area index of 4 across the hedge, at most 3500; more of them outside, where the light is.
   const double size = draw.in(0.09, 0.14);
   const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {
     const double across = draw.in(-1, 1);
     const double outwards = std::copysign(std::pow(std::abs(across), 0.6), across);
     const double z = height * (1 - std::pow(draw.next(), 1.2) * 0.98);
-    // Bulges of a decimetre, and a top that was cut long ago.
+    // The sides bulge by about a decimetre, and the top is uneven because it was cut long ago.
     const double x = draw.in(-1.03, 1.03);
     const double bulge = 1 + 0.12 * std::sin(5 * x + 3 * z) + 0.1 * std::sin(11 * x - 4 * z);
     const Vec3d position{x, outwards * depth / 2 * bulge, z * (1 + 0.05 * std::sin(7 * x))};

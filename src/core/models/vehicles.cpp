@@ -10,7 +10,7 @@
 namespace scanmill::models {
 namespace {
 
-// Side profiles of the car kinds, with the windows that go with them.
+// Returns the side profile of a kind of car, with the windows that go with it.
 BodyForm carForm(CarForm kind, Draw& draw) {
   BodyForm f;
   double hood = 0.98, height = 1.48, windBase = 0.85, windTop = 0.2, roofEnd = -1.35, rearBase = -1.85;
@@ -145,7 +145,8 @@ BodyForm carForm(CarForm kind, Draw& draw) {
   return f;
 }
 
-// Estimate: how frequent colours are on cars in Europe, most of them grey, white or black.
+// Returns the material of a car's paint. The frequencies are estimates for cars in Europe, most of them grey, white or
+// black.
 const char* paintOf(std::uint64_t seed, int number) {
   constexpr std::array<std::pair<double, const char*>, 6> kPaints{{{0.27, "car_paint_grey"},
                                                                    {0.25, "car_paint_white"},
@@ -153,7 +154,7 @@ const char* paintOf(std::uint64_t seed, int number) {
                                                                    {0.10, "car_paint_blue"},
                                                                    {0.09, "car_paint_silver"},
                                                                    {0.08, "car_paint_red"}}};
-  constexpr std::uint32_t kPaintDraw = 1000000;  // numbers of its own, so that forms stay what they are
+  constexpr std::uint32_t kPaintDraw = 1000000;  // own random stream: shapes do not depend on it
   double left = Draw(seed, Kind::Car, kPaintDraw + static_cast<std::uint32_t>(number)).next();
   for (const auto& [share, paint] : kPaints) {
     left -= share;

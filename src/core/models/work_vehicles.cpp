@@ -14,7 +14,7 @@ void wheels(Shape& s, double x, double y, double radius, double width) {
   appendWheel(s, kClass, at({x, -y, radius}, kPi), radius, width);
 }
 
-// The frame with its hitch; the box or the cover stands on it.
+// Appends the frame with its hitch and the box on it, sometimes with a cover.
 void appendTrailer(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface(kClass, "metal_galvanised");
   const SurfaceIndex black = s.surface(kClass, "plastic_black");
@@ -33,7 +33,7 @@ void appendTrailer(Shape& s, Draw& draw) {
   s.box(metal, {0, 0, bed}, {length, width, 0.05});
   wheels(s, 0, width / 2 + 0.03, 0.28, 0.16);
   s.tube(black, {length / 2 + 0.7, 0, 0.05}, {length / 2 + 0.7, 0, bed}, 0.03, 0.03, 8);
-  if (draw.chance(0.5)) {  // under a cover
+  if (draw.chance(0.5)) {  // with a cover
     const SurfaceIndex cover = s.surface(kClass, "cloth");
     s.box(cover, {0, 0, bed + wall + 0.6}, {length - 0.03, width - 0.03, 1.2});
   }
@@ -46,7 +46,7 @@ void appendCaravan(Shape& s, Draw& draw) {
   const double length = draw.in(4.2, 6.2);
   const double half = 1.12;
   const double top = draw.in(2.5, 2.65);
-  // Its side view, from the bottom of the front round over the roof.
+  // The side view, from the bottom of the front over the roof to the rear.
   const double e = length / 2;
   const std::vector<Point2> side{{e - 0.25, 0.45},      {e, 0.9},       {e - 0.12, 1.5},
                                  {e - 0.5, top - 0.15}, {e - 0.9, top}, {-e + 0.5, top},
@@ -64,7 +64,7 @@ void appendCaravan(Shape& s, Draw& draw) {
   s.box(black, {e + 0.35, 0, 0.75}, {0.55, 0.8, 0.45});
 }
 
-// A cab with glass all round, on posts.
+// Appends a cab with glass all round, on posts.
 void appendCab(Shape& s, const Vec3d& middle, const Vec3d& size) {
   const SurfaceIndex paint = s.surface(kClass, "painted_metal");
   const SurfaceIndex glass = s.surface(kClass, "glass");

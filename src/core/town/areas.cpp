@@ -32,7 +32,7 @@ void Areas::add(MapArea area) {
   }
   extent.size = sizeOf(area.outline);
   const auto index = static_cast<std::uint32_t>(areas_.size());
-  // No town is larger.
+  // Coordinates are clamped to 2 km, which no town exceeds, to bound the loop below.
   const auto limited = [](double v) { return std::clamp(v, -2000.0, 2000.0); };
   for (std::int64_t y = cellOf(limited(extent.low.y - kReach)); y <= cellOf(limited(extent.high.y + kReach)); ++y) {
     for (std::int64_t x = cellOf(limited(extent.low.x - kReach)); x <= cellOf(limited(extent.high.x + kReach)); ++x) {

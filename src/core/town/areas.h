@@ -1,6 +1,7 @@
 #pragma once
 
-// Land of other kinds beside the roads, under polygons: woods, meadows, water, parking lots, squares. Town's frame, m.
+// Areas of other land beside the roads, given by polygons: woods, meadows, water, parking lots, squares. Town's frame,
+// m.
 
 #include <cstdint>
 #include <optional>
@@ -18,11 +19,11 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& all() const { return areas_; }
 
-  // The kind of the smallest area there, and its index among all; none where no area is.
+  // Return the kind of the smallest area at a point, and the area's index in all(); none if no area is there.
   std::optional<Land> at(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
-  // How far outside of the nearest area whose ground is no lawn (water, lots, squares), negative inside (m; more than
-  // kReach counts as kReach).
+  // Returns the distance to the nearest area that is not lawn (water, lots, squares), negative inside (m, at most
+  // kReach).
   double outsideHard(const Point2& p) const;
 
  private:
@@ -34,7 +35,7 @@ class Areas {
 
   std::vector<MapArea> areas_;
   std::vector<Extent> extents_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // that each area's box and kReach reach into
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // areas within kReach of each cell
 };
 
 }  // namespace scanmill::town

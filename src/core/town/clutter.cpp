@@ -1,4 +1,4 @@
-// What makes a place lived in: roadworks, crossings with lights, things in gardens and on squares, animals.
+// Objects of everyday life: roadworks, crossings with lights, objects in gardens and on squares, animals.
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ using models::Clutter;
 using models::Kind;
 using models::Shape;
 
-// Things of each kind, made when they are first needed, in a few forms.
+// A few forms of each kind of object, each built when it is first needed.
 class Store {
  public:
   explicit Store(Placer& placer) : placer_(placer), made_(kForms * static_cast<std::size_t>(Clutter::Count)) {}
@@ -32,7 +32,8 @@ class Store {
   std::vector<std::optional<Model>> made_;
 };
 
-// A place of the main road without a crossing, for what is so long; none where chance finds none.
+// Returns a random start of a stretch of the main road, `length` long (m), without a crossing; none if no attempt finds
+// one.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   const Road& road = l.roads().roads().front();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
@@ -47,7 +48,7 @@ std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   return std::nullopt;
 }
 
-// Lights for those who drive with the road's line and against it.
+// Places lights for vehicles that drive with the road's line and for those that drive against it.
 void putLights(Placer& placer, const Model& light, const Road& road, double first, double last, bool marked,
                const std::string& name) {
   const double out = road.section.half + road.section.curb + 0.45;
@@ -59,7 +60,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
-// What is wide and flat stands on level ground.
+// True if the ground is level enough for wide, flat objects.
 bool isLevel(const Layout& l, const Point2& p) {
   double low = 1e9;
   double high = -1e9;
@@ -73,7 +74,7 @@ bool isLevel(const Layout& l, const Point2& p) {
   return high - low < 0.35;
 }
 
-// In the lane that is not the sensor's own.
+// Places roadworks in the lane that the sensor's vehicle does not use.
 void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
@@ -108,7 +109,7 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   if (rural || draw.chance(0.4)) putLights(placer, light, road, *at - 6, *at + length + 6, false, "roadworks' light");
 }
 
-// Stripes across the main road, and lights.
+// Places a pedestrian crossing on the main road: stripes and lights.
 void placeCrossing(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Light, 7000);
@@ -116,7 +117,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   const std::optional<double> at = freeStretch(l, draw, kLength);
   if (!at) return;
   const Road& road = l.roads().roads().front();
-  // Nobody parks on it, or close before it.
+  // Vehicles park neither on the crossing nor close to it.
   const Spot middle = besideRoad(road, *at + kLength / 2, 0);
   const Footprint place{middle.at, kLength / 2 + 4, road.section.half, middle.yaw};
   if (!placer.isFree(place)) return;
@@ -138,7 +139,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
 }
 
-// Where a side road comes in, one in three has lights.
+// Places lights where side roads join the main road, at about one in three.
 void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   const Road& main = l.roads().roads().front();
@@ -151,7 +152,7 @@ void placeSignals(Placer& placer, const Model& light) {
   }
 }
 
-// In front gardens, behind houses and on plots where no house stands.
+// Places objects in front gardens, behind houses and on plots without a house.
 void placeGardenThings(Placer& placer, Store& store) {
   const Layout& l = placer.layout;
   int number = 0;
@@ -184,7 +185,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     const bool square = l.character().district != District::Rural && !plot.bare && draw.chance(0.5);
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
-  // A place without water is rare.
+  // If no water has been placed yet, try harder: a town without water is rare.
   Draw draw(l.seed(), Kind::Clutter, 900000);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
     const Plot& plot = l.plots()[static_cast<std::size_t>(draw.below(static_cast<int>(l.plots().size())))];
@@ -192,7 +193,7 @@ void placeGardenThings(Placer& placer, Store& store) {
   }
 }
 
-// In the middle of squares a fountain, about it benches and planters.
+// Places a fountain in the middle of squares, and benches and planters around it.
 void placeSquares(Placer& placer, Store& store) {
   const Layout& l = placer.layout;
   std::uint32_t square = 0;
@@ -236,7 +237,7 @@ void placeClutter(Placer& placer) {
   placeSquares(placer, store);
 }
 
-// Dogs and cats on pavements and in front gardens; in the country also cattle beyond them.
+// Places dogs and cats on pavements and in front gardens, and in rural towns also herds beyond them.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters().people <= 0) return;

@@ -1,4 +1,4 @@
-// What stands beside roads: lamps, signs, furniture, shelters.
+// Objects beside roads: lamps, signs, furniture, shelters.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ using models::Furnishing;
 using models::Kind;
 using models::TrafficSign;
 
-// Where along the built part of a road something may stand, by a share of it.
+// The part of a road along which objects may be placed (m along the road).
 struct Stretch {
   std::uint32_t road;
   double from, to;
@@ -32,7 +32,8 @@ std::vector<Stretch> stretches(const Layout& l) {
   return found;
 }
 
-// On the pavement or the verge at so much from the curb's outer edge; not where another road comes in.
+// Calls `place` at random places along the roads, `per100m` times per 100 m, with several tries for each object;
+// `place` returns false if its place is not free.
 template <class Place>
 void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   std::uint32_t number = 0;
@@ -51,7 +52,8 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   }
 }
 
-// The place `out` metres beyond the road's edge, or none where that is on another road.
+// Sets `spot` to the place `out` metres beyond the road's edge. Returns false if that is on another road, on a lot, a
+// square or water.
 bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
   spot = besideRoad(road, distance, side * (road.section.half + out));
   const Beside b = l.roads().at(spot.at.x, spot.at.y);
@@ -89,7 +91,7 @@ void placeFixtures(Placer& placer) {
     for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
       Spot spot;
       if (!beyondEdge(l, road, at, side, road.section.curb + 0.45, spot)) continue;
-      spot.yaw += -side * kPi / 2;  // its arm reaches over the road
+      spot.yaw += -side * kPi / 2;  // the lamp's arm reaches over the road
       if (placer.tryPut(lamp, spot, fmt::format("lamp {}.{}", s.road + 1, ++number))) continue;
     }
   }
@@ -99,7 +101,7 @@ void placeFixtures(Placer& placer) {
   along(l, Kind::Sign, rural ? 1.5 : 5, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
     Spot spot;
     if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
-    // It faces those who drive on its side: on the right of the line they come from behind.
+    // The sign faces the vehicles on its side of the road; at the right of the line they drive in the line's direction.
     spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
     return placer.tryPut(sign(kOnTheWay[static_cast<std::size_t>(draw.below(4))]), spot,
                          fmt::format("sign {}", number));

@@ -1,6 +1,6 @@
 #pragma once
 
-// The vehicles that drive and park in a town, made when they are first needed.
+// The vehicles that drive and park in a town, each built when it is first needed.
 
 #include <optional>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace scanmill::town {
 
-constexpr double kMiddle = 0.4;  // m from the middle of a road that vehicles on the other side keep
+constexpr double kMiddle = 0.4;  // m that vehicles keep from the centre line
 
 class Fleet {
  public:
@@ -17,7 +17,7 @@ class Fleet {
 
   const Model& anyCar(Draw& draw) {
     const auto index = static_cast<std::size_t>(draw.below(kCars));
-    // Hatchbacks and saloons are the most common: two of each.
+    // Two cars of each form.
     const auto form = static_cast<models::CarForm>(static_cast<int>(index) % models::kCarForms);
     if (!cars_[index]) {
       cars_[index] = models::makeCar(placer_.builder, placer_.layout.seed(), form, static_cast<int>(index));
@@ -42,7 +42,7 @@ class Fleet {
   std::optional<Model> bus_;
 };
 
-// On the lanes.
+// Places the vehicles and cyclists that drive.
 void placeTraffic(Placer& placer, Fleet& fleet);
 
 }  // namespace scanmill::town

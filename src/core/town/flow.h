@@ -1,47 +1,47 @@
 #pragma once
 
-// How vehicles follow one another along lanes, stop at lights and give way, over time.
+// Simulates over time how vehicles follow one another along lanes, stop at traffic lights and give way.
 
 #include <cstdint>
 #include <vector>
 
 namespace scanmill::town {
 
-// The part of a route that lies on a lane, which routes share: the distance d along the route is d + shift along the
-// lane (m).
+// The part of a route that lies on a lane. Several routes can share a lane: the distance d along the route is d + shift
+// along the lane (m).
 struct Leg {
   std::uint32_t lane = 0;
-  double from = 0, to = 0;  // along the route
+  double from = 0, to = 0;  // along the route, m
   double shift = 0;
 };
 
-// A line that vehicles stop at, while it is closed.
+// A line where vehicles stop while it is closed.
 struct StopLine {
   double at = 0;  // along the route, m
-  // Red for the first `red` of every `period` seconds, counted from `offset`; no period: closed for good, unless it is
-  // one to give way at.
+  // A traffic light: red for the first `red` of every `period` seconds, counted from `offset`. A line with period 0 is
+  // always closed, unless `givesWay`.
   double period = 0, red = 0, offset = 0;
-  // Closed while somebody is on this stretch of a lane.
+  // A line to give way at: closed while a vehicle is between `from` and `to` (m along the lane) of `lane`.
   bool givesWay = false;
   std::uint32_t lane = 0;
   double from = 0, to = 0;
 };
 
 struct Route {
-  double length = 0;  // m; who has come to its end no longer counts
+  double length = 0;  // m; vehicles that have reached the end are ignored
   std::vector<Leg> legs;
   std::vector<StopLine> stops;
-  std::vector<double> limit;  // m/s, at 0, kLimitStep, ... m along it: see inBends()
+  std::vector<double> limit;  // m/s, at 0, kLimitStep, ... m along the route: see inBends()
 };
 
 constexpr double kLimitStep = 2;  // m
 
 struct Driver {
   std::uint32_t route = 0;
-  double at = 0;         // of the vehicle's middle along the route when the simulation begins, m
+  double at = 0;         // m along the route, the vehicle's middle when the simulation begins
   double length = 4;     // of the vehicle, m
-  double speed = 10;     // that it would like to drive at, m/s
-  double starts = -1e9;  // s; until then it stands
+  double speed = 10;     // desired speed, m/s
+  double starts = -1e9;  // s; the vehicle stands until then
 };
 
 // The intelligent driver model: Treiber, Hennecke, Helbing, "Congested traffic states in empirical observations and
@@ -50,15 +50,15 @@ struct DriverModel {
   double acceleration = 1.4;  // m/s^2
   double braking = 2;         // m/s^2, comfortable
   double headway = 1.4;       // s
-  double gap = 2;             // m, between vehicles that stand
+  double gap = 2;             // m, between stationary vehicles
 };
 
-// What the accelerations to the side and of braking leave of a speed: `curvature` (1/m) is that of the route at 0,
-// kLimitStep, ... m along it.
+// Returns the speeds (m/s), at most `fastest`, that keep the lateral acceleration in bends and the braking before bends
+// comfortable, at 0, kLimitStep, ... m along a route. `curvature`: the route's at the same places (1/m).
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
-// How far each driver has come along its route (m) at the times 0, interval, ... up to `duration` (s), having driven
-// for `warmUp` seconds before that. Nobody drives backwards or into another on its lane.
+// Returns for each driver the distances along its route (m) at the times 0, interval, ... up to `duration` (s), after a
+// simulation of `warmUp` seconds before time 0. No vehicle drives backwards or into another on its lane.
 std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
                                        double warmUp, double duration, double interval);
 

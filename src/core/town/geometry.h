@@ -15,33 +15,35 @@ using Polygon = std::vector<Point2>;  // counter-clockwise, without its first po
 double distance(const Point2& a, const Point2& b);
 
 double lengthOf(const Line& line);
-Point2 pointAt(const Line& line, double along);  // its end, where it is shorter
+Point2 pointAt(const Line& line, double along);  // the line's end if the line is shorter
 
-// The place of a line that is nearest to a point.
+// The point of a line that is nearest to another point.
 struct Nearest {
   double distance = 1e9;
-  double along = 0;  // the line
-  Point2 heading;    // of the line there, of unit length
+  double along = 0;  // distance along the line
+  Point2 heading;    // unit vector, direction of the line there
 };
 Nearest nearestOn(const Line& line, const Point2& p);
 
-// Points on the line about `step` apart, both ends among them.
+// Returns points on the line about `step` apart, including both ends.
 Line evenLine(const Line& line, double step);
-// The same with its corners rounded, as vehicles drive: each point the mean of its neighbours. The ends stay.
+// Returns such points of the line with its corners rounded, as vehicles drive: each is averaged with its neighbours.
+// The ends stay where they are.
 Line smoothLine(const Line& line, double step);
-// The points that lie in the square about the origin with sides of 2 * half, in runs without a gap.
+// Returns the points of a line in the square about the origin with sides of 2 * half, as runs without gaps.
 std::vector<Line> runsWithin(const Line& line, double half);
 
-// Even-odd over all rings.
+// True if the point is inside by the even-odd rule over all rings.
 bool isInside(const std::vector<const Polygon*>& rings, const Point2& p);
 double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p);
-// Its corners, and points between them that are at most `step` apart.
+// Returns the ring's corners and points between them, at most `step` apart.
 std::vector<Point2> pointsAlong(const Polygon& ring, double step);
-double sizeOf(const Polygon& ring);  // m^2, negative where it goes round clockwise
-// The smallest rectangle about a polygon, one of whose sides lies along one of the polygon's.
+double sizeOf(const Polygon& ring);  // area in m^2, negative if the ring is clockwise
+// Returns the smallest rectangle about a polygon that has one side along a side of the polygon.
 models::Footprint rectangleAbout(const Polygon& ring);
-// The part of a polygon in a square about the origin: Sutherland and Hodgman, "Reentrant polygon clipping",
-// Communications of the ACM 17 (1974). Parts that come apart stay joined along the square's sides.
+// Returns the part of a polygon in a square about the origin: Sutherland and Hodgman, "Reentrant polygon clipping",
+// Communications of the ACM 17 (1974). If clipping separates the polygon into parts, they stay connected along the
+// square's sides.
 Polygon clipped(Polygon ring, double half);
 
 }  // namespace scanmill::town

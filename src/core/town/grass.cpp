@@ -1,4 +1,4 @@
-// Tufts of grass that nobody mows, on verges and along the roads.
+// Tufts of unmown grass on verges and along the roads.
 
 #include <fmt/format.h>
 
@@ -14,10 +14,10 @@ namespace {
 using models::Kind;
 
 constexpr int kForms = 6;
-constexpr double kReach = 5;  // m beyond the pavement, as far as tufts stand one by one
+constexpr double kReach = 5;  // m beyond the pavement, within which single tufts are placed
 constexpr int kMost = 2500;
 
-// Blades that bend outwards, the longest 0.12 to 0.4 m.
+// Builds a tuft of blades that bend outwards, the longest 0.12 to 0.4 m.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
   Draw draw(seed, Kind::Grass, static_cast<std::uint32_t>(1 + form));
   models::Shape s(builder, "tuft of grass");
@@ -47,9 +47,9 @@ Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
 void placeGrass(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
-  if (c.season == Season::Winter) return;  // below the snow
+  if (c.season == Season::Winter) return;  // the grass is below the snow
   Draw place(l.seed(), Kind::Grass);
-  // How well the place is kept.
+  // How neglected the place is.
   const double wild = place.in(0, c.district == District::Rural ? 0.9 : c.district == District::Suburban ? 0.45 : 0.2);
   const std::vector<Model> forms = models::makeForms(
       kForms, [&](int f) { return makeTuft(placer.builder, l.seed(), f, c.season == Season::Autumn || f == 0); });
@@ -63,7 +63,7 @@ void placeGrass(Placer& placer) {
         Draw draw(l.seed(), Kind::Grass, 100000 * (r + 1) + index++);
         const double out = road.section.curb + draw.in(0.05, road.section.outer() + kReach);
         Spot spot = besideRoad(road, along + draw.in(-0.3, 0.3), side * (road.section.half + out));
-        // In some stretches more than in others.
+        // The density varies along the road.
         const double share = wild * (0.5 + 2 * relief(l.seed() + 31, spot.at.x, spot.at.y, 18));
         if (number >= kMost || !draw.chance(share)) continue;
         const Beside b = l.roads().at(spot.at.x, spot.at.y);

@@ -1,5 +1,5 @@
 // The ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of carriageway,
-// curb, verge, sidewalk and plots' patches, with a height at each corner and walls where the curb steps.
+// curb, verge, sidewalk and the plots' patches, with a height at each corner and vertical walls at the curbs.
 
 #include <algorithm>
 #include <cmath>
@@ -62,12 +62,12 @@ class GroundMaker {
   void tile() {
     tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
       if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
-      // Lots, ponds and paths have sharp edges.
+      // Lots, ponds and paths have sharp edges, which need fine cells.
       const double reach = std::min(0.71 * size, 3.9);
       if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < reach) return true;
       if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;
       const Beside b = layout_.roads().at(x, y);
-      // Beyond the roads' reach nothing is known but that they are far.
+      // Beyond kReach the distance to roads is unknown: assume kReach.
       const double nearest = (b.known ? b.edge : RoadNetwork::kReach) - 0.71 * size;
       const double wanted = nearest < 9 ? kSmallest : nearest < 20 ? 1 : nearest < 34 ? 2 : 8;
       const bool road = b.known && b.edge + 0.71 * size < -0.5;
@@ -85,7 +85,7 @@ class GroundMaker {
 
   static bool isLow(GroundKind kind) { return kind == GroundKind::Road || kind == GroundKind::Parking; }
 
-  // No border goes through the triangle, so that its middle stands for it.
+  // Returns the kind of ground of a triangle. No border crosses a triangle, so its centre decides.
   GroundKind kindOf(const std::array<std::uint32_t, 3>& t) {
     Beside middle = beside(t[0]);
     Point2 p{0, 0};
@@ -99,7 +99,8 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Corners of one floor are shared: above the curb, or below it.
+  // Returns the vertex of a point on the level of `kind`. Triangles on the same level, above or below the curb, share
+  // their vertices.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::vector<std::uint32_t>& made = isLow(kind) ? low_ : high_;
     if (made[point] == 0) {
@@ -124,7 +125,7 @@ class GroundMaker {
     addWalls(low);
   }
 
-  // Where the carriageway and what lies higher share an edge, the curb stands between them.
+  // Adds the curb's vertical wall at edges that the carriageway shares with higher ground.
   void addWalls(const std::vector<bool>& low) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
     std::unordered_set<std::uint64_t> ofHigh;

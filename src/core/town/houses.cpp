@@ -1,4 +1,4 @@
-// Houses, and what parts their plots from the road and from each other.
+// Houses, and the hedges and fences around their plots.
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ using models::Kind;
 using models::Shape;
 
 constexpr double kPanel = 2;        // m
-constexpr double kPlinthDepth = 3;  // m below the door's ground, on slopes
+constexpr double kPlinthDepth = 3;  // m below the ground at the door: fills slopes
 
 Model makePlinth(SceneBuilder& builder, const models::House& house) {
   Shape s(builder, "plinth");
@@ -29,7 +29,8 @@ class Boundaries {
  public:
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
-  // Panels from a to b, each at the ground's height at its middle. Left out where something stands, or a path goes.
+  // Places a row of panels from a to b, each at the height of the ground at its middle, except where an object or a
+  // path is.
   void row(Fencing what, int form, const Point2& a, const Point2& b) {
     const double length = std::hypot(b.x - a.x, b.y - a.y);
     const int count = static_cast<int>(std::lround(length / kPanel));
@@ -49,7 +50,7 @@ class Boundaries {
       placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
       taken_.push_back({p, width / 2 - 0.1, half, yaw});
     }
-    // Only now: a row's own panels touch each other.
+    // The ground is marked as taken only now, because the panels of one row touch each other.
     for (const Footprint& f : taken_) placer_.occupancy.add(f);
     taken_.clear();
   }

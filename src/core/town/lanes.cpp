@@ -9,10 +9,10 @@ namespace scanmill::town {
 
 namespace {
 
-constexpr double kPoints = 6;  // m between them
+constexpr double kPoints = 6;  // m between points
 
-// The way on beyond the end of a road: down, round, and back far below the ground, where nobody sees those who are
-// still to come or have gone.
+// Returns points that continue a way beyond the end of a road: down, round, and back far below the ground, where
+// vehicles that have not yet arrived or have left are hidden.
 std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
   std::vector<Vec3d> more;
   if (reach <= 0) return more;
@@ -78,7 +78,7 @@ double cornerOf(const Layout& l, std::uint32_t sideRoad) {
 }
 
 Tour tourOf(const Layout& l) {
-  constexpr double kLeast = 30;  // m of the main road between two bends, or beyond the one
+  constexpr double kLeast = 30;  // m of the main road between two turns, or before a single one
   const std::vector<Road>& roads = l.roads().roads();
   const auto joins = [&](std::uint32_t r) { return *roads[r].joins; };
   Tour tour;
@@ -91,7 +91,7 @@ Tour tourOf(const Layout& l) {
       joins(*tour.into) - joins(*tour.from) < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) {
     tour.from.reset();
   }
-  // A way that has hardly begun goes straight on.
+  // Without `from` the vehicle does not turn within kLeast of the start of the built part.
   if (tour.into && !tour.from && joins(*tour.into) - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) {
     tour.into.reset();
   }

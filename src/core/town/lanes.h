@@ -1,6 +1,6 @@
 #pragma once
 
-// Ways along the lanes of a town's roads.
+// Ways (routes of vehicles) along the lanes of a town's roads.
 
 #include <cstdint>
 #include <optional>
@@ -13,34 +13,36 @@ namespace scanmill::town {
 struct Way {
   struct Stretch {
     std::uint32_t road;
-    double from, to;  // m along the road; it is driven from `from` to `to`
+    double from, to;  // m along the road; vehicles drive from `from` to `to`
   };
   std::vector<Stretch> stretches;
-  double before = 0, after = 0;  // m of way before it and behind it, out of sight below the ground
+  double before = 0, after = 0;  // m before the first and after the last stretch, hidden below ground
 };
 
 struct LaidOut {
-  std::vector<Vec3d> points;  // on the ground, town's frame
+  std::vector<Vec3d> points;  // in the town's frame, on the ground or hidden below it
   struct Place {
     std::uint32_t road;
     double along;
   };
-  std::vector<Place> places;  // of points[first] and those behind it: which place of a road they are beside
+  std::vector<Place> places;  // places[i]: the place of a road that points[first + i] is beside
   std::size_t first = 0;
 };
 
-// Drivers keep to the right: `out` m further from the road's middle than the middle of their lane, and at least `least`
-// m from it. On one-way roads their lane is the whole road.
+// Returns the points of a way. Vehicles keep to the right: `out` m further from the road's centre line than the middle
+// of their lane, and at least `least` m from the centre line. On one-way roads they drive `out` m to the right of the
+// centre line.
 LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
-// Where the lanes of side roads begin, as distances along them, and end; and how far before and behind a side road's
-// joint the bends into it begin on the main road.
+// Returns the distance along a side road at which its lanes begin (m).
 double mouthOf(const Layout& l);
-double stopAtMouth(const Layout& l);  // where those who come out of one stop
-double endOf(const Layout& l, std::uint32_t sideRoad);
+double stopAtMouth(const Layout& l);                    // where vehicles that come out of a side road stop
+double endOf(const Layout& l, std::uint32_t sideRoad);  // where the lanes of a side road end
+// Returns the distance (m) along the main road between a side road's joint and the start of the turn into it.
 double cornerOf(const Layout& l, std::uint32_t sideRoad);
 
-// The side roads to the right that the sensor's vehicle may come out of and turn into. Nobody else is on them.
+// The side roads on the right that the sensor's vehicle comes out of (`from`) and turns into (`into`). No other vehicle
+// drives on these side roads.
 struct Tour {
   std::optional<std::uint32_t> from, into;
   bool has(std::uint32_t road) const { return from == road || into == road; }

@@ -19,7 +19,7 @@ std::uint64_t keyAt(double x, double y) {
   return models::cellKey(cell(x), cell(y));
 }
 
-// How far outside of a rectangle a point lies, along its axes (m).
+// Returns the distance of a point from a rectangle (m, negative inside): the larger of those along its two axes.
 double outside(const Footprint& f, const Point2& p) {
   const double c = std::cos(f.yaw);
   const double s = std::sin(f.yaw);
@@ -54,7 +54,7 @@ bool Layout::nearPothole(const Point2& p, double reach) const {
   });
 }
 
-// Into all cells that lie within kPatchReach of the rectangle.
+// Adds the index to all cells within kPatchReach of the rectangle.
 void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
@@ -99,7 +99,7 @@ GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
   }
   if (b.edge < s.curb) return GroundKind::Curb;
   if (const Patch* patch = patchAt(p)) {
-    // The pavement goes on across driveways.
+    // The pavement continues across driveways.
     if (b.edge < s.curb + s.verge || b.edge > s.outer()) return patch->kind;
   }
   if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
@@ -120,7 +120,7 @@ double Layout::base(const Point2& p) const {
                              0.11 * relief(seed_ * 4 + 4, p.x, p.y, 45));
 }
 
-// Curbs are lowered where a driveway meets the road.
+// Returns a factor on the height of the curb, below 1 where a driveway joins the road.
 double Layout::lowering(const Beside& b, const Point2& p) const {
   if (b.section.step <= 0 || b.edge > 3) return 1;
   double factor = 1;
@@ -141,7 +141,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double edge = b.known ? b.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
-    // A crown, a gutter, and what years of lorries leave.
+    // A crown of the road, a gutter, and ruts from years of lorries.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
     double hole = 0;
@@ -155,7 +155,8 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     return ground + crown + worn - hole;
   }
   const double outer = b.known ? b.section.outer() : 0;
-  // Far from roads nothing is left of their height, so that the ground has no step where their reach ends.
+  // The height of curb and pavement fades out far from roads, so that the ground has no step where the roads' reach
+  // ends.
   const double near = b.known ? 1 - smooth((edge - 18) / 15) : 0;
   const double step = near * b.section.step * lowering(b, p);
   const double rise = near * 0.015 * std::clamp(edge, 0.0, outer);
@@ -165,16 +166,16 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double soft = smooth(hard / 1.5);
   const double wild = character_.undulation * smooth(beyond / 9) * soft;
   const double rolling = 1.6 * wild * relief(seed_ + 11, p.x, p.y, 16) + 0.6 * wild * relief(seed_ + 12, p.x, p.y, 5);
-  // Lots and squares are flatter than what is about them.
+  // Lots and squares are flatter than the land around them.
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
   const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
-  // Of lawns the finest cells' corners, in some places more than in others.
+  // Roughness of lawns at the scale of the finest cells, in some places more than in others.
   const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
   const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
                        smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
-    // Level but for its banks.
+    // Water is level except at its banks.
     constexpr double kBanks = 2;  // m
     const std::optional<std::uint32_t> area = areas_.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
@@ -182,8 +183,8 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   return natural + smooth(beyond / 1.5) * levelling(p, natural) + soft * (grain + snowOn(b, p));
 }
 
-// None on what is cleared, which it slopes down to: pavements, driveways and paths. Ploughs leave a bank on verges, and
-// beside roads that have no pavement.
+// Returns the depth of snow (m): none on pavements, driveways and paths, which are cleared and which the snow slopes
+// down to. Ploughs leave a bank on verges, and beside roads that have no pavement.
 double Layout::snowOn(const Beside& b, const Point2& p) const {
   if (character_.snow <= 0) return 0;
   constexpr double kSlope = 0.3;  // m
@@ -207,7 +208,7 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   return depth * cleared;
 }
 
-// What brings the ground to the height of the house beside it.
+// Returns the height (m) to add so that the ground reaches the height of the buildings beside the point.
 double Layout::levelling(const Point2& p, double natural) const {
   const auto cell = terraceCells_.find(keyAt(p.x, p.y));
   if (cell == terraceCells_.end()) return 0;

@@ -1,8 +1,7 @@
 #pragma once
 
-// The plan of a town: what kind of place the seed has drawn, its roads, its plots, and the ground under all of it. In
-// the town's frame, metres; the main road passes the origin along +x. Nothing outside this folder and town.cpp includes
-// this header.
+// The plan of a town: its character, its roads, its plots, and the ground under all of them. In the town's frame,
+// metres; the main road passes the origin along +x. Outside this folder only tests include this header.
 
 #include <array>
 #include <cstdint>
@@ -21,11 +20,11 @@ namespace scanmill::town {
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
-// A rectangle of other ground within a plot, from the road's edge inwards.
+// A rectangle of another kind of ground within a plot, from the road's edge inwards.
 struct Patch {
   models::Footprint place;
   GroundKind kind = GroundKind::Driveway;
-  bool parks = false;  // a car may stand on it
+  bool parks = false;  // a car may park on it
 };
 
 struct Plot {
@@ -35,20 +34,20 @@ struct Plot {
   double from = 0, to = 0;  // m along the road
   bool built = false;
   bool bare = false;  // open land: only a hedge or fence along the road
-  double depth = 9;   // m, of what is built
+  double depth = 9;   // m, of the building
   models::Fencing fencing = models::Fencing::None;
   double setback = 0;
 };
 
 // A building over any outline.
 struct PlacedBlock {
-  models::Block block;      // about the middle
-  models::Footprint about;  // the rectangle about it
-  Point2 entrance;          // before its wall towards the road
-  double height = 0;        // of the ground there, m
+  models::Block block;      // relative to the centre of `about`
+  models::Footprint about;  // the rectangle around the building
+  Point2 entrance;          // in front of the wall that faces the road
+  double height = 0;        // of the ground at the entrance, m
 };
 
-// Ground that is made level, for a house or a garage and half a metre about it.
+// A rectangle of ground that is levelled: under a building and half a metre around it.
 struct Terrace {
   models::Footprint place;
   double height = 0;
@@ -64,15 +63,16 @@ constexpr double kPathHalf = 0.9;  // m, half of a path's width
 
 class Layout {
  public:
-  static constexpr double kBeyond = 130;  // m, that the main road goes on beyond its plots
-  static constexpr double kEdge = 20;     // m, that the ground goes on beyond the roads
+  static constexpr double kBeyond = 130;  // m that the main road continues beyond its plots
+  static constexpr double kEdge = 20;     // m that the ground continues beyond the roads
 
   Layout(const Parameters& parameters, std::uint64_t seed);
   Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
 
-  // In words: the district, the season, and on a map the main road and where on the earth the frame's origin lies.
+  // Returns a description: the district, the season, and with a map the main road and the latitude and longitude of the
+  // frame's origin.
   const std::string& about() const { return about_; }
-  // Half of the side of the square of ground (m).
+  // Returns half of the side of the square of ground (m).
   static double reachOf(const Parameters& parameters);
 
   const Parameters& parameters() const { return parameters_; }
@@ -80,32 +80,34 @@ class Layout {
   std::uint64_t seed() const { return seed_; }
   const RoadNetwork& roads() const { return roads_; }
   const std::vector<Plot>& plots() const { return plots_; }
-  // Their places have the ground's height at the door.
+  // The houses' poses have the height of the ground at the door.
   const std::vector<models::House>& houses() const { return houses_; }
   const std::vector<PlacedBlock>& blocks() const { return blocks_; }
-  // Rectangles that houses and blocks stand on.
+  // Rectangles of the ground that houses, garages and blocks cover.
   const std::vector<models::Footprint>& covers() const { return covers_; }
   const Areas& areas() const { return areas_; }
-  // Of a map.
+  // Only with a map: its barriers and its trees.
   const std::vector<MapBarrier>& barriers() const { return barriers_; }
   const std::vector<Point2>& trees() const { return trees_; }
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Pothole>& potholes() const { return potholes_; }
-  // A pothole is nearer than its radius and so many metres.
+  // True if a pothole's rim is nearer than `reach` (m).
   bool nearPothole(const Point2& p, double reach) const;
-  // The part of the main road that is built on: distances along its line (m).
+  // The built-up part of the main road: distances along its line (m).
   double mainFrom() const { return mainFrom_; }
   double mainTo() const { return mainTo_; }
-  double half() const { return half_; }  // of the square of ground, m
+  double half() const { return half_; }  // half of the side of the square of ground, m
 
-  // The kind of ground at a point, and its height, which is that of the kind at its border.
+  // Return the kind of ground at a point, and the height of the ground (m). At a border of two kinds the height depends
+  // on which of them `kind` is, for instance above or below a curb.
   GroundKind kindAt(const Beside& beside, const Point2& p) const;
   double heightAt(GroundKind kind, const Beside& beside, const Point2& p) const;
   double heightAt(const Point2& p) const;
 
-  // Where the ground changes from kind to kind: zero on each of these lines.
+  // Returns signed distances (m) to the lines where the kind of ground changes: the edges of the parking lane, the
+  // carriageway, the curb, the verge and the sidewalk. Each is zero on its line.
   std::array<double, 5> borders(const Beside& beside) const;
-  // How far outside of the nearest patch (m, negative inside; far ones count as 4 m).
+  // Returns the distance to the nearest patch (m, negative inside, at most 4 m).
   double outsidePatches(const Point2& p) const;
 
  private:
@@ -119,11 +121,11 @@ class Layout {
   void addPlots(std::uint32_t road, int side, double from, double to);
   models::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // From a house with that yaw towards its road.
+  // Adds a strip of ground from `inner`, a point at a house with this yaw, towards the road.
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
-  // Below the lowest point of the land about each water.
+  // Puts the level of each water below the lowest point of its shore.
   void findWaterLevels();
-  // Once all is in place: the ground is made level about houses, which get its height.
+  // Is called last: gives buildings the height of the ground at their door, and levels the ground around them.
   void settle();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
@@ -153,16 +155,16 @@ class Layout {
   std::vector<models::House> houses_;
   std::vector<PlacedBlock> blocks_;
   std::vector<models::Footprint> covers_;
-  models::Occupancy taken_;  // by houses
+  models::Occupancy taken_;  // ground that houses and areas of land have taken
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
   Areas areas_;
-  std::vector<double> waterLevels_;  // m, of each area that is water
+  std::vector<double> waterLevels_;  // m, for each area; 0 if it is not water
   std::vector<MapBarrier> barriers_;
   std::vector<Point2> trees_;
 };
 
 models::Model makeGround(SceneBuilder& builder, const Layout& layout);
-// Places houses, plants, vehicles, people and all else.
+// Places houses, plants, vehicles, people and all other objects.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
 
 }  // namespace scanmill::town

@@ -1,4 +1,4 @@
-// Land beside the roads that is neither garden nor wood: parks, parking lots, squares; and roundabouts at the end of
+// Land beside the roads that is neither garden nor wood: parks, parking lots, squares. Also roundabouts at the end of
 // side roads.
 
 #include <cmath>
@@ -17,7 +17,8 @@ Polygon cornersOf(const Footprint& f) {
 
 }  // namespace
 
-// Beside a road, `width` along it, beyond the pavement; false where other roads or other land are there.
+// Adds land beside a road, beyond the pavement: `width` along the road, `depth` across it (m). Returns false if another
+// road or other land is in the way.
 bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double width, double depth) {
   const Road& road = roads_.roads()[r];
   const Point2 p = road.point(along);
@@ -36,7 +37,7 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   if (!taken_.isFree({place.center, place.halfX + 2, place.halfY + 2, yaw})) return false;
   taken_.add(place);
   areas_.add({land, cornersOf(place), {}});
-  // The way in.
+  // The entrance.
   const double front = depth / 2 - 1;
   const Point2 inner{place.center.x + std::sin(yaw) * front, place.center.y - std::cos(yaw) * front};
   const double way = kBend + 1.5 + road.section.outer();
@@ -80,7 +81,8 @@ void Layout::drawLand() {
   }
 }
 
-// Where a side road ends, as the map of many a suburb has it: a ring with an island, and a road that goes on.
+// Adds a roundabout at the end of a random side road, as in many suburbs: a ring with an island, and up to three roads
+// that leave the ring.
 void Layout::drawRoundabout() {
   Draw draw(seed_, Kind::SideRoad, 9000);
   if (character_.district == District::Rural || roads_.roads().size() < 2 || !draw.chance(0.35)) return;

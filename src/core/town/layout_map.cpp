@@ -1,4 +1,4 @@
-// What a map says, in place of what the seed would draw: roads, buildings, land.
+// Roads, buildings and land from a map instead of random ones.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using models::Kind;
 
-constexpr double kOnRoad = 1.6;  // m from the middle of a road: what stands nearer stands on it
+constexpr double kOnRoad = 1.6;  // m from a centre line: nearer buildings are on the road
 
 Parameters inDistrict(Parameters parameters, District district) {
   if (parameters.district != "any") return parameters;
@@ -21,11 +21,12 @@ Parameters inDistrict(Parameters parameters, District district) {
   return parameters;
 }
 
-// Where the map is silent: usual widths by the road's class, and the place's own.
+// Returns the cross section of a road from the map. Where the map gives no widths, they are usual for the road's class
+// or are the town's own.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   const bool small = road.kind >= RoadClass::Service;
   const double lane = c.main.half - c.main.parking;
-  // m, by class; residential roads are as wide as the place's own.
+  // m, by class; residential roads are as wide as the town's own roads.
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};
   double width = road.kind == RoadClass::Residential ? 2 * lane * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];
@@ -46,11 +47,12 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   return s;
 }
 
-// Carriageways end before walls; pavements give way to most of them.
+// Narrows a cross section so that the carriageway ends before the walls beside the road, and the pavement before most
+// of them. `walls`: distances from the centre line (m).
 void makeRoom(CrossSection& s, std::vector<double>& walls) {
   constexpr double kGap = 0.4;      // m
   constexpr double kLeast = 1.6;    // m, half of the narrowest road
-  constexpr double kBehind = 0.15;  // share of the walls that may stand on the pavement
+  constexpr double kBehind = 0.15;  // share of the walls that may be on the pavement
   constexpr double kIgnored = 0.02;
   if (walls.empty()) return;
   std::sort(walls.begin(), walls.end());
@@ -144,7 +146,7 @@ void Layout::takeRoads(const MapPlace& map) {
       if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
       if (beside.known) least = std::min(least, lateral);
     }
-    // What stands across a road is left out later.
+    // Buildings across a road do not narrow it: they are left out later.
     if (least < kOnRoad) continue;
     for (const auto& [road, lateral] : near) walls[road].push_back(lateral);
   }

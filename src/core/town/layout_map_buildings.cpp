@@ -1,4 +1,4 @@
-// The buildings of a map, and the plots that they stand on.
+// The buildings of a map and their plots.
 
 #include <algorithm>
 #include <cmath>
@@ -13,11 +13,11 @@ using models::Footprint;
 using models::House;
 using models::Kind;
 
-// How a building stands to the road that it is nearest to.
+// The position of a building relative to the nearest road.
 struct Frontage {
-  Footprint about;   // the rectangle about it, its x axis towards the road
-  double gap = 1e9;  // m, between the road's outer edge and the building; none is near: large
-  Beside before;     // the middle of its front
+  Footprint about;   // rectangle around the building, its x axis towards the road
+  double gap = 1e9;  // m, from the pavement's outer edge to the building; 1e9: no road is near
+  Beside before;     // of the middle of the building's front
 
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };
@@ -37,7 +37,7 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   return best;
 }
 
-// Maps draw houses over roads where one drives through them, or amiss.
+// True if the building is on a carriageway: a road may pass through it, or the map may be wrong.
 bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   constexpr double kSlip = 0.3;  // m
   for (const Point2& p : pointsAlong(b.outline, 1)) {
@@ -76,7 +76,7 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 
 }  // namespace
 
-// Houses over rectangles; blocks over all other outlines. What faces a road has a plot there.
+// Turns buildings over rectangles into houses and all others into blocks. Buildings that face a road get a plot there.
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
@@ -86,7 +86,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, roads_);
     const Footprint& about = frontage.about;
-    const double yaw = about.yaw + kPi / 2;  // of a house
+    const double yaw = about.yaw + kPi / 2;  // yaw of a house there, whose front faces its -y
     const bool house = isHouse(b, about);
     if (house) {
       House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
@@ -124,7 +124,7 @@ void Layout::takeBuildings(const MapPlace& map) {
   arrangePlots();
 }
 
-// Rectangles that cover what is built, walls and all within them.
+// Covers a building, walls included, with small rectangles.
 void Layout::cover(const MapBuilding& b, const Footprint& about) {
   constexpr double kCell = 1.6;  // m
   std::vector<const Polygon*> rings{&b.outline};
@@ -139,7 +139,7 @@ void Layout::cover(const MapBuilding& b, const Footprint& about) {
   }
 }
 
-// In their order along the roads, without overlaps, with plots where nobody has built between them.
+// Sorts the plots along the roads, removes overlaps, and adds bare plots where there are no buildings.
 void Layout::arrangePlots() {
   std::stable_sort(plots_.begin(), plots_.end(), [](const Plot& a, const Plot& b) {
     return std::tie(a.road, a.side, a.from) < std::tie(b.road, b.side, b.from);
@@ -169,7 +169,7 @@ void Layout::arrangePlots() {
         Plot plot = built[next];
         plot.from = std::max(plot.from, done);
         plot.to = std::min(plot.to, road.length() - 2);
-        if (plot.to - plot.from < 2) continue;  // behind another
+        if (plot.to - plot.from < 2) continue;  // behind another plot
         addFree(plot.from);
         plot.from = std::max(done, 4.0);
         done = plot.to;
@@ -179,7 +179,7 @@ void Layout::arrangePlots() {
     }
   }
   std::erase_if(plots_, [&](const Plot& plot) {
-    // Not on lots, squares and water, nor where another road goes.
+    // Remove plots on lots, squares and water, and plots on another road.
     const Road& road = roads_.roads()[plot.road];
     const double middle = (plot.from + plot.to) / 2;
     const Point2 p = road.point(middle);

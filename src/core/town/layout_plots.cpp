@@ -30,7 +30,7 @@ void Layout::drawPlots() {
 
 void Layout::settle() {
   for (std::uint32_t i = 0; i < patches_.size(); ++i) enter(patches_[i].place, i, patchCells_);
-  // Before anything is level: what stands close together would lift each other else.
+  // Heights are read before any terrace is set: otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
   for (models::House& house : houses_) {
     const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
@@ -52,7 +52,7 @@ void Layout::settle() {
   for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
 }
 
-// Whether the rectangle stays clear of roads and sidewalks, and of other houses.
+// True if the rectangle is at least `gap` m from roads and sidewalks, and on no ground that is already taken.
 bool Layout::fits(const Footprint& f, double gap) const {
   for (const double u : {-1.0, 0.0, 1.0}) {
     for (const double v : {-1.0, 0.0, 1.0}) {
@@ -130,7 +130,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       const Point2 h = road.heading(along);
       return Point2{p.x - h.y * side * lateral, p.y + h.x * side * lateral};
     };
-    // Beside a driveway the house stands at the other end of the plot.
+    // If there is a driveway, the house is shifted to the other end of the plot.
     const double shift = hasDriveway ? -side * (gap / 2 - 0.2) : 0;
     const Footprint body{spot(middle + shift, outer + plot.setback + house.depth / 2), house.width / 2, house.depth / 2,
                          yaw};
@@ -161,7 +161,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       houses_.push_back(house);
     }
     start = plot.to;
-    // Parks, lots and squares have no gardens.
+    // No plot for a garden in parks, lots and squares.
     if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
     plots_.push_back(plot);
   }

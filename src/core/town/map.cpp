@@ -37,14 +37,15 @@ bool isPath(const OsmTags& tags) {
          tags["is_sidepath"] != "yes";
 }
 
-// What lies above or below the ground is left out.
+// True if an object is on the ground. Others, such as tunnels and bridges, are left out.
 bool onGround(const OsmTags& tags) {
   return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
          isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
          !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"});
 }
 
-// By the keys `sidewalk`, `parking:lane:both`, `parking:left` and the like.
+// Returns what tags say about a feature of a road, with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
+// true if a value is one of `yes`, false if one is in `no`, none if neither.
 std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char*> keys,
                            std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
   std::optional<bool> said;
@@ -56,7 +57,7 @@ std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char
 }
 
 MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
-  constexpr double kLane = 3.1;  // m, where the map counts lanes
+  constexpr double kLane = 3.1;  // m, width of a lane where the map gives their number
   MapRoad road;
   road.kind = kind;
   road.name = way.tags["name"];
@@ -86,9 +87,9 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
   return road;
 }
 
-// Outer rings go round counter-clockwise, inner ones clockwise, in the mirror image too.
+// Returns a ring in the plane. Outer rings stay counter-clockwise and inner ones clockwise, in the mirror image too.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
-  constexpr double kShortest = 0.25;  // m, of a wall
+  constexpr double kShortest = 0.25;  // m, shortest wall
   Polygon ring;
   for (const OsmNode& n : nodes) {
     const Point2 p = plane(n);
@@ -98,7 +99,7 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   while (ring.size() > 1 && std::hypot(ring.front().x - ring.back().x, ring.front().y - ring.back().y) < kShortest) {
     ring.pop_back();
   }
-  // Without points on straight walls.
+  // Leave out points on straight walls.
   Polygon corners;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2& a = corners.empty() ? ring.back() : corners.back();
@@ -123,7 +124,7 @@ std::optional<Land> landOf(const OsmTags& tags) {
       isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"})) {
     return Land::Grass;
   }
-  // Squares come as areas of roads for walkers.
+  // In OpenStreetMap squares are areas of pedestrian roads.
   const bool square = tags["area"] == "yes";
   if ((square && isOneOf(tags["highway"], {"pedestrian", "footway", "service"})) || tags["amenity"] == "marketplace") {
     return Land::Paved;
@@ -148,10 +149,10 @@ std::optional<models::Roof> roofOf(const std::string& shape) {
   return found == kShapes.end() ? std::nullopt : std::optional(found->second);
 }
 
-// How high a pitched roof usually is over a rectangle; none over other outlines, which have flat ones.
+// Returns the usual height (m) of a pitched roof over a rectangle; 0 over other outlines, which have flat roofs.
 double usualRise(const Polygon& outline, const std::optional<models::Roof>& roof) {
   constexpr double kSlope = 0.75;
-  constexpr double kWidest = 18;  // m, of what has pitched roofs
+  constexpr double kWidest = 18;  // m, widest building with a pitched roof
   const models::Footprint about = rectangleAbout(outline);
   const double narrow = std::min(about.halfX, about.halfY);
   const bool pitched = roof != models::Roof::Flat && sizeOf(outline) > 0.9 * 4 * about.halfX * about.halfY;
@@ -170,7 +171,7 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
   if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
     building.floors = static_cast<int>(std::lround(*floors));
   }
-  constexpr double kLowest = 2, kHighest = 400;  // m; what is said beyond them is a slip
+  constexpr double kLowest = 2, kHighest = 400;  // m; values outside are taken as errors of the map
   building.top = metresOf(tags["height"]);
   if (building.top && (*building.top < kLowest || *building.top > kHighest)) building.top.reset();
   building.roof = roofOf(tags["roof:shape"]);
@@ -210,7 +211,7 @@ OsmNode degreesAt(const Map& map, const Point2& p) {
 }
 
 Map makeMap(const OsmExtract& extract, bool mirrored) {
-  // In the middle of what the roads reach.
+  // The origin is in the middle of the roads' bounds.
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
     if (!classOf(way.tags)) continue;
@@ -248,7 +249,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
   map.roads = joinRoads(ways);
   for (const OsmArea& area : extract.areas) {
     if (!onGround(area.tags)) continue;
-    // Roofs that stand open would be walled.
+    // Open roofs are left out: they would get walls.
     if (isOneOf(area.tags["building"], {"roof", "carport"})) continue;
     const bool built = !isOneOf(area.tags["building"], {"", "no"});
     if (built) {
@@ -270,7 +271,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
 }
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
-  // libosmium takes names that begin like an address for one, and would fetch it.
+  // The path is absolute because libosmium would download a name that begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
     throw InputError(where, fmt::format("{} is no file: a map is an OpenStreetMap extract", file.string()));

@@ -1,7 +1,7 @@
 #pragma once
 
-// A place as an OpenStreetMap extract shows it: what a town is laid out from in place of chance. Frame: metres, x east,
-// y north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
+// A place as an OpenStreetMap extract shows it, from which a town is laid out instead of at random. Frame: metres, x
+// east, y north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,20 +16,20 @@
 
 namespace scanmill::town {
 
-// From the widest to the narrowest.
+// The classes of roads, from the widest to the narrowest.
 enum class RoadClass { Primary, Secondary, Tertiary, Residential, Service, Track };
 
 struct MapRoad {
   std::string name;
   RoadClass kind = RoadClass::Residential;
-  std::vector<Point2> line;  // as it is drawn: corners, not rounded
-  // By the OpenStreetMap id of each of its points: roads meet where they share a node.
+  std::vector<Point2> line;  // as in the map: corners are not rounded
+  // The OpenStreetMap id of each point of `line`: roads meet where they share a node.
   std::vector<std::int64_t> nodes;
-  bool oneWay = false;   // along the line, or
-  bool against = false;  // against it
+  bool oneWay = false;   // one-way: along the line, or against it
+  bool against = false;  // a one-way road is driven against the line
   bool ring = false;     // a roundabout
-  // As far as the map says so (m).
-  std::optional<double> width;  // of the carriageway without parking lanes
+  // Unset where the map does not give them.
+  std::optional<double> width;  // m, of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
 
@@ -39,14 +39,15 @@ struct MapRoad {
 struct MapBuilding {
   Polygon outline;
   std::vector<Polygon> courts;       // clockwise
-  std::optional<double> top;         // m, of the roof
+  std::optional<double> top;         // m, top of the roof
   std::optional<double> height;      // m, to the eaves
   std::optional<int> floors;         // above the ground
-  std::optional<models::Roof> roof;  // as far as the map says so, of those that there are
+  std::optional<models::Roof> roof;  // none: the map gives no shape, or one that houses do not have
   bool shop = false;
   bool shed = false;  // a garage, shed or the like: without windows
 
-  // By the floors that the map counts, as far as the height has room for them, else by the height.
+  // Returns the number of floors that the map gives, limited to what fits into the height, or a number that fits the
+  // height; none if the map gives neither floors nor height.
   std::optional<int> floorsSaid() const;
 };
 
@@ -66,8 +67,8 @@ struct MapBarrier {
 struct Map {
   std::filesystem::path file;
   double latitude = 0, longitude = 0;  // degrees, of the frame's origin
-  bool mirrored = false;               // y is south
-  std::vector<MapRoad> roads;          // each as long as it goes straight on
+  bool mirrored = false;               // y is south: see TangentPlane
+  std::vector<MapRoad> roads;          // joined: see joinRoads()
   std::vector<std::vector<Point2>> paths;
   std::vector<MapBuilding> buildings;
   std::vector<MapArea> areas;
@@ -75,18 +76,20 @@ struct Map {
   std::vector<Point2> trees;
 };
 
-// Of a point of the map's frame (degrees).
+// Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);
 
-// Throws an InputError at `where` with the file where it cannot be read or has no road that cars may drive on.
+// Reads an extract. Throws an InputError at `where`, with the file's name, if the file cannot be read or has no road
+// for cars.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
-// Of what has been read.
+// Builds a map from an extract that has been read.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
-// Joins roads that meet end to end, and at crossings those that go on straight ahead.
+// Joins roads end to end, and at crossings those that continue straight ahead.
 std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
-// A number at the start of a tag's value, in metres: "12", "12.5 m", "40'"; none where it is something else.
+// Returns the number at the start of a tag's value in metres: "12", "12.5 m", "40'"; none if the value is something
+// else.
 std::optional<double> metresOf(const std::string& value);
 
 }  // namespace scanmill::town

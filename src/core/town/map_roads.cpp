@@ -1,4 +1,4 @@
-// Roads of a map: its ways are short pieces, which are joined to roads as drivers see them.
+// Joins the roads of a map, which consist of many short ways, into roads as drivers see them.
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,12 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kSharpest = 2.4;  // rad, of a corner that a road goes round
+constexpr double kSharpest = 2.4;  // rad, sharpest corner within a road
 
 struct Piece {
   MapRoad road;
-  // What goes on at its start and at its end: piece and end of it; -1: nothing.
+  // The piece that continues this one at its start and at its end, and which end of that piece (0: start, 1: end);
+  // piece -1: none.
   struct Joint {
     int piece = -1;
     int end = 0;
@@ -29,7 +30,7 @@ double turnAt(const MapRoad& road, std::size_t i) {
   return std::abs(std::remainder(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x), 2 * kPi));
 }
 
-// From one crossing to the next, and from one end to the next of what turns back on itself.
+// Cuts roads into pieces at crossings, and where a road turns back on itself.
 std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   std::map<std::int64_t, int> uses;
   for (const MapRoad& road : roads) {
@@ -52,7 +53,7 @@ std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   return pieces;
 }
 
-// The direction away from an end, as its first metres tell.
+// Returns the direction (rad) away from an end of a road, over its first metres.
 double headingFrom(const MapRoad& road, int end) {
   constexpr double kReach = 12;  // m
   const std::size_t count = road.line.size();
@@ -67,7 +68,7 @@ struct End {
   int piece, end;
 };
 
-// How little two pieces that meet look like one road; none where they cannot be one.
+// Returns how poorly two pieces that meet fit together as one road (lower is better); none if they cannot be one road.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
   const MapRoad& p = pieces[static_cast<std::size_t>(a.piece)].road;
   const MapRoad& q = pieces[static_cast<std::size_t>(b.piece)].road;
@@ -78,7 +79,7 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
-  // At a corner only what has the same name and class, and nothing else meets there.
+  // Around a sharp corner a road continues only with the same name and class, and if no other road joins there.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
   if (turn > (corner ? kSharpest : 0.8)) return std::nullopt;
   return turn + (sameName ? 0 : 0.5) + 0.3 * std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
@@ -116,7 +117,7 @@ void match(std::vector<Piece>& pieces) {
   }
 }
 
-// From an end on, as far as pieces go on.
+// Joins the pieces that continue each other, from one end on.
 MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& used) {
   MapRoad whole;
   double longest = 0;
@@ -129,7 +130,7 @@ MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& us
       std::reverse(part.line.begin(), part.line.end());
       std::reverse(part.nodes.begin(), part.nodes.end());
     }
-    // All but the line is that of the longest piece.
+    // All properties except the line are those of the longest piece.
     std::vector<Point2> line = std::move(whole.line);
     std::vector<std::int64_t> nodes = std::move(whole.nodes);
     const std::size_t skip = line.empty() ? 0 : 1;
@@ -158,7 +159,7 @@ std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads) {
     for (int i = 0; i < static_cast<int>(pieces.size()); ++i) {
       const Piece& piece = pieces[static_cast<std::size_t>(i)];
       if (used[static_cast<std::size_t>(i)]) continue;
-      // One-way roads begin where they begin.
+      // One-way roads are followed from their start only.
       if (loops || piece.joints[0].piece < 0) {
         joined.push_back(follow(pieces, {i, 0}, used));
       } else if (piece.joints[1].piece < 0 && !piece.road.oneWay) {

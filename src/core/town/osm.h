@@ -1,6 +1,6 @@
 #pragma once
 
-// What an OpenStreetMap extract holds, as far as a town needs it.
+// The part of an OpenStreetMap extract that a town needs.
 
 #include <cstdint>
 #include <string>
@@ -12,7 +12,7 @@ namespace scanmill::town {
 struct OsmTags {
   std::vector<std::pair<std::string, std::string>> pairs;
 
-  // Empty where the tag is not there.
+  // Returns the value of a tag, empty if there is no such tag.
   const std::string& operator[](const char* key) const {
     static const std::string none;
     for (const auto& [k, v] : pairs) {
@@ -34,11 +34,11 @@ struct OsmPoint {
 
 struct OsmWay {
   OsmTags tags;
-  std::vector<OsmNode> nodes;  // those that the extract has
+  std::vector<OsmNode> nodes;  // only nodes that are in the extract
 };
 
-// A closed way, or a multipolygon relation, cut into parts with one outer ring each. Rings do not repeat their first
-// node at the end; outer ones go round counter-clockwise, inner ones clockwise.
+// A closed way or a multipolygon relation, cut into parts with one outer ring each. Rings do not repeat their first
+// node at the end; outer rings are counter-clockwise, inner rings clockwise.
 struct OsmArea {
   OsmTags tags;
   std::vector<OsmNode> outer;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The module that reads OpenStreetMap files by libosmium.
+// The module that reads OpenStreetMap files with libosmium.
 
 #include <string>
 

@@ -1,4 +1,4 @@
-// libscanmill_town.so: libosmium behind the interface of town/osm.h.
+// libscanmill_town.so: libosmium behind the interface of town/osm_interface.h.
 
 #include <osmium/area/assembler.hpp>
 #include <osmium/area/multipolygon_manager.hpp>
@@ -81,9 +81,9 @@ class Osmium final : public OsmModule {
     OsmExtract extract;
     using Index = osmium::index::map::FlexMem<osmium::unsigned_object_id_type, osmium::Location>;
     Index index;
-    Index negative;  // ids of nodes that were never uploaded
+    Index negative;  // for negative ids: nodes that were never uploaded to OpenStreetMap
     osmium::handler::NodeLocationsForWays<Index, Index> locations(index, negative);
-    locations.ignore_errors();  // extracts hold ways whose nodes they have cut off
+    locations.ignore_errors();  // extracts contain ways with nodes outside the extract
     Collector collector(extract);
     osmium::io::Reader reader(file);
     osmium::apply(reader, locations, collector,

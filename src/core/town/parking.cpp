@@ -1,4 +1,4 @@
-// Vehicles that stand: in bays, at curbs, in driveways; deliveries, trailers, tractors.
+// Stationary vehicles: in bays, at curbs, in driveways; deliveries, trailers, tractors.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using models::Kind;
 
-constexpr double kBay = 6;  // m along the curb
+constexpr double kBay = 6;  // m, length of a parking place along the curb
 
 void placeCars(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
@@ -27,7 +27,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
     for (const int side : {-1, 1}) {
-      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // these lanes stay free
+      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // the sensor's lanes stay clear
       std::uint32_t bay = 0;
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
@@ -38,7 +38,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
         Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half - inwards));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
         if (std::abs(b.edge + inwards) > 0.3) continue;  // at a crossing
-        // Driveways stay free.
+        // Driveways stay clear.
         if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
         spot.yaw += (side > 0 ? kPi : 0) + (draw.chance(0.08) ? kPi : 0) + draw.in(-0.02, 0.02);
         if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
@@ -62,12 +62,12 @@ void placeCars(Placer& placer, Fleet& fleet) {
   }
 }
 
-// On parking lots: two rows of bays to an aisle, with lines between them.
+// Places cars on parking lots: two rows of bays on each aisle, with lines between the bays.
 void placeLots(Placer& placer, Fleet& fleet) {
-  constexpr double kWide = 2.6;  // m, of a bay
+  constexpr double kWide = 2.6;  // m, width of a bay
   constexpr double kLong = 5;
   constexpr double kAisle = 6.2;
-  constexpr double kLine = 0.06;  // half of its width
+  constexpr double kLine = 0.06;  // half of a line's width
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
@@ -77,7 +77,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
   for (const MapArea& area : l.areas().all()) {
     if (area.land != Land::Lot) continue;
     Draw draw(l.seed(), Kind::Lot, ++lot);
-    // Few are full.
+    // Few lots are full.
     const double full = draw.next();
     const double taken = std::min(0.95, l.parameters().vehicles * (0.03 + 0.7 * full * full));
     Footprint about = rectangleAbout(area.outline);
@@ -98,7 +98,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
       s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
       ++lines;
     };
-    bool far = false;  // which of the two rows at an aisle
+    bool far = false;  // the second of the two rows on an aisle
     for (double low = -about.halfY + 0.4; low + kLong < about.halfY - 0.2; far = !far) {
       for (const double u : models::steps(-about.halfX + 0.8, about.halfX - kWide - 0.4, kWide)) {
         const double middle = u + kWide / 2;
@@ -119,8 +119,8 @@ void placeLots(Placer& placer, Fleet& fleet) {
   if (lines > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "lots' markings");
 }
 
-// A lorry that delivers and a bus that waits, in side roads, or where there are none on the main road's other side;
-// trailers and tractors beside the road.
+// Places a delivering lorry and a waiting bus in side roads, or on the other side of the main road if there are no side
+// roads; and trailers, caravans and tractors beside the main road.
 void placeStanding(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Traffic, 3000);
@@ -131,7 +131,7 @@ void placeStanding(Placer& placer, Fleet& fleet) {
     Spot spot = besideRoad(road, at, lateral);
     if (lateral > 0) spot.yaw += kPi;
     const Beside b = l.roads().at(spot.at.x, spot.at.y);
-    // Not at a crossing, nor on a road that is not meant.
+    // Not at a crossing, nor on another road.
     if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
     return placer.tryPark(m, spot, name);
   };

@@ -1,4 +1,4 @@
-// People on foot, and bicycles and motorcycles that stand beside roads.
+// Pedestrians, and parked bicycles and motorcycles beside roads.
 
 #include <fmt/format.h>
 
@@ -14,10 +14,10 @@ namespace {
 
 using models::Kind;
 
-// On a pavement, or beside a road that has none.
+// A place on a pavement, or beside a road without one.
 struct Place {
   const Road* road = nullptr;
-  double along = 0;    // the road, m
+  double along = 0;    // along the road, m
   double lateral = 0;  // to the left of its line, m
   double sense = 1;    // -1: against the line
 
@@ -44,7 +44,8 @@ std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
   return place;
 }
 
-// How far one can walk on from there without leaving the pavement or meeting anything, up to `most` (m).
+// Returns how far a pedestrian can walk on from a place without leaving the pavement or hitting an object, at most
+// `most` (m).
 double freeWay(const Placer& placer, Place place, double most) {
   const double start = place.along;
   for (const double done : models::steps(0, most, 0.5)) {
@@ -57,7 +58,7 @@ double freeWay(const Placer& placer, Place place, double most) {
   return most;
 }
 
-// Somebody who walks along a road, or false where the way is not free for long enough.
+// Places a pedestrian who walks along a road. Returns false if the way is not free for long enough.
 bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const std::string& name) {
   constexpr double kLeast = 12;  // m
   constexpr double kMost = 110;
@@ -68,7 +69,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   if (!place) return false;
   const double way = freeWay(placer, *place, kMost);
   if (way < kLeast) return false;
-  // To its end, round in half a step, and back, as often as it takes.
+  // The path leads to the end of the way, round in half a step and back, as often as the duration needs.
   constexpr double kAside = 0.15;  // m from the middle of the way
   const auto pieces = static_cast<int>(way / kPiece);
   const auto at = [&](double done, double left) {
@@ -86,7 +87,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
     const Spot middle = at(k + 0.5, 0);
     placer.occupancy.add({middle.at, way / pieces / 2, 0.4, middle.yaw});
   }
-  const double round = 0.25 * pieces / way;  // m, beyond the last and the first place
+  const double round = 0.25 * pieces / way;  // 0.25 m, in pieces: where the turn begins before an end
   const auto laps = static_cast<int>(std::ceil(speed * kDuration / (2 * way)));
   for (int lap = 0; lap < laps; ++lap) {
     for (int k = 0; k < pieces; ++k) walk(k + round, -kAside);
@@ -112,7 +113,7 @@ void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
   const double length = l.mainTo() - l.mainFrom();
   Draw counts(l.seed(), Kind::Person, 999);
-  // One of each at least, unless nobody is wanted.
+  // At least one of each, unless people are switched off.
   const auto count = [&](double share) {
     const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
     return l.parameters().people > 0 ? std::max(1, drawn) : 0;
@@ -130,7 +131,7 @@ void placePeople(Placer& placer) {
       if (placer.tryPut(m, spot, name)) return;
     }
   };
-  // Two of three walk.
+  // Two of three pedestrians walk.
   constexpr int kWalkers = 5;
   constexpr int kStanding = 4;
   const auto walking = models::makeForms(std::min(walkers, kWalkers),

@@ -1,6 +1,6 @@
 #pragma once
 
-// Puts things on the ground of a town, where nothing else stands.
+// Places objects on the ground of a town where it is free.
 
 #include <cmath>
 #include <optional>
@@ -24,17 +24,17 @@ struct Spot {
 class Placer {
  public:
   static constexpr int kTries = 16;
-  static constexpr double kGap = 0.15;  // least distance between things, m
+  static constexpr double kGap = 0.15;  // least distance between objects, m
 
   Placer(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
 
-  // Upright, its origin on the ground or `sink` below it.
+  // Places a model upright, its origin on the ground or `sink` (m) below it, even if the place is taken.
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // False where something stands there already.
+  // Places the model if the place is free, otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // The same of what stands on wheels, which tilts as the ground does.
+  // As tryPut(), for a model on wheels, which tilts with the ground; returns false also where noParking is taken.
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
-  // Whatever stands there.
+  // Places a model on wheels even if the place is taken.
   void park(const Model& m, const Spot& s, const std::string& name);
 
   static Footprint footprint(const Model& m, const Spot& s, double grow);
@@ -42,23 +42,23 @@ class Placer {
   SceneBuilder& builder;
   const Layout& layout;
   const Affine& worldFromTown;
-  // Whether it is on the ground, and neither on a driveway or path nor where something stands.
+  // True if a rectangle lies within the town's ground and on no driveway, path or placed object.
   bool isFree(const Footprint& f) const {
     constexpr double kEdge = 3;  // m
     const double reach = layout.half() - kEdge;
     return std::abs(f.center.x) < reach && std::abs(f.center.y) < reach && driveways.isFree(f) && occupancy.isFree(f);
   }
 
-  models::Occupancy occupancy;  // by things that stand
-  models::Occupancy driveways;  // and paths: they stay clear
-  models::Occupancy noParking;  // where nothing on wheels may stand
-  // Traffic lights of the main road, for those who drive against its line.
+  models::Occupancy occupancy;  // rectangles that objects cover
+  models::Occupancy driveways;  // driveways and paths, which stay clear
+  models::Occupancy noParking;  // where nothing on wheels may be placed
+  // The traffic lights of the main road for vehicles that drive against the road's line.
   struct Light {
     static constexpr double kPeriod = 44;  // s
     static constexpr double kRed = 16;     // s of the period
-    double along;                          // where they stop, m
-    double offset;                         // s, in its period
-    bool marked;                           // by a line on the road
+    double along;                          // where vehicles stop, m along the road
+    double offset;                         // s, start of a period
+    bool marked;                           // with a stop line on the road
   };
   std::vector<Light> lights;
 
@@ -66,10 +66,11 @@ class Placer {
   Vec3d onGround(const Point2& p, double sink) const;
 };
 
-// A place beside a road, by the distance along its line and from it to the left; the yaw is the line's.
+// Returns a place beside a road, at a distance along its line and `lateral` metres to the left of it, with the yaw of
+// the line.
 Spot besideRoad(const Road& road, double along, double lateral);
 
-// What those obey who come out of a side road.
+// Returns the sign for vehicles that come out of a side road; none: there is no sign.
 std::optional<models::TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad);
 
 void placeHouses(Placer& placer);
@@ -80,7 +81,7 @@ void placeFixtures(Placer& placer);
 void placeWires(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
-void placeVehicles(Placer& placer);  // those that stand, then those that drive
+void placeVehicles(Placer& placer);  // stationary vehicles first, then those that drive
 void placePeople(Placer& placer);
 void placeTrees(Placer& placer);
 void placeWoods(Placer& placer);

@@ -16,14 +16,14 @@ using models::Kind;
 using models::TreeModel;
 
 constexpr int kTreesOfAForm = 2;
-constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // their crowns
-constexpr double kOverhang = 0.5;                             // m, of crowns over a road
-constexpr double kFar = 25;         // m from the nearest road: trees beyond have larger leaves, and fewer
-constexpr double kFarDetail = 0.3;  // of the leaves
+constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // irregularity of their crowns: see makeTree()
+constexpr double kOverhang = 0.5;                             // m that crowns may reach over a road
+constexpr double kFar = 25;         // m from the nearest road: farther trees have larger and fewer leaves
+constexpr double kFarDetail = 0.3;  // factor on the number of leaves
 constexpr int kBushForms = 6;
-constexpr std::size_t kMostTrees = 900;  // of woods
+constexpr std::size_t kMostTrees = 900;  // in woods
 
-// The trees of this town, each made when it is first needed.
+// The trees of this town, each built when it is first needed.
 class Nursery {
  public:
   explicit Nursery(Placer& placer)
@@ -50,7 +50,7 @@ class Nursery {
   std::vector<bool> made_;
 };
 
-// Only its trunk takes room on the ground; crowns may meet.
+// Plants a tree; only the trunk needs free ground, crowns may overlap. Returns false if there is no room.
 bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadleaf, double room,
            const std::string& name) {
   const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
@@ -58,7 +58,7 @@ bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadle
   const TreeModel& tree = nursery.tree(draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
-  // The lanes are kept clear.
+  // Limit the crown so that the lanes stay clear.
   if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
   if (spot.scale < 0.5 || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
@@ -80,18 +80,18 @@ void placeTrees(Placer& placer) {
   const Character& c = l.character();
   Nursery nursery(placer);
   int number = 0;
-  // A map's own; where it has any, chance adds none along the roads.
+  // The trees of a map. If a map has any, no random trees are added along the roads.
   std::uint32_t mapped = 0;
   for (const Point2& tree : l.trees()) {
     Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
     const Beside b = l.roads().at(tree.x, tree.y);
-    if (b.known && b.edge < 0.4) continue;  // roads are narrower on some maps than ours
+    if (b.known && b.edge < 0.4) continue;  // the road here is wider than on the map
     if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
       ++number;
     }
   }
   const double avenue = l.trees().empty() ? c.avenue : 0;
-  // Along the roads: in the verge where it is wide enough, else in the gardens behind the pavement.
+  // Trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
     const CrossSection& s = road.section;
@@ -111,7 +111,7 @@ void placeTrees(Placer& placer) {
       }
     }
   }
-  // In parks, where a map names none.
+  // Trees in parks, if the map gives no trees.
   std::uint32_t park = 0;
   for (const MapArea& area : l.areas().all()) {
     Draw draw(l.seed(), Kind::Tree, 700000 + ++park);
@@ -148,8 +148,8 @@ void placeTrees(Placer& placer) {
   }
 }
 
-// Where a smooth field is high the land is wooded, on a jittered lattice, with undergrowth at and below the crowns'
-// edge, which makes a wall of leaves.
+// Places woods: trees on a jittered lattice where a smooth random field is high, or in the woods of a map, with
+// undergrowth between the trees and at the edge, where it forms a wall of leaves.
 void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
@@ -157,7 +157,8 @@ void placeWoods(Placer& placer) {
   Nursery nursery(placer);
   const std::vector<Model> bushes = models::makeForms(
       4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
-  // The field's share above a threshold: its values are about normal, with a deviation of a quarter.
+  // The threshold that a share `woods` of the field exceeds, approximately: values are nearly normal with a standard
+  // deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed(), Kind::Wood);
   const double spacing = lattice.in(3.2, 4.6);
@@ -170,7 +171,7 @@ void placeWoods(Placer& placer) {
       Draw draw(l.seed(), Kind::Wood, ++cell);
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.roads().at(spot.at.x, spot.at.y);
-      if (!b.known || b.edge < b.section.outer() + 1.2) continue;  // nothing beyond is seen through it
+      if (!b.known || b.edge < b.section.outer() + 1.2) continue;  // hidden behind nearer trees, or on a road
       const double density =
           relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
       const std::optional<Land> land = l.areas().at(spot.at);

@@ -2,7 +2,7 @@
 
 namespace scanmill::town {
 
-// In the order of who has the right of way.
+// Places objects in the order of their priority: later ones only get places that are still free.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
   Placer placer(builder, layout, worldFromTown);
   placeHouses(placer);

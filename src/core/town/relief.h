@@ -1,14 +1,14 @@
 #pragma once
 
-// Unevenness of the ground, and which way of it: smooth random fields over the plane.
+// Smooth random fields over the plane, for the unevenness of the ground and for what varies from place to place.
 
 #include <cstdint>
 
 namespace scanmill::town {
 
-// A field of mean 0 that varies over about `size` metres: gradient noise (Perlin, "Improving noise", SIGGRAPH 2002) on
-// a lattice whose gradients follow from the seed. Between -1 and 1, its standard deviation is about 0.25. Equal on
-// every machine: sums and products in a fixed order.
+// Returns a random field of mean 0 that varies over about `size` metres: gradient noise (Perlin, "Improving noise",
+// SIGGRAPH 2002) on a lattice whose gradients follow from the seed. Values are between -1 and 1 with a standard
+// deviation of about 0.25, and equal on every machine: sums and products are in a fixed order.
 double relief(std::uint64_t seed, double x, double y, double size);
 
 }  // namespace scanmill::town

@@ -7,11 +7,11 @@ namespace scanmill::town {
 namespace {
 
 constexpr double kCell = 16;      // m
-constexpr std::size_t kRun = 8;   // segments that are looked at, or passed over, together
-constexpr double kRounding = 10;  // m, of the corners where roads meet: see at()
+constexpr std::size_t kRun = 8;   // segments that are tested, or skipped, together
+constexpr double kRounding = 10;  // m, rounding of corners where roads meet: see at()
 constexpr double kRingRounding = 4;
-constexpr double kFull = 28;  // m from where roads meet, as far as corners are fully rounded
-constexpr double kFade = 12;  // m, over which they become sharp
+constexpr double kFull = 28;  // m from a joint, within which corners are fully rounded
+constexpr double kFade = 12;  // m beyond kFull, over which corners become sharp
 
 std::int64_t cellOf(double v) {
   return static_cast<std::int64_t>(std::floor(v / kCell));
@@ -95,7 +95,7 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
     const bool known = !found.empty() && found.back().road == run.road;
     const double outX = std::max({0.0, run.low.x - x, x - run.high.x});
     const double outY = std::max({0.0, run.low.y - y, y - run.high.y});
-    constexpr double kRounded = 1e-6;  // m2, more than what is rounded off
+    constexpr double kRounded = 1e-6;  // m2, more than the rounding error
     const double least = outX * outX + outY * outY - kRounded;
     if (least > (known ? found.back().distance : kReach * kReach)) continue;
     const Road& road = roads_[run.road];
@@ -121,8 +121,9 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   for (Near& n : found) n.distance = std::sqrt(n.distance);
 }
 
-// The least of all edges' distances, with corners rounded as a polynomial smooth minimum does: where two differ by less
-// than the rounding, it lies below both, by a quarter of the rounding at most.
+// `edge` is the distance to the nearest edge as a polynomial smooth minimum over the roads, which rounds corners: where
+// the distances to two edges differ by less than the rounding, the result is less than both, by at most a quarter of
+// the rounding.
 Beside RoadNetwork::at(double x, double y) const {
   thread_local std::vector<Near> found;
   nearest(x, y, found);
@@ -133,7 +134,8 @@ Beside RoadNetwork::at(double x, double y) const {
   const double rounding = ring ? std::min(corner, kRingRounding) : corner;
   for (const Near& n : found) {
     const CrossSection& own = roads_[n.road].section;
-    // Where roads meet, one that ends there widens the others on its own side alone.
+    // A road that ends at a joint must not widen the other roads on their far side: beyond the road's end the distance
+    // to its edge grows steeply.
     constexpr double kSteep = 3;
     const double edge = n.distance - own.half + kSteep * n.behind * corner / kRounding * (found.size() > 1 ? 1 : 0);
     if (!beside.known) {
@@ -151,7 +153,8 @@ Beside RoadNetwork::at(double x, double y) const {
       beside.lateral = n.left ? n.distance : -n.distance;
     }
   }
-  // An island has no pavements of the roads that meet its ring, which goes round counter-clockwise.
+  // The island inside a roundabout, at the left of the ring's line, gets no pavements from the roads that join the
+  // ring.
   if (beside.known && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }

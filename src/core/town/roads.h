@@ -1,6 +1,7 @@
 #pragma once
 
-// The roads of a town: centre lines with their widths, and where a point lies beside them. In the town's frame, metres.
+// The roads of a town: centre lines with their widths, and the position of points relative to the roads. In the town's
+// frame, metres.
 
 #include <cstdint>
 #include <optional>
@@ -13,11 +14,12 @@ namespace scanmill::town {
 
 using models::Point2;
 
-// From the road's edge outwards on both sides: curb stone, verge (grass), sidewalk; then come the plots.
+// The cross section of a road (m). On both sides it continues outwards from the road's edge with curb stone, verge
+// (grass) and sidewalk; then the plots begin.
 struct CrossSection {
-  double half = 3.5;      // of the carriageway with its parking lanes
-  double parking = 0;     // width of the parking lane within that, at the edge; 0: none
-  double curb = 0.15;     // width of the curb stone; 0: none, and no step
+  double half = 3.5;      // half width of the carriageway including its parking lanes
+  double parking = 0;     // width of the parking lane at the edge, part of `half`; 0: none
+  double curb = 0.15;     // width of the curb stone; 0: no curb stone and no step
   double verge = 0;       // width of the grass between curb and sidewalk
   double sidewalk = 2.5;  // width; 0: none
   double step = 0.12;     // height of the curb
@@ -27,44 +29,45 @@ struct CrossSection {
 
 struct Road {
   std::vector<Point2> line;  // the centre line, in steps of about kRoadStep
-  std::vector<double> at;    // the distance along it of each point
+  std::vector<double> at;    // the distance of each point along `line`
   CrossSection section;
   bool main = false;
-  bool minor = false;  // a service road or track: without lamps, and nobody parks or waits there
+  bool minor = false;  // a service road or track: no lamps, no parked or waiting vehicles
   bool ring = false;   // a roundabout
-  // Of a side road of the main one: where along that it begins, and whether to the left of its line.
+  // Only for side roads of the main road: the distance along the main road where this road begins (m), and whether it
+  // begins at the left of the main road's line.
   std::optional<double> joins;
   bool joinsLeft = false;
-  // Which ways vehicles may drive: along the line, against it.
+  // Whether vehicles may drive in the direction of the line, and against it.
   bool along = true, against = true;
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // How far the middle of a lane lies from the road's (m); one-way roads are one lane.
+  // Distance of a lane's middle from the centre line (m); a one-way road is a single lane.
   double laneMiddle() const { return oneWay() ? 0 : (section.half - section.parking) / 2; }
   Point2 point(double distance) const;
-  // The direction of the line there (unit length).
+  // Returns the direction of the line at that distance (unit length).
   Point2 heading(double distance) const;
 };
 
 constexpr double kRoadStep = 2;  // m
 
-// Where a point lies: beside the nearest road, or on it.
+// The position of a point relative to the nearest road: beside that road or on it.
 struct Beside {
-  bool known = false;  // a road is nearer than RoadNetwork::kReach
-  double edge = 1e9;   // m beyond the edge of the carriageway, negative on it; edges of crossing roads are rounded
+  bool known = false;  // false: no road is nearer than RoadNetwork::kReach
+  double edge = 1e9;   // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
   std::uint32_t road = 0;
-  double along = 0;      // m along its centre line
-  double lateral = 0;    // m to the left of it
-  CrossSection section;  // at a crossing between those of the roads
+  double along = 0;      // m along the road's centre line
+  double lateral = 0;    // m to the left of the centre line
+  CrossSection section;  // at a crossing a mixture of those of the roads
 };
 
 class RoadNetwork {
  public:
-  static constexpr double kReach = 48;  // m, from the centre line
+  static constexpr double kReach = 48;  // m from a road's centre line: see Beside::known
 
   void add(Road road);
-  // Where roads meet: corners are rounded about joints alone. Elsewhere roads lie side by side.
+  // Adds a point where roads meet. Corners are rounded only near such joints; elsewhere roads just lie side by side.
   void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 
@@ -73,7 +76,7 @@ class RoadNetwork {
  private:
   double roundingAt(double x, double y) const;
 
-  // Some segments of a road's line, one after the other, and the box around them.
+  // Consecutive segments of a road's line and their bounding box.
   struct Run {
     std::uint32_t road;
     std::uint32_t first, last;  // points of the line
@@ -86,12 +89,12 @@ class RoadNetwork {
     bool left;
     double behind;  // m beyond the road's first or last point, along its line
   };
-  // The nearest segment of each road in reach, in the order of the roads.
+  // Finds the nearest point of each road within kReach, in the order of the roads.
   void nearest(double x, double y, std::vector<Near>& found) const;
 
   std::vector<Road> roads_;
-  std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // that they are in reach of
-  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // by the cells that they reach
+  std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // runs within kReach of each cell
+  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints that round corners in each cell
 };
 
 }  // namespace scanmill::town

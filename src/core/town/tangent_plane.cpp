@@ -8,7 +8,7 @@ namespace {
 
 using models::Point2;
 
-// m, of a point on the ellipsoid (rad).
+// Returns the earth-centred position (m) of a point on the ellipsoid (rad).
 Vec3d earthCentred(double latitude, double longitude) {
   constexpr double kRadius = 6378137;  // m, WGS 84
   constexpr double kFlattening = 1 / 298.257223563;
@@ -33,7 +33,8 @@ Point2 TangentPlane::operator()(const OsmNode& n) const {
           north_ * (d.z * std::cos(latitude_) - towards * std::sin(latitude_))};
 }
 
-// By Newton's method: a metre to the north or east is nearly as many degrees everywhere.
+// By Newton's method with an approximate derivative: a metre to the north or east is nearly the same number of degrees
+// everywhere in the plane.
 OsmNode TangentPlane::degreesAt(const Point2& p) const {
   constexpr double kDegree = 111300;  // m
   OsmNode node{0, degrees(latitude_), degrees(longitude_)};

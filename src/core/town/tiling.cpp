@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kOnLine = 1e-4;  // m
 
-// Corners lie on a lattice of half of the smallest leaf's side, so that leaves have centres on it.
+// Corners lie on a lattice of half of the smallest leaf's side, so that the centres of leaves are on the lattice too.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
@@ -56,7 +56,8 @@ class Quadtree {
     return found->second;
   }
 
-  // The corners of smaller neighbours on a side, from its first end up to but without the other.
+  // Appends the points on one side of a leaf, from its first end up to but without the other end. They include the
+  // corners of smaller neighbours.
   void addSide(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;
@@ -136,7 +137,7 @@ void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& 
       kept.push_back(t);
       continue;
     }
-    // Turned so that the first corner is on the line, or alone on its side.
+    // Rotate the corners so that the first one is on the line, or alone on its side of the line.
     std::size_t first = 0;
     while (signs[first] != 0 && first < 3) {
       if (signs[first] != signs[(first + 1) % 3] && signs[first] != signs[(first + 2) % 3] &&

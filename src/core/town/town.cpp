@@ -22,12 +22,14 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors&
           town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
 }
 
-// Where traffic keeps to the left, a town is the mirror image of one where it keeps to the right.
+// Returns a point of the layout in the town's frame: the layout is for right-hand traffic and is mirrored for left-hand
+// traffic.
 Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
-// What is asked for. Throws InputError where a key of the town leaves none of what shall be there.
+// Returns the bounds that `shares` asks for. Throws InputError if they ask for objects that a factor of 0 among the
+// town's keys leaves out.
 std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout, const SupplyFactors& supply,
                                  const Ontology& ontology) {
   const town::Parameters& p = layout.parameters();

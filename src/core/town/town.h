@@ -1,7 +1,7 @@
 #pragma once
 
-// The procedural town, a scene that needs no download: another place for every seed. All of it follows from its keys
-// and the seed.
+// The procedural town, a scene that needs no download: every seed gives another town. It depends only on its keys and
+// the seed.
 
 #include <cstdint>
 #include <vector>
@@ -13,14 +13,15 @@
 
 namespace scanmill {
 
-// Adds a town whose main road passes the origin of its frame along +x, the ground there near z = 0. `fields` is the
-// town's map in a scene file; finish() is called here. Throws InputError with the place. The factors come on top of the
-// map's own.
+// Adds a town whose main road passes the origin of the town's frame along +x, with the ground near z = 0 there. `place`
+// is the town's pose in the world. `fields` are the keys of `town:` in a scene file; finish() is called here. The
+// supply factors multiply the factors that these keys give. Throws InputError with the place in the file.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
              const Affine& place);
 
-// The ways through the town that such a map and the seed describe, in the town's frame: through its built part, or as
-// far as the side roads on its drivers' side let one come out of one and turn into another.
+// Returns the routes of the sensor's vehicle through the town of these keys and this seed, in the town's frame: one
+// straight through the built part, and one that comes out of a side road and turns into another, as far as there are
+// side roads on the vehicle's side of the road.
 SceneLanes townLanes(Fields& fields, std::uint64_t seed);
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// Vehicles and cyclists on the lanes, which drive as flow.h says. The sensor's own lane, the main road's right-hand
-// one, stays free.
+// Vehicles and cyclists that drive on the lanes by the model of flow.h. The lane of the sensor's vehicle, the
+// right-hand lane of the main road, stays free.
 
 #include <fmt/format.h>
 
@@ -16,25 +16,25 @@ namespace {
 
 using models::Kind;
 
-constexpr double kHeavyLane = 3.2;  // m, that lorries and buses need
-constexpr double kUpstream = 1000;  // m before the town, where those are who arrive later
-constexpr double kBeyond = 300;     // m behind the town, where nobody sees them vanish
+constexpr double kHeavyLane = 3.2;  // m, least width of a lane for lorries and buses
+constexpr double kUpstream = 1000;  // m before the town: vehicles that arrive later start here
+constexpr double kBeyond = 300;     // m behind the town: vehicles vanish there unseen
 constexpr double kWarmUp = 20;      // s
-constexpr double kDuration = 120;   // s; then all stand
+constexpr double kDuration = 120;   // s; afterwards all vehicles stand still
 constexpr double kInterval = 0.25;  // s
-constexpr double kAlways = -1e9;    // s, when those begin who drive already
+constexpr double kAlways = -1e9;    // s, start of vehicles that drive from the beginning
 
-// A way, once it has been laid out.
+// A way as a path, with the places of roads that it passes.
 struct Course {
   std::shared_ptr<const Path> path;
   struct Mark {
     std::uint32_t road;
-    double along;     // that road
-    double distance;  // along the path
+    double along;     // along that road, m
+    double distance;  // along the path, m
   };
   std::vector<Mark> marks;
 
-  // The distance along the path at a place of a road.
+  // Returns the distance along the path (m) at a place of a road.
   double at(std::uint32_t road, double along) const {
     const Mark* before = nullptr;
     for (const Mark& m : marks) {
@@ -112,7 +112,7 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Where on a stretch of a road something stands in the lane first: along the road.
+  // Returns where an object first blocks the lane on a stretch of a road (m along the road); none if the lane is free.
   std::optional<double> blocked(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
@@ -124,7 +124,7 @@ class Traffic {
     return std::nullopt;
   }
 
-  // Against the main road's line, the whole of it.
+  // Adds the route through the town: the whole main road, against its line.
   void addThrough() {
     const double length = main_.length();
     const std::uint32_t route = add({{{0, length, 0}}, kUpstream, kBeyond});
@@ -208,7 +208,8 @@ class Traffic {
     }
   }
 
-  // Those who come through the town, at least a length and a second apart when they begin.
+  // Adds the vehicles that drive through the town. Their starting points are at least 22 m plus one second's drive
+  // apart.
   void drawThrough() {
     if (!main_.against) return;
     Draw draw(l_.seed(), Kind::Traffic, 2);
@@ -259,7 +260,7 @@ class Traffic {
   void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
                  double out, double starts) {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    // Nobody begins where something stands, or in front of it.
+    // No vehicle starts at an obstacle or close to it.
     for (const StopLine& s : routes_[route].stops) {
       if (s.period <= 0 && std::abs(at - s.at) < 14) return;
     }

@@ -1,6 +1,7 @@
-// The ground: one closed surface without gaps. Straight lines cut the plot into cells that meet at shared corners (no
-// T-junctions, so that no beam slips through); each cell has a kind and a height at its corners, and where the heights
-// of neighbours differ there is a wall. The rounded corners of the crossing are patches that end on the same lines.
+// The ground as one closed surface without gaps. Straight lines cut the ground into cells that share their corners:
+// without T-junctions no ray passes between them. Each cell has a kind and a height at its corners; where the heights
+// of neighbours differ there is a vertical wall. The rounded corners of the crossing are patches that end on the same
+// lines.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@ namespace scanmill::street {
 namespace {
 
 constexpr double kCell = 4;        // longest side of a cell, m
-constexpr double kNearest = 5e-3;  // lines that are closer are one, m
+constexpr double kNearest = 5e-3;  // lines that are closer are merged, m
 constexpr int kArcSteps = 12;
 
 std::vector<double> cut(std::vector<double> wanted, double low, double high) {
@@ -104,7 +105,7 @@ class GroundMaker {
   }
 
   Vec3d corner(const Cell& c, std::size_t i, std::size_t j) const {
-    // Whole micrometres, so that heights that ought to be equal are.
+    // Heights are rounded to micrometres so that equal heights compare equal.
     return {xs_[i], ys_[j], std::round(layout_.heightAt(c.kind, xs_[i], ys_[j]) * 1e6) / 1e6};
   }
 
@@ -121,7 +122,7 @@ class GroundMaker {
     }
   }
 
-  // Between two cells along the edge from corner 0 to corner 1.
+  // Adds the wall between two cells along the edge from corner 0 to corner 1.
   void addWall(const Cell& a, const Cell& b, std::size_t i0, std::size_t j0, std::size_t i1, std::size_t j1) {
     if (a.patch || b.patch) return;
     const Vec3d a0 = corner(a, i0, j0);
@@ -144,14 +145,14 @@ class GroundMaker {
     for (std::size_t j = 0; j + 1 < ys_.size(); ++j) {
       for (std::size_t i = 0; i < columns; ++i) {
         const Cell& c = cells_[j * columns + i];
-        // The wall faces the lower of the two: it is wound so that a higher first cell looks to the second.
+        // A wall faces the lower cell: the order of corners makes it face the second cell if the first one is higher.
         if (i + 1 < columns) addWall(c, cells_[j * columns + i + 1], i + 1, j + 1, i + 1, j);
         if (j + 2 < ys_.size()) addWall(c, cells_[(j + 1) * columns + i], i, j + 1, i + 1, j + 1);
       }
     }
   }
 
-  // The grid lines strictly between two coordinates, in the order from a to b.
+  // Returns the grid lines strictly between two coordinates, in the order from a to b.
   static std::vector<double> between(const std::vector<double>& lines, double a, double b) {
     std::vector<double> found;
     for (const double v : lines) {
@@ -166,7 +167,8 @@ class GroundMaker {
                              [&](double a, double b) { return std::abs(a - v) < std::abs(b - v); });
   }
 
-  // The square between the edges of both roads: sidewalk inside a quarter of a circle, curb along it, road outside.
+  // Adds the square between the edges of both roads at a corner of the crossing: sidewalk inside a quarter of a circle,
+  // curb along the circle, road outside.
   void addCorner(int sx, int sy) {
     const Layout& l = layout_;
     const double height = std::round(l.p.curbHeight * 1e6) / 1e6;
@@ -174,7 +176,8 @@ class GroundMaker {
     const double cornerY = onLine(ys_, sy * l.roadEdge);
     const double centerX = onLine(xs_, l.crossX + sx * (l.crossEdge + l.cornerRadius));
     const double centerY = onLine(ys_, sy * (l.roadEdge + l.cornerRadius));
-    // From the arc's end on the cross street's edge (k = 0) to the one on the main road's.
+    // Returns points from the arc's end at the edge of the cross street (k = 0) to its end at the edge of the main
+    // road.
     const auto arc = [&](double radius, double z) {
       std::vector<Vec3d> points;
       for (int k = 0; k <= kArcSteps; ++k) {
@@ -193,7 +196,8 @@ class GroundMaker {
     const std::vector<Vec3d> outer = arc(l.cornerRadius, height);
     const std::vector<Vec3d> inner = arc(l.cornerRadius - Layout::kCurb, height);
 
-    // A fan whose two straight sides hold the corners of the neighbouring cells.
+    // Adds a fan of triangles from `apex` to the arc. Its two straight sides include the corners of the neighbouring
+    // cells.
     const auto fan = [&](Ground kind, const Vec3d& apex, const std::vector<Vec3d>& arcPoints) {
       const auto side = [&](const Vec3d& end) {
         std::vector<Vec3d> points{apex};

@@ -55,7 +55,7 @@ Parameters readParameters(Fields& fields) {
 
 namespace {
 
-// Deepest house and its setback: the plot is flat to here beyond the front line, m.
+// The plot is flat up to this distance beyond the front line, m: the deepest house with its setback.
 constexpr double kPlotDepth = 18;
 constexpr double kUndulation = 0.5;  // amplitude of each wave of the terrain, m
 
@@ -160,7 +160,7 @@ void Layout::addLots(int side, Span x) {
   }
 }
 
-// A few houses along the cross street, behind the gardens of the street's own.
+// Adds a few houses along the cross street, behind the gardens of the street's own houses.
 void Layout::addCrossHouses() {
   for (const double sideX : {-1.0, 1.0}) {
     for (const double sideY : {-1.0, 1.0}) {
@@ -177,7 +177,7 @@ void Layout::addCrossHouses() {
       const double y = front + kPlotDepth + draw.in(1, 4);
       const bool built = draw.next() < p.buildings;
       if (!built || y + house.width > halfY - 2) continue;
-      // To +x of the cross street the front looks to -x: the house's -y becomes -x by a turn of -90 degrees.
+      // At +x of the cross street the front faces -x: a turn of -90 degrees maps the house's -y to -x.
       const double along = sideY > 0 ? y : -y - house.width;
       house.place =
           sideX > 0 ? at({x, along + house.width, p.curbHeight}, -kPi / 2) : at({x, along, p.curbHeight}, kPi / 2);
@@ -192,7 +192,7 @@ bool Layout::inCorner(double x, double y) const {
   return cross && u > 0 && u < cornerRadius && v > 0 && v < cornerRadius;
 }
 
-// Within the parking lane's extent along x, enlarged by `margin` at both ends.
+// True within the extent of a parking lane along x, enlarged by `margin` at both ends.
 bool Layout::besideParking(double x, double margin) const {
   return std::any_of(parking.begin(), parking.end(),
                      [&](const Span& s) { return x > s.low - margin && x < s.high + margin; });

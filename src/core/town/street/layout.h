@@ -1,7 +1,7 @@
 #pragma once
 
-// The plan of the procedural street: its keys, where everything stands, and what places it. Nothing outside this folder
-// and street.cpp includes this header.
+// The plan of the procedural street: its keys, its roads, lots and houses, and the functions that build and fill it.
+// Only this folder includes this header.
 
 #include <array>
 #include <cstdint>
@@ -31,35 +31,35 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
-// A plot along the street. `side` is -1 for y < 0, which is to the right of who drives along +x, and 1 for y > 0.
+// A plot along the street. `side` is -1 for y < 0, at the right of vehicles that drive along +x, and 1 for y > 0.
 struct Lot {
   int side = 1;
   Span x;
   Fencing fencing = Fencing::None;
   Span driveway;         // empty (low == high) where there is none
-  bool lowered = false;  // the curb, at the driveway
+  bool lowered = false;  // the curb is lowered at the driveway
   Span walkway;
   std::uint32_t number = 0;
 };
 
 enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, Path, Terrain };
 
-// Where everything stands, in the street's frame. Distances from the centre line hold for both sides.
+// The plan of the street, in the street's frame. Distances from the centre line hold for both sides of the road.
 struct Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
 
   static constexpr double kCurb = 0.15;            // width of a curb stone, m
-  static constexpr double kRamp = 0.45;            // sidewalk that slopes at a driveway, m
+  static constexpr double kRamp = 0.45;            // width of the part of the sidewalk that slopes at a driveway, m
   static constexpr double kLoweredCurb = 0.03;     // height of the curb at a driveway, m
   static constexpr double kDrivewayDepth = 7;      // beyond the front line, m
   static constexpr double kPathDepth = 1.5;        // beyond the front line: the houses' greatest setback, m
   static constexpr double kCrossSidewalkEnd = 18;  // beyond the back of the gardens, m
 
   Ground kindAt(double x, double y) const;
-  // The height of the ground of this kind (m) at a point inside its border or on it.
+  // Returns the height (m) of ground of this kind at a point inside its border or on it.
   double heightAt(Ground kind, double x, double y) const;
   double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
-  bool inCorner(double x, double y) const;  // the squares that hold the rounded corners of the crossing
+  bool inCorner(double x, double y) const;  // in a square with a rounded corner of the crossing
   bool onDriveway(double x, int side, double margin = 0) const;
 
   Parameters p;

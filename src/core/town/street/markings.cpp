@@ -24,7 +24,7 @@ class Painter {
   }
 
  private:
-  // A polygon, counter-clockwise from above, without its underside.
+  // Adds a polygon, counter-clockwise seen from above, without its underside.
   void patch(const std::vector<Point2>& polygon) {
     const std::size_t n = polygon.size();
     const auto low = [&](std::size_t i) { return Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
@@ -35,7 +35,7 @@ class Painter {
 
   void bar(double x0, double x1, double y0, double y1) { patch({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}); }
 
-  // From the stop line of one side of the crossing to that of the other, there are no lines along x.
+  // Returns half of the length (m) from stop line to stop line of the crossing, where there are no lines along x.
   double crossingReach() const { return l_.cross ? l_.crossWalk + 1.7 : 0; }
 
   bool inCrossing(double x0, double x1) const {
@@ -50,7 +50,7 @@ class Painter {
 
   void mainRoad() {
     dashesAlongX(-l_.halfX, l_.halfX, 0, 3, 6, kLine);
-    // Out of town the road has edge lines.
+    // Outside the built-up part the road has edge lines.
     for (const double side : {-1.0, 1.0}) {
       const double y = side * (l_.roadEdge - 0.25);
       dashesAlongX(-l_.halfX, -l_.halfLength - 2, y, 10, 0.02, kLine);
@@ -87,13 +87,13 @@ class Painter {
 
   void crossing() {
     const double x = l_.crossX;
-    const double inner = l_.crossEdge + Layout::kCurb;  // zebras continue the sidewalks
+    const double inner = l_.crossEdge + Layout::kCurb;  // pedestrian crossings continue the sidewalks
     const double stop = l_.crossWalk + 1.0;
     for (const double side : {-1.0, 1.0}) {
       const double x0 = std::min(x + side * inner, x + side * l_.crossWalk);
       const double x1 = std::max(x + side * inner, x + side * l_.crossWalk);
       for (double y = -l_.roadEdge + 0.35; y + 0.5 < l_.roadEdge; y += 1.0) bar(x0, x1, y, y + 0.5);
-      // Right-hand traffic: who drives to +x stops on the -x side at y < 0.
+      // Right-hand traffic: vehicles that drive to +x stop on the -x side at y < 0.
       const double lane = side * l_.roadEdge / 2;
       bar(std::min(x + side * stop, x + side * (stop + 0.5)), std::max(x + side * stop, x + side * (stop + 0.5)),
           lane - l_.roadEdge / 2 + 0.2, lane + l_.roadEdge / 2 - 0.2);
@@ -103,7 +103,7 @@ class Painter {
       const double y1 = std::max(side * l_.walkInner, side * l_.walkOuter);
       for (double u = x - l_.crossEdge + 0.25; u + 0.5 < x + l_.crossEdge; u += 1.0) bar(u, u + 0.5, y0, y1);
       const double stopY = side * (l_.walkOuter + 1.0);
-      const double crossLane = -side * l_.crossEdge / 2;  // towards +y one drives at x > crossX
+      const double crossLane = -side * l_.crossEdge / 2;  // vehicles drive to +y at x > crossX
       bar(x + crossLane - l_.crossEdge / 2 + 0.2, x + crossLane + l_.crossEdge / 2 - 0.2,
           std::min(stopY, stopY + side * 0.5), std::max(stopY, stopY + side * 0.5));
       for (double y = l_.walkOuter + 2.5; y + 3 < l_.halfY; y += 9) {

@@ -1,4 +1,4 @@
-// What stands still along the street.
+// Places fixed objects along the street.
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 namespace scanmill::street {
 namespace {
 
-// Panels of 2 m from a to b, stretched to fit.
+// Places panels of 2 m from a to b, stretched to fit.
 void placeRow(Placer& placer, int& panels, const Model& m, Point2 a, Point2 b) {
   const Layout& l = placer.layout;
   const double dx = b.x - a.x;
@@ -41,7 +41,8 @@ void placeTrafficLights(Placer& placer) {
   int number = 0;
   for (const int sx : {-1, 1}) {
     for (const int sy : {-1, 1}) {
-      // At the right-hand curb of each approach, facing it: where sx = sy it serves the main road.
+      // At the right-hand curb of each approach, facing the vehicles that come; the two lights with sx = sy are for the
+      // main road.
       const Spot s{l.crossX + sx * (l.crossEdge + out), sy * (l.roadEdge + out),
                    sx == sy ? (sx > 0 ? 0.0 : kPi) : (sy > 0 ? kPi / 2 : -kPi / 2), 1, 0};
       placer.tryPut(m, s, fmt::format("traffic light {}", ++number));
@@ -74,7 +75,7 @@ void placeBoundaries(Placer& placer) {
       placeRow(placer, count, m, {from, lot.side * (l.walkOuter + inset)}, {gap.low, lot.side * (l.walkOuter + inset)});
       from = std::max(from, gap.high);
     }
-    // And back along the end of the lot, as far as the front of the house.
+    // Also along the end of the lot, from the sidewalk back to the front of the house.
     const double x = lot.x.high - 0.35;
     placeRow(placer, count, m, {x, lot.side * (l.walkOuter + inset + 0.45)}, {x, lot.side * (l.front - 0.2)});
   }
@@ -109,7 +110,7 @@ void placeSigns(Placer& placer) {
       Spot s = placer.onSidewalk(draw, 0, 0.8);
       const double side = s.y > 0 ? 1 : -1;
       s.y = side * (placer.walkFrom(s.x) + 0.5);
-      s.yaw = (side < 0 ? kPi : 0) + draw.in(-0.12, 0.12);  // towards who drives on this side
+      s.yaw = (side < 0 ? kPi : 0) + draw.in(-0.12, 0.12);  // faces vehicles on this side
       return s;
     });
   }

@@ -1,4 +1,4 @@
-// Trees, bushes, people.
+// Places trees, bushes and pedestrians.
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ void placeTrees(Placer& placer) {
     const bool inFront = i % 2 == 0;
     for (int k = 0; k < Placer::kTries; ++k) {
       const int side = draw.chance(0.5) ? 1 : -1;
-      // Conifers, with branches down to the ground, stand behind the houses.
+      // Conifers, whose branches reach down to the ground, are placed only behind the houses.
       const auto form = static_cast<std::size_t>(draw.below(inFront ? kBroadleafForms : kTreeForms));
       Spot s;
       s.x = placer.alongStreet(draw, 2);

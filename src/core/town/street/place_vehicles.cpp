@@ -11,7 +11,7 @@
 namespace scanmill::street {
 namespace {
 
-// The car bodies of this street, made when the first is needed.
+// The cars of this street, built when the first is needed.
 class Fleet {
  public:
   explicit Fleet(Placer& placer) : placer_(placer) {}
@@ -63,7 +63,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
   const int cars = l.p.count(l.p.cars);
   const int motorcycles = l.p.count(l.p.motorcycles);
   const std::vector<Bay> free = bays(placer);
-  // Three motorcycles share a bay, slanted. They take bays from the end, cars from the beginning.
+  // Three motorcycles share a bay, slanted. Motorcycles take bays from the end of the list, cars from the beginning.
   std::array<Model, 2> motorcycleForms{};
   for (std::size_t f = 0; motorcycles > 0 && f < 2; ++f) {
     motorcycleForms[f] = makeMotorcycle(placer.builder, l.seed, static_cast<int>(f));
@@ -80,7 +80,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     if (placer.tryPut(m, s, fmt::format("motorcycle {}", standing + 1))) ++standing;
     if (place % 3 == 2 || standing == motorcycles) --end;
   }
-  // Some cars stand in driveways, the others in bays.
+  // Some cars are placed in driveways, the others in bays.
   int parked = 0;
   for (const Lot& lot : l.lots) {
     if (lot.driveway.high - lot.driveway.low < 2.6) continue;
@@ -99,7 +99,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
     const double room = l.p.parkingWidth / 2 - half;  // towards curb and lane
     const bool against = draw.chance(0.08);
-    const double yaw = (b.side > 0) == against ? 0 : kPi;  // on the left the traffic comes towards us
+    const double yaw = (b.side > 0) == against ? 0 : kPi;  // on the left side traffic drives to -x
     const double error = draw.in(-0.02, 0.02);
     const double swing = std::abs(error) * (m.bounds.high.x - m.bounds.low.x) / 2;
     if (room < swing) continue;
@@ -109,7 +109,8 @@ void placeParked(Placer& placer, Fleet& fleet) {
   }
 }
 
-// Oncoming on the left lane, or waiting at the lights of the cross street. The right lane is the sensor's own.
+// Places oncoming vehicles on the left lane and vehicles that wait at the lights of the cross street. The right lane is
+// for the sensor's vehicle.
 void placeTraffic(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
   const int buses = l.p.count(l.p.buses);
@@ -137,7 +138,7 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
     }
     if (l.cross && car >= 0 && car % 3 == 1) {
       const double side = car % 2 == 1 ? -1 : 1;
-      const int row = car / 6;  // behind those that wait already
+      const int row = car / 6;  // behind the vehicles that wait already
       const double nose = l.walkOuter + 2.0 + m->bounds.high.x + draw.in(0, 0.6) + row * 7.0;
       const Spot s{l.crossX - side * l.crossEdge / 2 + draw.in(-0.15, 0.15), side * nose, -side * kPi / 2, 1, 0};
       placer.tryPut(*m, s, name);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds free places on the street and puts things there.
+// Finds free places on the street and places objects there.
 
 #include <string>
 #include <utility>
@@ -18,15 +18,15 @@ struct Spot {
 
 struct Placer {
   static constexpr int kTries = 24;
-  static constexpr double kGap = 0.15;  // least distance between things, m
+  static constexpr double kGap = 0.15;  // least distance between objects, m
 
-  // The rectangle that a placed model covers; `grow` enlarges it on all sides.
+  // Returns the rectangle that a placed model covers; `grow` enlarges it on all sides.
   static Footprint footprint(const Model& m, const Spot& s, double grow);
 
   void put(const Model& m, const Spot& s, std::string name, double sink = 0);
-  // False where something stands there already.
+  // Places the model if the place is free, otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, std::string name, double sink = 0);
-  // Asks for spots until one is free.
+  // Calls choose() until its place is free, at most kTries times; returns false if none is.
   template <class Choose>
   bool search(const Model& m, const std::string& name, Choose choose, double sink = 0) {
     for (int k = 0; k < kTries; ++k) {
@@ -37,10 +37,10 @@ struct Placer {
 
   double alongStreet(Draw& draw, double margin) const;
   bool nearCrossing(double x, double margin) const;
-  // Distance from the centre line to the road's side of the sidewalk, at x.
+  // Returns the distance at x from the centre line to the edge of the sidewalk at the road.
   double walkFrom(double x) const;
-  // A place on a sidewalk, away from the crossing, driveways and paths. `from` is its distance from the sidewalk's edge
-  // at the road or, where it is negative, from the other edge (m).
+  // Returns a random place on a sidewalk, away from the crossing, driveways and paths. `from` is the place's distance
+  // from the sidewalk's edge at the road or, if negative, from the other edge (m).
   Spot onSidewalk(Draw& draw, double from, double margin) const;
 
   SceneBuilder& builder;
@@ -49,15 +49,15 @@ struct Placer {
   Occupancy occupancy;
 };
 
-// Each kind has its own random numbers; where an object finds no free place after some tries, it is left out.
+// Each kind of object has its own random stream. An object that finds no free place after some tries is left out.
 void placeTrafficLights(Placer& placer);
 void placeBoundaries(Placer& placer);
 void placeLamps(Placer& placer);
 void placeSigns(Placer& placer);
 void placeShelters(Placer& placer);
 void placeFurniture(Placer& placer);
-// Parked cars and motorcycles, vehicles in traffic (named "traffic ..."), cyclists: all that stands on the lanes is
-// traffic or a cyclist.
+// Places parked cars and motorcycles, vehicles in traffic (named "traffic ...") and cyclists; only the last two are
+// placed on the lanes.
 void placeVehicles(Placer& placer);
 void placeBicycles(Placer& placer);
 void placeTrees(Placer& placer);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The procedural street, a scene that needs no download. All of it follows from its parameters and the seed.
+// The procedural street, a scene that needs no download. It depends only on its parameters and the seed.
 
 #include <cstdint>
 
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Adds a street along x, centred at the origin of its frame, with the road's surface at z = 0. Traffic keeps to the
-// right. `fields` is the street's map in a scene file: lengths, widths, and densities of things; finish() is called
-// here. Throws InputError with the place.
+// Adds a street along x, centred at the origin of its frame, with the road's surface at z = 0 and right-hand traffic.
+// `fields` are the keys of `street:` in a scene file: lengths, widths, and densities of objects; finish() is called
+// here. Throws InputError with the place in the file.
 void addStreet(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromStreet);
 
 }  // namespace scanmill
