@@ -14,7 +14,7 @@ namespace {
 
 // Colours: Figure 8 of "LiDAR-GEIL: LiDAR GPU Exploitation in Lightsimulations" shows ray tracing red, the depth camera
 // blue and particles orange; each is a step lighter than the one before, so that they differ for the colour-blind too.
-// Settings of `auto`: cheap to measure, and between them some way from exact to fast on processors and GPUs.
+// Settings that `auto` tries: cheap to measure, and together they range from exact to fast, on processors and on GPUs.
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",

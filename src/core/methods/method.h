@@ -1,6 +1,6 @@
 #pragma once
 
-// The methods that there are. Each turns a shot into Hits:
+// The list of methods. Each turns a shot into Hits:
 //
 //   const std::unique_ptr<Method> method = makeReference(scene);
 //   Hits hits;
@@ -17,14 +17,15 @@
 namespace scanmill {
 
 std::span<const MethodEntry> methods();
-// Returns the method of this name. Throws InputError with the names that there are, `other` among them, if there is
-// none.
+// Returns the method of this name. If there is none, throws InputError, which suggests a similar name or lists the
+// known ones, `other` included.
 const MethodEntry& requireMethod(std::string_view name, const Location& where, std::string_view other = {});
-// Null where no row has this name.
+// Returns the method of this name, or null if there is none.
 const MethodEntry* findMethod(std::string_view name);
-// The first row that can do such a thing. Only for what some row can do.
+// Returns the first method with this capability. At least one method must have it.
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can);
-// The method that judges others and looks at scenes before they are scanned, with default options.
+// Returns the reference method with default options. Other methods are judged by it, and scenes are inspected with it
+// before they are scanned.
 std::unique_ptr<Method> makeReference(const Scene& scene);
 
 }  // namespace scanmill

@@ -1,9 +1,9 @@
-// The depth-camera method (LiDAR-GEIL): cameras at the sensor draw depth, normals and ids, and beams look
-// up what they would have met.
+// The depth-camera method (LiDAR-GEIL): cameras at the sensor render depth, normals and ids, and beams look up their
+// hits in the images.
 //
-// A sensor that moves during its revolution is drawn in steps. Each column keeps its own pose: it is sampled from the
-// images of its step, which were drawn from a place a little beside its own. So flat surfaces stay exact, and only what
-// is hidden from that place errs.
+// If a sensor moves during its revolution, the revolution is rendered in steps. Each column keeps its own pose: it is
+// sampled from the images of its step, which were rendered from a slightly different position. So flat surfaces stay
+// exact, and only surfaces that are hidden from that position cause errors.
 
 #include "methods/depth_camera/depth_camera.h"
 
@@ -26,10 +26,10 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;                       // m and share: surfaces at the sensor's very limit are drawn
+constexpr double kSlack = 1e-3;                       // m and share: surfaces at the sensor's range limit are rendered
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
-// Measured of VTK on llvmpipe, whole processes against one another: 128 MiB for nothing to draw against 44 of ray
-// tracing; the street of 1.28 million placed triangles with 3 and with 4 images of 2048 x 2048.
+// Measured with VTK on llvmpipe, as differences of complete processes: 128 MiB with nothing to render, compared with 44
+// MiB for ray tracing; and the street of 1.28 million placed triangles with 3 and with 4 images of 2048 x 2048.
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
@@ -43,7 +43,7 @@ std::string whereBlenderIs() {
   }
 }
 
-// A source that knows how long its caller waited for pixels.
+// A source that measures how long its caller waits for pixels.
 class TimedSource : public PixelSource {
  public:
   explicit TimedSource(PixelSource& source) : source_(source) {}
@@ -61,7 +61,7 @@ class TimedSource : public PixelSource {
   double seconds_ = 0;
 };
 
-// What follows from a sensor's table while the sensor stands still.
+// The beams and cameras of a sensor that stands still, which depend on its beam table alone.
 struct StillSensor {
   std::shared_ptr<const BeamTable> table;
   RigBeams beams;
@@ -166,7 +166,7 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // An image of auto's is smaller; a moving sensor's are drawn one step after the other.
+    // The images of layout auto are smaller, and those of a moving sensor are rendered one step after the other.
     const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
@@ -176,7 +176,7 @@ class DepthCameraMethod : public DepthCamera {
   }
 
  private:
-  // Beams of a step and, if it is to be drawn, its cameras.
+  // The beams of a step and, if it is to be rendered, its cameras.
   struct Prepared {
     std::shared_ptr<const RigBeams> beams;
     std::vector<Camera> cameras;  // worldFromCamera: rigFromCamera
@@ -247,8 +247,8 @@ class DepthCameraMethod : public DepthCamera {
     return *renderer_;
   }
 
-  // Draws a step and hands its pixels to `use`. Renderers draw one shot at a time: the time that others wait for their
-  // revolution is not counted.
+  // Renders a step and hands its pixels to `use`. A renderer renders one shot at a time; the time that other threads
+  // wait for it is not counted.
   template <class Use>
   void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, StageClock& clock,
              const Use& use) const {
@@ -273,7 +273,7 @@ class DepthCameraMethod : public DepthCamera {
     clock.add("sample", sampling.seconds() - timed.seconds());
   }
 
-  // Some renderers read their images before they hand them out.
+  // Returns the seconds that the renderer has spent on reading images back, which some renderers do within draw().
   double readWhileDrawing() const {
     const StageSeconds seconds = renderer().seconds();
     const auto found = seconds.find("read_back");

@@ -1,6 +1,6 @@
-// Auto: side cameras that share the azimuths evenly, and one that looks up or down where beams are steep. Each image is
-// a window of its camera's plane around its own beams, so that the principal point may lie outside of it. All have the
-// same focal length; what differs is how many pixels the windows take.
+// Auto has side cameras that share the azimuths evenly and, if beams are steep, cameras that look up or down. Each
+// image is a window in its camera's plane around the camera's beams, so that the principal point may lie outside of the
+// image. All cameras have the same focal length; candidates differ in how many pixels their windows take.
 
 #include "methods/depth_camera/layout.h"
 
@@ -17,15 +17,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kImageCost = 100'000;              // pixels: what one more image costs whatever its size
-constexpr double kWidestField = radians(168.0);     // a plane's pixels get few at the centre and many at the edge
-constexpr int kMostSides = 6;                       // and one camera up, one down
+constexpr double kImageCost = 100'000;              // pixels: the cost of one more image, whatever its size
+constexpr double kWidestField = radians(168.0);     // wider planes have few pixels at the centre and many at the edge
+constexpr int kMostSides = 6;                       // plus one camera up and one down
 constexpr double kSteepest = 1e4;                   // slope that stands for all steeper ones
-constexpr double kSmallestDepth = 1e-4;             // of a unit direction; nearer to the camera's plane is outside
+constexpr double kSmallestDepth = 1e-4;             // of a unit direction; one of less depth is outside of the image
 constexpr int kBins = 512;                          // of azimuth, while the cameras are chosen
-constexpr double kFullRevolution = radians(300.0);  // azimuths that span more are taken as a whole revolution
+constexpr double kFullRevolution = radians(300.0);  // azimuths that span more are taken as a full circle
 
-// A monotonic stand-in for the azimuth, 0 to 4, without trigonometry: the length along the square |x| + |y| = 1.
+// Returns a monotonic substitute for the azimuth, 0 to 4, without trigonometry: the length along |x| + |y| = 1.
 double squareAngle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0)) return 0;
@@ -59,7 +59,7 @@ struct Window {
   double right = -INFINITY;
   double top = INFINITY;
   double bottom = -INFINITY;
-  bool outside = false;  // some direction has no place in the plane
+  bool outside = false;  // some direction cannot be projected onto the plane
 
   explicit Window(const Quat& rotation) : axes(toMatrix(rotation)) {}
 
@@ -83,13 +83,13 @@ struct Window {
   }
 };
 
-// Which azimuths and slopes there are: all that choosing the cameras needs.
+// The azimuths and slopes of the beams: all data that choosing the cameras needs.
 struct Spread {
-  std::array<double, kBins> low;   // slope z / sqrt(x^2 + y^2); low > high where no beam is
-  std::array<double, kBins> high;  // by squareAngle()
+  std::array<double, kBins> low;   // least slope z / sqrt(x^2 + y^2) per bin; low > high in a bin without beams
+  std::array<double, kBins> high;  // largest slope per bin of squareAngle()
   double first = 0;                // rad, the azimuths are first to first + width
   double width = 2 * kPi;
-  double lowest = INFINITY;  // slopes
+  double lowest = INFINITY;  // of all slopes
   double highest = -INFINITY;
 
   explicit Spread(std::span<const Vec3d> directions) {
@@ -110,8 +110,8 @@ struct Spread {
 
   static double edge(int bin) { return azimuthOf(bin * (4.0 / kBins)); }
 
-  // Representative directions, which no direction's place exceeds: the corners of each bin, and of its parts that are
-  // steeper than `steep`.
+  // Returns representative directions that bound all directions when projected: the corners of each bin, and of its
+  // parts that are steeper than `steep`.
   std::vector<Vec3d> corners(double steep) const {
     std::vector<Vec3d> made;
     const double steeper = steep * (1 + 1e-9);
@@ -133,7 +133,7 @@ struct Spread {
   }
 
  private:
-  // All but the longest run of empty bins.
+  // Sets the sector of azimuths, which is all but the longest run of empty bins.
   void findSector() {
     int longest = 0;
     int end = 0;
@@ -162,7 +162,7 @@ class Candidate {
   // Beams whose slope is steeper than `steep` (up or down) belong to the cameras up and down.
   Candidate(const Spread& spread, int sides, double steep, bool aimed) : sides_(sides), steep_(steep) {
     const double part = spread.width / sides;
-    const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // a whole revolution starts forwards
+    const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // in a full circle camera 0 looks forward
     const double pitch = aimed ? -(std::atan(spread.lowest) + std::atan(spread.highest)) / 2 : 0;
     origin_ = squareAngle(first);
     for (int i = 0; i < sides; ++i) {
@@ -174,7 +174,7 @@ class Candidate {
     cameras_.push_back(facing(0, kPi / 2, "down"));
   }
 
-  // Directions are given in full or by representatives.
+  // Returns the windows of the cameras around their directions. `directions`: those of all beams, or Spread::corners().
   std::vector<Window> windows(std::span<const Vec3d> directions) const {
     std::vector<Window> made;
     for (const Camera& camera : cameras_) made.emplace_back(camera.worldFromCamera.rotation);
@@ -210,7 +210,7 @@ class Candidate {
   int sides_;
   double steep_;
   double origin_ = 0;
-  std::vector<double> bounds_;  // between neighbouring sides, as fromOrigin()
+  std::vector<double> bounds_;  // between neighbouring side cameras, as fromOrigin() gives them
   std::vector<Camera> cameras_;
 };
 
@@ -222,7 +222,7 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
   double bestCost = INFINITY;
   for (const double limit : {90.0, 35.0, 45.0, 55.0, 65.0}) {
     const double steep = limit < 90 ? std::tan(radians(limit)) : 2 * kSteepest;
-    if (limit < 90 && steepest <= steep) continue;  // the same as without
+    if (limit < 90 && steepest <= steep) continue;  // no beam is steeper: the same as with 90
     const std::vector<Vec3d> corners = spread.corners(steep);
     const auto consider = [&](const Candidate& candidate) {
       const double cost = Candidate::cost(candidate.windows(corners), focal);
@@ -259,7 +259,8 @@ struct Facing {
   const char* name;
 };
 
-// Those of the given cameras that see some direction nearest to their axis.
+// Returns those of the given cameras that are needed: for each direction the one that sees it nearest to the camera's
+// axis.
 std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t resolution, double fieldDeg,
                                 std::span<const Facing> facings) {
   std::vector<Camera> cameras;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a sensor's cameras look, and how large their images are.
+// Chooses where a sensor's cameras look, and how large their images are.
 
 #include <cstdint>
 #include <span>
@@ -21,14 +21,14 @@ enum class CameraLayout {
 
 struct LayoutOptions {
   CameraLayout layout = CameraLayout::Auto;
-  // Pixels across an image. For Auto: the pixels are as fine, at the images' centres, as those of four images of 90
+  // Pixels across an image. For Auto: at the centres of the images, pixels are as fine as those of four images of 90
   // degrees and this width.
   std::uint32_t resolution = 2048;
 };
 
-// Cameras for beams of these directions (unit, sensor axes: x forward, y left, z up), all at the sensor's origin;
-// Camera::worldFromCamera holds sensorFromCamera. At most 8. Fixed layouts leave out cameras that no beam looks
-// through. With Auto every beam lies in some image, at least half a pixel inside of its edge.
+// Returns cameras for beams of these directions (unit, sensor axes: x forward, y left, z up), all at the sensor's
+// origin; Camera::worldFromCamera holds sensorFromCamera. There are at most 8. Fixed layouts leave out cameras that see
+// no beam. With Auto every beam lies in some image, at least half a pixel inside of its edge.
 std::vector<Camera> layOutCameras(std::span<const Vec3d> directions, const LayoutOptions& options);
 
 }  // namespace scanmill

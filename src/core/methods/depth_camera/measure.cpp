@@ -7,15 +7,16 @@ namespace scanmill {
 
 namespace {
 
-// A tangent plane is trusted while the beam meets it at less than so many times the distance of the pixel's point, and
-// more than its inverse. Beyond, the plane is seen edge-on and tells little of what the beam meets within the pixel.
+// A tangent plane is trusted if the beam hits it at less than kPlaneTrust times the distance of the pixel's point, and
+// at more than 1 / kPlaneTrust times. Otherwise the plane is seen edge-on and says little about what the beam hits
+// within the pixel.
 constexpr double kPlaneTrust = 2;
 
-// Four pixels are blended while their depths are within this share of each other: the ground 2 m below the sensor at up
-// to 120 m (2048 pixels over 120 degrees), but not a leaf before a wall.
+// Four pixels are blended if their depths are within this share of each other. This holds for the ground 2 m below the
+// sensor at up to 120 m (2048 pixels over 120 degrees), but not for a leaf in front of a wall.
 constexpr double kDepthStep = 0.1;
 
-// The point as LiDAR-GEIL's images of coordinates keep it.
+// Rounds the points as LiDAR-GEIL's images of coordinates store them.
 void keepHalves(std::size_t begin, std::size_t end, Met& met) {
   const auto kept = [](double coordinate) {
     return double{storedDepth(static_cast<float>(coordinate), DepthFormat::Half500, 0, 0)};
@@ -28,7 +29,8 @@ void keepHalves(std::size_t begin, std::size_t end, Met& met) {
   }
 }
 
-// Four depths of one surface: 1 / z is linear across the image of a plane.
+// Blends the four depths around a beam if they are of one surface, by 1 / z, which is linear across the image of a
+// plane.
 void blendCorners(const SampleOptions& options, const CameraView& view, const BlockPixels& pixels, std::size_t begin,
                   std::size_t end, Met& met) {
   const PassPlanes& planes = *pixels.corners;
@@ -110,7 +112,7 @@ void meetPlanes(std::size_t begin, std::size_t end, const BeamBlock& block, Met&
                           met.nz[i] * (met.pz[i] - block.oz[i]);
     const double range = height / met.along[i];
     const double nearest = met.range[i];
-    // False where the plane is edge-on or behind: the quotient is then no number, infinite or negative.
+    // False if the plane is edge-on or behind: `range` is then NaN, infinite or negative.
     const bool trusted = (range <= nearest * kPlaneTrust) & (range * kPlaneTrust >= nearest);
     met.range[i] = trusted ? range : nearest;
   }

@@ -1,14 +1,12 @@
-// Ways of others to find a beam's pixel, kept small, for the study of what they cost in accuracy.
+// Methods of others to find a beam's pixel, in short form, to study how much accuracy they cost.
 //
-// RowHyperbola     Wolf et al.: a ring is the hyperbola v = cy - fy tan(elevation) sqrt(1 + ((u - cx) / fx)^2) across
-// an
-//                  upright image, its columns are those of the head's azimuth. Azimuth offsets of rings and origins of
-//                  beams are ignored.
-// Equirectangular  Hossny et al.: the images are warped into a panorama, pixel by pixel the nearest, of the same angle
-//                  per pixel as in the images' centres; a beam takes the panorama's pixel. Two roundings in place of
-//                  one.
-// PixelRow         Negative control: rings are rows of the image, evenly, columns are columns, evenly, and the depth Z
-//                  is taken for the range.
+// RowHyperbola     Wolf et al.: a ring is the hyperbola v = cy - fy tan(elevation) sqrt(1 + ((u - cx) / fx)^2) in an
+//                  upright image, and a beam's column is that of the head's azimuth. Azimuth offsets of rings and
+//                  origins of beams are ignored.
+// Equirectangular  Hossny et al.: the images are warped into a panorama by nearest pixels, with the same angle per
+//                  pixel as at the images' centres; a beam takes the panorama's pixel. This rounds twice, not once.
+// PixelRow         Negative control: rings are spread evenly over the rows of the image, columns evenly over its
+//                  columns, and the depth Z is taken as the range.
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +44,7 @@ void placeRowHyperbola(std::span<const CameraView> views, const BeamTable& table
 
 void placeEquirectangular(std::span<const CameraView> views, const BeamBlock& beams, Places places) {
   alignas(64) double x[kBlock] = {}, y[kBlock] = {}, z[kBlock] = {};
-  const double pitch = views.empty() ? 1 : 1 / views.front().fx;  // rad, of the panorama
+  const double pitch = views.empty() ? 1 : 1 / views.front().fx;  // rad per pixel of the panorama
   const auto centre = [&](double angle) { return (std::floor(angle / pitch) + 0.5) * pitch; };
   for (std::size_t i = 0; i < beams.count; ++i) {
     const double azimuth = centre(std::atan2(beams.dy[i], beams.dx[i]));

@@ -15,8 +15,8 @@ struct DepthCameraOptions {
   std::string samplingName;
   std::string depthName;
   LayoutOptions layout;
-  SampleOptions sample;                    // its range of depths but for `farthest`
-  double farthest = 0;                     // m, of the depths; 0: the sensor's range
+  SampleOptions sample;                    // without `farthest`, which is set for each shot
+  double farthest = 0;                     // m, largest depth; 0: the sensor's range
   std::uint32_t rendersPerRevolution = 0;  // 0: auto
 };
 

@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::size_t kPixelGrain = 8192;
 
-// Nearest half float, ties to even; what is beyond the largest becomes the largest.
+// Returns the nearest half float, ties to even; values beyond the largest one become the largest one.
 double asHalf(double value) {
   constexpr double kLargest = 65504;
   constexpr int kBits = 11;            // of the significand
-  constexpr int kSmallestPower = -24;  // of the subnormal numbers' step
+  constexpr int kSmallestPower = -24;  // exponent of the step of subnormal numbers
   if (!std::isfinite(value)) return value;
   int power = 0;
   std::frexp(value, &power);
@@ -70,7 +70,7 @@ std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& 
     view.right = axes.x;
     view.down = axes.y;
     view.forward = axes.z;
-    // Differences first: far from the world's origin that keeps the micrometres.
+    // Subtract first: far from the world's origin this keeps the micrometres.
     view.position = rigFromWorld * (camera.worldFromCamera.translation - worldFromRig.translation);
     view.fx = camera.fx / s;
     view.fy = camera.fy / s;

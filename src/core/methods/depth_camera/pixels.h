@@ -1,6 +1,7 @@
 #pragma once
 
-// Inside of the depth camera's sampling: reads the pixels that beams fall into, from images that may be finer.
+// Internals of the depth camera's sampling: reads the pixels into which beams fall, from images that may have
+// subpixels.
 
 #include <span>
 #include <vector>
@@ -10,18 +11,20 @@
 
 namespace scanmill {
 
-// The images of a source in the axes of the rig. Throws InputError where they cannot be resolved.
+// Returns the images of a source, in the axes of the rig. Throws InputError if their sizes are no multiples of
+// `antialiasing`, or if there are too many.
 std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig,
                                 std::uint32_t antialiasing);
 
-// Fetches pixels and turns them into what a framebuffer with the antialiasing and the depth format of the options would
-// have kept. Half500 is not applied here: it rounds points, not depths.
+// Fetches pixels and converts them to what a framebuffer with the antialiasing and the depth format of the options
+// would have stored. Half500 is not applied here, since it rounds points, not depths.
 class PixelReader {
  public:
   PixelReader(PixelSource& source, const SampleOptions& options, PassChoice choice)
       : source_(source), options_(options), choice_(choice) {}
 
-  // Addresses of a pixel's subpixels are set by aim(); a pixel that nobody aimed at is kNoPixel.
+  // After reset(), each pixel needs aim() or aimAtNothing() before fetch(). A pixel that is aimed at nothing gets the
+  // address kNoPixel.
   void reset(std::size_t pixels);
   void aim(std::size_t pixel, const CameraView& view, double column, double row);
   void aimAtNothing(std::size_t pixel);

@@ -6,9 +6,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kEdge = 1e-6;       // px; beams along the seam of two images must not fall between them
-constexpr double kInFront = 1e-9;    // of a depth, m or of a unit direction
-constexpr double kNoViewYet = 1000;  // while views are numbers that g++ selects like the others
+constexpr double kEdge = 1e-6;       // px; beams along the border of two images must not fall between them
+constexpr double kInFront = 1e-9;    // smallest depth in front of a camera, of points (m) or of unit directions
+constexpr double kNoViewYet = 1000;  // stands for kNoView while views are doubles, which g++ selects like u and v
 
 }  // namespace
 

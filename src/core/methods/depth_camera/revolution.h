@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside of the depth camera: a revolution of a sensor, cut into steps that are drawn from one pose each.
+// Internals of the depth camera: splits a revolution of a sensor into steps, each of which is rendered from one pose.
 
 #include <cstdint>
 #include <vector>
@@ -17,16 +17,16 @@ struct RevolutionStep {
   Pose worldFromRig;
 };
 
-// Cuts a revolution into steps of about equally many poses, each drawn from its middle one. There are `renders` of
-// them, but at most one per pose. For `renders` 0 there is one per pose where there are at most 64 poses, else one for
-// every 5 cm or degree that the sensor moves during the revolution.
+// Splits a revolution into `renders` steps of about equally many poses, at most one per pose. Each is rendered from its
+// middle pose. If `renders` is 0, there is one step per pose for at most 64 poses, else one for every 5 cm or degree
+// that the sensor moves during the revolution.
 std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders);
 
-// The beams of columns `first` to `end`, relative to the rig, ring by ring.
+// Returns the beams of columns `first` to `end`, relative to the rig, ring by ring.
 RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& worldFromRig);
 
-// Directions in which the rig's cameras must look to see all that these beams may meet: those of the beams and, where
-// beams start beside the rig's origin, those of the nearest points that they may meet.
+// Returns the directions in which the rig's cameras must look to see all that these beams may hit: those of the beams
+// and, if beams do not start at the rig's origin, those of the nearest points that they may hit.
 std::vector<Vec3d> viewDirections(const RigBeams& beams);
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// Beams are worked on in batches: all of a batch's pixels are fetched at once, since a source may have to ask another
-// processor for them, and everything before and after runs in blocks on all cores.
+// Beams are processed in batches. All pixels of a batch are fetched at once, since a source may have to ask another
+// processor for them; everything before and after runs in blocks on all cores.
 
 #include "methods/depth_camera/sample.h"
 
@@ -21,14 +21,14 @@ namespace {
 constexpr std::size_t kBatch = std::size_t{1} << 18;
 constexpr std::size_t kSampleGrain = 16 * kBlock;
 constexpr int kRounds = 3;
-constexpr double kSamePlace = 1e-6;     // m; a beam that starts so near to the camera starts in it
-constexpr double kFirstGuess = 20;      // m: where beams that start elsewhere are looked for first
-constexpr double kFarAway = 1e6;        // m: and then, where there is nothing
+constexpr double kSamePlace = 1e-6;     // m; a beam that starts this close to the camera counts as starting in it
+constexpr double kFirstGuess = 20;      // m along the beam: first guess of the hit, for beams that start elsewhere
+constexpr double kFarAway = 1e6;        // m along the beam: the next guess, if the first pixel sees nothing
 constexpr double kLimitSlack = 1.2e-7;  // of a range: depths are float32, and a hit at exactly the limit counts
 
 // Beams that are sampled together, and the pixels in which they fall in this round.
 struct Batch {
-  std::size_t base = 0;  // of the first beam, where `index` is empty
+  std::size_t base = 0;  // number of the first beam; used if `index` is empty
   std::size_t count = 0;
   std::vector<std::uint32_t> index;  // into RigBeams
   std::vector<double> u, v;          // px
@@ -88,7 +88,7 @@ class Sampler {
     return choice;
   }
 
-  // Whether some beam does not start in every camera.
+  // True if some beam does not start at the position of every camera.
   bool startElsewhere() const {
     const bool apart = std::any_of(views_.begin(), views_.end(),
                                    [](const CameraView& view) { return length(view.position) > kSamePlace; });
@@ -119,7 +119,8 @@ class Sampler {
     }
   }
 
-  // The first look is along the beam or, where it starts elsewhere, at a point of it.
+  // Finds the pixels of the first round: those in the direction of the beams or, for beams that start elsewhere, those
+  // of a point on them.
   void aimFirst(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
@@ -140,7 +141,7 @@ class Sampler {
     });
   }
 
-  // Where that is in some image.
+  // Replaces the pixel of each beam by that of its point at kFirstGuess, if some image sees the point.
   void aimAtGuess(Batch& batch, std::size_t first, const BeamBlock& block) const {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
@@ -214,8 +215,8 @@ class Sampler {
     });
   }
 
-  // Where the point met falls, if in another pixel: it is sampled next. So is what lies far away, where a first round
-  // sees nothing.
+  // Aims the next round at the pixel of the hit point, if it differs from the pixel of this round. If the first round
+  // sees nothing, aims at a point far away on the beam.
   void aimAgain(Batch& batch, std::size_t first, bool isFirst, const BeamBlock& block, Met& met) {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
@@ -239,7 +240,7 @@ class Sampler {
     }
   }
 
-  // The beams that have another round.
+  // Returns the beams that need another round.
   Batch nextRound(const Batch& batch) {
     Batch next;
     const auto count = static_cast<std::size_t>(std::count(again_.begin(), again_.begin() + batch.count, 1));

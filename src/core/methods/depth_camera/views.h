@@ -1,6 +1,6 @@
 #pragma once
 
-// Inside of the depth camera's sampling: where beams fall among the images.
+// Internals of the depth camera's sampling: finds where beams fall in the images.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// An image and its camera in the axes of the rig. With antialiasing, its pixels are those that the subpixels are
-// averaged to.
+// An image and its camera, in the axes of the rig. With antialiasing, one of its pixels is the average of several
+// subpixels.
 struct CameraView {
   Vec3d right, down, forward;  // the camera's axes, unit
   Vec3d position;              // m
@@ -30,7 +30,7 @@ struct CameraView {
 };
 
 constexpr std::uint8_t kNoView = 0xFF;
-constexpr std::size_t kBlock = 256;  // beams that are worked on at a time: their arrays stay in the first cache
+constexpr std::size_t kBlock = 256;  // beams processed at a time: their arrays stay in the L1 cache
 
 // Beams as a structure of arrays, rig axes.
 struct BeamBlock {
@@ -46,12 +46,12 @@ struct Places {
   std::uint8_t* view;  // kNoView: no image sees it
 };
 
-// Finds, for each of at most kBlock points (directions where `points` is false), the image that sees it nearest to the
-// image's axis.
+// Finds, for each of at most kBlock points (or directions, if `points` is false), the image that sees it nearest to the
+// axis of its camera.
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, Places places);
 
-// Finds the pixels that the sampling methods of naive.cpp look at. `beam` holds the beams' indices in the table.
+// Finds the pixels that the sampling methods of naive.cpp read. `beam` holds the beams' indices in the table.
 void placeNaive(Sampling sampling, std::span<const CameraView> views, const BeamTable& table, const BeamBlock& beams,
                 const std::uint32_t* beam, Places places);
 

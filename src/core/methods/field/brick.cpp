@@ -45,7 +45,7 @@ constexpr BrickMaker::Points kBlockCentres = blockCentres();
 
 namespace {
 
-// More triangles near a brick are worth searching among: measured on the street.
+// If more triangles than this are near a brick, makeDense() is faster than makeSparse(): measured on the street.
 constexpr std::size_t kFew = 128;
 
 }  // namespace
@@ -91,7 +91,7 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
       const float x = p.x[i] - centres.x[block];
       const float y = p.y[i] - centres.y[block];
       const float z = p.z[i] - centres.z[block];
-      // Beyond kExact, what follows from the block's centre.
+      // Beyond kExact: the lower bound that follows from the distance of the block's centre.
       const float bound = std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExact);
       const float root = std::sqrt(exact[i]);
       const float least = root <= kExact ? std::max(root - brick::kRounding, 0.0f) : bound;
@@ -109,14 +109,14 @@ void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) c
   }
 }
 
-// Of the corner; ends the list under construction.
+// Ends the list under construction and assigns it to the corner.
 void BrickMaker::addList(std::uint32_t corner) {
   list_[corner] = static_cast<std::uint32_t>(listBegin_);
   listed_.back() |= kLastOfList;
   listBegin_ = listed_.size();
 }
 
-// In the order of corners.
+// Appends the corners' lists to `entries`, in the order of corners.
 void BrickMaker::placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries) {
   const std::size_t start = entries.size();
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The distances and the triangles that the corners of one brick keep.
+// Computes the distances and triangles that the corners of a brick store.
 
 #include <array>
 #include <cstdint>
@@ -14,22 +14,21 @@
 
 namespace scanmill {
 
-// Makes bricks, one after the other, and keeps its buffers from one to the next. What a brick holds follows from its
-// place alone.
+// Makes bricks, one after the other, and reuses its buffers. The content of a brick depends on its position alone.
 //
-// There are several ways to the same bytes. Where few triangles are near a brick, or near a block of it, each triangle
-// is compared with all corners there. Among leaves, where a block may have thousands, each triangle is compared only
-// with the few corners that list it, and the other corners search for their nearest triangle: the street is built
-// in 1.3 to 2 s so, and else in 12 to 25.
+// Several algorithms give the same bytes. If few triangles are near a brick, or near a block of it, each triangle is
+// compared with all corners there. In foliage, where a block may have thousands of triangles, each triangle is compared
+// only with the few corners that list it, and the other corners search for their nearest triangle. This way the street
+// is built in 1.3 to 2 s, instead of 12 to 25 s.
 class BrickMaker {
  public:
   BrickMaker(const World& world, bool lists) : world_(world), lists_(lists) {}
 
-  // Fills kBrickStride distances and words (see DistanceField) of the full brick at `place`. With lists, they are
-  // appended to `entries`, and words count from there.
+  // Fills the kBrickStride distances and words (see DistanceField) of the full brick at `place`. Appends its lists, if
+  // there are any, to `entries`; the words count from the first entry that is appended.
   void make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word, std::vector<std::uint32_t>& entries);
 
-  // The corners are looked at in 27 blocks of 3 x 3 x 3, as lanes; the lanes left over repeat the last corner.
+  // Corners are processed in 27 blocks of 3 x 3 x 3, one corner per lane; the remaining lanes repeat the last corner.
   static constexpr int kBlock = 27;
   static constexpr int kLanes = 32;
   using Lanes = std::array<float, kLanes>;
@@ -42,19 +41,19 @@ class BrickMaker {
     std::uint32_t corner, triangle;
   };
 
-  // In brick.cpp.
+  // Defined in brick.cpp.
   void sortTriangles();
   void addList(std::uint32_t corner);
   void fillWords(const std::uint16_t* distance, std::uint32_t* word) const;
   void placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries);
   void fillDistances(std::uint16_t* distance) const;
 
-  // In sparse_brick.cpp.
+  // Defined in sparse_brick.cpp.
   void makeSparse(const BrickPlace& place);
   void fillBlock(const BrickPlace& place, int block);
   void listBlock(int block);
 
-  // In dense_brick.cpp.
+  // Defined in dense_brick.cpp.
   void makeDense(const BrickPlace& place);
   bool makeBlock(const BrickPlace& place, int block);
   void searchBlock(const BrickPlace& place, int block);
@@ -67,32 +66,32 @@ class BrickMaker {
   std::vector<std::uint32_t> triangles_;  // near the brick or the block, in the order of lists
   std::vector<std::uint64_t> order_;
 
-  // Of corners: the nearest triangle, and where the list begins in listed_; infinite and kNoWord where unknown or too
-  // far.
+  // Per corner: the squared distance to the nearest triangle, that triangle, and where the list begins in listed_.
+  // Infinite and kNoWord if unknown or too far.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};
-  std::array<float, kBlock> blockDistance_{};  // from blocks' centres, not too large
+  std::array<float, kBlock> blockDistance_{};  // from blocks' centres; never too large
 
-  // Of a block: what is held against its corners, in the order of lists.
+  // The triangles that are compared with the corners of the current block, in the order of lists.
   std::vector<Facet<float>> candidates_;
   std::vector<std::uint32_t> candidateTriangles_;
-  std::vector<std::array<std::uint32_t, kLanes>> listedBy_;  // bit i of [c]: by candidate 32 c + i
+  std::vector<std::array<std::uint32_t, kLanes>> listedBy_;  // bit i of [c][lane]: the corner lists candidate 32 c + i
 
-  // Of sparse bricks.
+  // Buffers for sparse bricks.
   std::vector<Facet<float>> facets_;    // of triangles_
-  std::vector<Lanes> centreDistance2_;  // of facets_ from the blocks' centres
+  std::vector<Lanes> centreDistance2_;  // squared, of facets_ from the blocks' centres
 
-  // Of dense bricks.
+  // Buffers for dense bricks.
   FacetCache cache_;
-  std::uint32_t guess_ = kNoTriangle;      // of the nearest triangle
+  std::uint32_t guess_ = kNoTriangle;      // first guess of the nearest triangle
   std::vector<int> crowded_;               // blocks with too many candidates
   std::array<bool, kBrickStride> open_{};  // corners of crowded blocks
   std::vector<Listing> listings_;
   std::vector<std::uint32_t> listingsByCorner_;
 
   std::vector<std::uint32_t> listed_;
-  std::size_t listBegin_ = 0;  // in listed_, of the list under construction
+  std::size_t listBegin_ = 0;  // in listed_: start of the list under construction
 };
 
 // Shared by the parts of BrickMaker; lengths in voxels.
@@ -100,7 +99,7 @@ namespace brick {
 
 // Distances computed in float32 err by up to 1e-5. They are shortened by this much, so that they are never too large.
 constexpr float kRounding = 2e-5f;
-constexpr float kShortened = 1 - 1e-5f;   // and distances of bricks' centres to this share
+constexpr float kShortened = 1 - 1e-5f;   // distances of bricks' centres are shortened to this share
 constexpr float kRadius = 6.93f;          // a little more than 4 sqrt(3), from a brick's centre to its corners
 constexpr float kListedRadius = 0.9536f;  // a little more than sqrt(3) kListedHalf: of a ball that holds the cube
 constexpr float kBlockRadius = 1.7322f;   // a little more than sqrt(3), from a block's centre to its corners
@@ -112,14 +111,14 @@ constexpr float kSeen = kRadius + kExact;
 extern const std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners;
 extern const BrickMaker::Points kBlockCentres;
 
-// Index of a block's corner among the brick's.
+// Returns the index of a block's corner among the brick's corners.
 constexpr std::uint32_t cornerIndex(int block, int lane) {
   const auto axis = [](int b, int i) { return static_cast<std::uint32_t>(b * 3 + i); };
   return (axis(block / 9, lane / 9) * kBrickCorners + axis(block / 3 % 3, lane / 3 % 3)) * kBrickCorners +
          axis(block % 3, lane % 3);
 }
 
-// How far from a block's centre triangles are known.
+// Returns up to which distance from a block's centre all triangles are known.
 inline float seenFrom(int block) {
   const auto& c = kBlockCentres;
   return kSeen - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);

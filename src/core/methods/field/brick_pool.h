@@ -1,6 +1,7 @@
 #pragma once
 
-// Bricks near surfaces, of a field and of those that moved out of it: what two of them share is there once.
+// The full bricks of a field and of the earlier fields from which it moved: bricks that several of them share are
+// stored once.
 
 #include <cstdint>
 #include <mutex>
@@ -11,11 +12,12 @@
 
 namespace scanmill {
 
-// A brick keeps its place, and so does its list of triangles: moving a field appends the new bricks, and devices that
-// have the others are given these alone. Where there is no more room, a field gets a pool of its own, with the bricks
-// that it takes over in front. The arrays never grow, so that some read bricks while others are appended.
+// A brick and its lists of triangles keep their place in the pool: moving a field appends the new bricks, and devices
+// that hold the earlier ones are given only the new ones. If no room is left, the field gets a pool of its own, to
+// which the bricks that it takes over are copied. The arrays never grow, so that threads may read bricks while others
+// are appended.
 struct BrickPool {
-  // Room for so many bricks, and for no lists yet.
+  // Makes room for `most` bricks, and none for lists yet.
   explicit BrickPool(std::size_t most) {
     distance.resize(most * kBrickStride);
     word.resize(most * kBrickStride);
@@ -23,13 +25,13 @@ struct BrickPool {
   }
   std::size_t room() const { return firstList.size() - 1 - bricks; }
 
-  // As DistanceField has them; those of the first `bricks` bricks are there.
+  // The arrays of DistanceField, filled for the first `bricks` bricks.
   RawVector<std::uint16_t> distance;
   RawVector<std::uint32_t> word;
   RawVector<std::uint32_t> lists;
-  std::vector<std::uint32_t> firstList;  // per brick, and of the next one: where its lists begin
+  std::vector<std::uint32_t> firstList;  // per brick: where its lists begin; one more for the end
 
-  std::mutex appending;  // held by who appends
+  std::mutex appending;  // locked while bricks are appended
   std::size_t bricks = 0;
 };
 

@@ -18,14 +18,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // a table's entry of a full brick without a place
+constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // table entry of a full brick that has no place in the pool yet
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // instead of an index
-constexpr float kNothing = 1e30f;               // voxels, to the nearest surface of an empty world
+constexpr float kNothing = 1e30f;               // voxels, the distance to surfaces in an empty world
 constexpr std::size_t kBricksPerTask = 8;
-// Lanes find distances by offsets of 31 bits.
+// The lanes of march_stream.h address distances by offsets of 31 bits.
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
 
-// Of a field that moves: so that, on a street, it moves some twenty times until its bricks are copied.
+// Returns how much room to reserve for a field that moves: on a street some twenty moves fit before its bricks must be
+// copied.
 constexpr std::size_t withRoom(std::size_t count) {
   return count + count / 2;
 }
@@ -60,17 +61,17 @@ class Builder {
   std::shared_ptr<DistanceField> field_;
   std::shared_ptr<BrickPool> pool_;
 
-  // A full brick that gets its place in the pool.
+  // A full brick that is placed in the pool.
   struct Brick {
-    std::uint32_t entry;   // of the table
-    std::uint32_t made;    // of a new one, its number; else kNone
-    std::uint32_t copied;  // of one that is copied from the pool of the fields before, its place there; else kNone
+    std::uint32_t entry;   // its entry of the table
+    std::uint32_t made;    // number of a new brick, an index into lists_; else kNone
+    std::uint32_t copied;  // place in poolBefore_ of a brick that is copied from there; else kNone
   };
-  std::vector<Brick> bricks_;                      // in the order of their places, which follow each other
-  std::size_t first_ = 0;                          // place of the first of bricks_
-  std::vector<std::uint32_t> unmade_;              // entries of the table
-  std::size_t kept_ = 0;                           // bricks of fields before
-  std::vector<std::vector<std::uint32_t>> lists_;  // of new bricks, whose words count from their beginning
+  std::vector<Brick> bricks_;                      // in the order of their places, which are consecutive
+  std::size_t first_ = 0;                          // place of the first brick of bricks_
+  std::vector<std::uint32_t> unmade_;              // table entries of new bricks
+  std::size_t kept_ = 0;                           // how many bricks are taken from earlier fields
+  std::vector<std::vector<std::uint32_t>> lists_;  // of new bricks, whose words count from the start of their lists
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,
@@ -110,7 +111,7 @@ BrickPlace Builder::placeOf(std::uint32_t entry) const {
   return placeOf(level, brickOf(level, entry));
 }
 
-// Null where the field has no such brick.
+// Returns the table entry of a brick, or null if the field does not have the brick.
 const std::uint32_t* Builder::entryOf(const DistanceField& field, std::size_t level, const Corner& brick) {
   if (level >= field.levels.size()) return nullptr;
   const LevelBox& box = field.shape.levels[level];
@@ -123,7 +124,7 @@ const std::uint32_t* Builder::entryOf(const DistanceField& field, std::size_t le
   return &field.table[field.levels[level].firstEntry + (at[2] * box.bricks[1] + at[1]) * box.bricks[0] + at[0]];
 }
 
-// Null where no field before has it.
+// Returns the table entry of a brick in the first earlier field that has it, or null if none has.
 const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick) const {
   for (const DistanceField* field : before_) {
     if (const std::uint32_t* entry = entryOf(*field, level, brick)) return entry;
@@ -131,7 +132,8 @@ const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick
   return nullptr;
 }
 
-// Of a brick's centre, voxels. `nearest`: a triangle that may be the nearest, and then is.
+// Returns the distance of a brick's centre from the nearest triangle (voxels). `nearest` is a first guess of that
+// triangle, and is set to it.
 float Builder::distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const {
   facets.startBrick();
   const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
@@ -144,7 +146,8 @@ constexpr std::uint32_t tableEntry(float distance) {
   return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
 }
 
-// Which bricks of a row along x are empty, and how far they are from everything.
+// Fills the table entries of a row of bricks along x: those of earlier fields, the distances of empty bricks, or
+// kUnmade.
 void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
   const LevelBox& box = field_->shape.levels[level];
   const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
@@ -191,7 +194,7 @@ void Builder::findUnmade() {
                   field_->shape.voxel, kMostBricks / 1'000'000));
 }
 
-// New bricks get places behind those that are there.
+// Gives new bricks places in the earlier pool, behind the bricks that it holds.
 void Builder::append() {
   pool_ = poolBefore_;
   first_ = pool_->bricks;
@@ -202,7 +205,8 @@ void Builder::append() {
   }
 }
 
-// All bricks get places in a pool of the field's own: new ones, too, where they were appended to another one.
+// Gives all bricks places in a new pool of the field's own, including new bricks that were appended to the earlier
+// pool.
 void Builder::startPool() {
   const bool wereAppended = !bricks_.empty();
   const std::size_t count = kept_ + unmade_.size();
@@ -241,7 +245,7 @@ void Builder::makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint3
   lists_[brick.made].assign(lists.begin(), lists.end());
 }
 
-// Where the lists of all bricks begin. Returns where the last ones end: anywhere, there may be no room for so many.
+// Sets where the lists of each brick begin. Returns where the last ones end, which may be beyond the room of the pool.
 std::uint64_t Builder::placeLists() {
   const auto countOf = [&](const Brick& brick) -> std::uint64_t {
     if (brick.made != kNone) return lists_[brick.made].size();
@@ -256,7 +260,7 @@ std::uint64_t Builder::placeLists() {
   return end;
 }
 
-// Copies bricks of the pool before, and all lists to their places.
+// Copies bricks from the earlier pool, and all lists, to their places.
 void Builder::assemble() {
   const BrickPool* from = poolBefore_.get();
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
@@ -285,7 +289,7 @@ std::shared_ptr<const DistanceField> Builder::build() {
   if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
   fillTable();
   findUnmade();
-  // Of a field that is mostly elsewhere the pool before is none of its own.
+  // A field that has more new bricks than shared ones gets a pool of its own.
   const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
   appended ? append() : startPool();
   makeBricks();
@@ -326,7 +330,7 @@ std::vector<FieldLevel> fieldLevels(const FieldShape& shape) {
     level.bricks = box.bricks;
     level.firstEntry = entries;
     for (std::size_t k = 0; k < 3; ++k) {
-      // In whole bricks of level 0, so that the offset is exact.
+      // Counted in whole bricks of level 0, so that the offset is exact.
       const auto brick = std::llround(centre[k] / (kBrickVoxels * shape.voxel));
       const std::int64_t bricks = brick - box.firstBrick[k] * (std::int64_t{1} << l);
       level.offset[k] = static_cast<float>(std::ldexp(static_cast<double>(bricks * kBrickVoxels), -int(l)));

@@ -10,14 +10,14 @@
 
 namespace scanmill {
 
-// Returns what particles read of the levels of a field with this shape.
+// Returns the data of the levels that particles read, for a field with this shape.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
-// Builds the field of a world. Where `before` are fields of the same world with the same voxel size and lists, the
-// bricks that one of them has are taken over from it, or shared with it (brick_pool.h): all from those of the first
-// one's pool. What particles read is the same as without them, byte by byte. The world must be flat: nothing in it is
+// Builds the field of a world. Bricks that a field in `before` has are copied from it or shared with it (brick_pool.h),
+// if that field is of the same world, has the same voxel size and `lists`, and is in the same pool as the first such
+// field. What particles read is the same as without `before`, byte by byte. The world must be flat: nothing in it is
 // instanced. An empty world gives a field of empty bricks. Runs on all threads; what particles read does not depend on
-// how many there are. Moving a field by a metre takes a thirtieth of building it.
+// their number. Moving a field by a metre takes a thirtieth of the time of building it.
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 

@@ -13,13 +13,14 @@ namespace {
 constexpr float kHalf = kHalfBrick;
 constexpr float kSlack = 1e-3f;  // voxels, for rounding
 
-// More candidates of a block are worth searching among.
+// If a block has more candidates than this, its corners search for their nearest triangles.
 constexpr std::size_t kFewOfBlock = 128;
 
 }  // namespace
 
-// Holds a triangle against the corners that it may be listed by. Most of those of foliage lie in one cube as a whole,
-// and most of the others have a corner in each cube that they meet; and few are nearer to a corner than one before.
+// Compares a triangle with the corners that may list it. The cube test is rarely needed: most triangles of foliage lie
+// completely in one cube, and most others have a corner in each cube that they intersect. The exact distance is rarely
+// needed either: few triangles are nearer to a corner than those before.
 void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   const TriangleCorners corners = cornersAt(world_.baked, triangle, place);
   const auto& [a, b, c] = corners;
@@ -28,7 +29,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   const Vec3d low{lower(a.x, b.x, c.x), lower(a.y, b.y, c.y), lower(a.z, b.z, c.z)};
   const Vec3d high{higher(a.x, b.x, c.x), higher(a.y, b.y, c.y), higher(a.z, b.z, c.z)};
   struct Corners {
-    int first, last;  // of corners along an axis
+    int first, last;  // indices of corners along an axis
   };
   const auto range = [](double least, double most) {
     constexpr double kReach = kListedHalf + 1e-4;
@@ -66,7 +67,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   }
 }
 
-// Makes the lists of corners, whose triangles stay in order.
+// Makes the lists of corners from listings_; the triangles of a list stay in order.
 void BrickMaker::sortListings() {
   std::array<std::uint32_t, kCornersPerBrick + 1> first{};
   for (const Listing& l : listings_) ++first[l.corner + 1];
@@ -81,7 +82,7 @@ void BrickMaker::sortListings() {
   }
 }
 
-// The nearest triangle of a point of the brick that is at most `reach` away.
+// Returns the triangle nearest to a point of the brick, among those at most `reach` away.
 NearestFacet BrickMaker::search(const BrickPlace& place, const Vec3f& point, float reach) {
   NearestFacet best{(reach + 1e-3f) * (reach + 1e-3f), kNoTriangle};
   if (guess_ != kNoTriangle) {
@@ -93,14 +94,14 @@ NearestFacet BrickMaker::search(const BrickPlace& place, const Vec3f& point, flo
   return best;
 }
 
-// False where the block has too many candidates.
+// Fills a block, unless it has too many candidates: then returns false.
 bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   const Points& centres = brick::kBlockCentres;
   const Vec3f centre{centres.x[block], centres.y[block], centres.z[block]};
   const float seen = brick::seenFrom(block);
   blockDistance_[block] = std::min(std::sqrt(search(place, centre, seen).distance2), seen);
   if (blockDistance_[block] > kExact + brick::kBlockRadius) return true;
-  // No corner is farther from its nearest triangle than from the centre's.
+  // No corner is farther from its nearest triangle than from the triangle nearest to the block's centre.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.of(world_.baked, guess_, place);
   float farthest2 = lists_ ? brick::kListedRadius * brick::kListedRadius : 0.0f;
@@ -119,7 +120,7 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
 
 void BrickMaker::searchBlock(const BrickPlace& place, int block) {
   const Points& p = brick::kBlockCorners[block];
-  // So near, all triangles that are listed have been held against the corner.
+  // A triangle at most this far from a corner is in the corner's list, so scatter() has compared the two.
   constexpr float kKnown = kListedHalf - kSlack;
   const float known2 = lists_ ? kKnown * kKnown : -1.0f;
   for (int i = 0; i < kBlock; ++i) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A triangle, prepared so that its distances to many points near a place are quickly computed.
+// A triangle prepared for computing its distances to many nearby points quickly.
 
 #include <algorithm>
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace scanmill {
 
-// Functions of a point p: its height over the triangle's plane and, for each edge, how far p lies inside of the edge
-// and how far before the edge's beginning or past its end. All are affine functions with unit directions, whose
-// constants are computed in double. The constants that matter at p are about as large as p itself, however large the
-// triangle is and however far away its corners are, so that float32 is enough afterwards.
+// Functions of a point p: the height of p over the triangle's plane and, for each edge, how far p lies inside of the
+// edge, before its beginning and past its end. All are affine functions with unit directions, and their constants are
+// computed in double. The constants that matter at p are about as large as p itself, however large the triangle is and
+// however far away its corners are, so that float32 suffices to evaluate the functions.
 template <class T>
 struct Facet {
   Vec3<T> normal;
@@ -25,9 +25,9 @@ struct Facet {
   };
   std::array<Edge, 3> edges;  // the longest first
 
-  // The squared distance from the point to the triangle, which may be degenerate: a line or a point. It is measured to
-  // the plane where the point is inside of all edges. Beyond the tips of a slim triangle rounding hides whether it is;
-  // but there the point is past an end of the longest edge.
+  // Returns the squared distance from the point to the triangle, which may be degenerate: a line or a point. If the
+  // point is inside of all edges, this is the distance to the plane. Beyond the tips of a slim triangle rounding may
+  // make a point seem inside; but such a point is past an end of the longest edge, and so counts as outside.
   T distance2(T x, T y, T z) const {
     const auto along = [=](const Vec3<T>& v) { return v.x * x + v.y * y + v.z * z; };
     const T up = along(normal) + height;
@@ -47,7 +47,7 @@ struct Facet {
   }
 };
 
-// Of the triangle a b c.
+// Returns the facet of the triangle a b c.
 inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   const auto square = [](const Vec3d& v) { return dot(v, v); };
   const double ab = square(b - a);
@@ -60,9 +60,9 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   Vec3d normal = cross(sides[0], -sides[2]);
   std::array<double, 4> scales{longest, square(sides[1]), square(sides[2]), square(normal)};
   const bool line = !(scales[3] > 1e-20 * longest * longest);
-  for (double& scale : scales) scale = 1 / std::sqrt(scale);  // infinite for what has no length
+  for (double& scale : scales) scale = 1 / std::sqrt(scale);  // infinite where the length is 0
   const Vec3d first = longest > 0 ? sides[0] * scales[0] : Vec3d{1, 0, 0};
-  if (line) {  // any normal does
+  if (line) {  // any unit vector square to the line will do
     normal = normalized(cross(first, std::fabs(first.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
   } else {
     normal = normal * scales[3];
@@ -81,22 +81,22 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   return facet;
 }
 
-// Tells which cubes around points a triangle meets: those that none of the 13 axes of Akenine-Moeller 2001, "Fast 3D
-// triangle-box overlap testing", separates from it. Its constants are computed in double, as a facet's are. Because of
-// float32 a cube counts as up to 1e-5 larger or smaller than it is.
+// Tests whether a triangle intersects a cube around a point: it does if none of the 13 axes of Akenine-Moeller 2001,
+// "Fast 3D triangle-box overlap testing", separates the two. The constants are computed in double, as those of a facet
+// are. Float32 rounding may make a cube count as up to 1e-5 larger or smaller than it is.
 struct CubeTest {
-  // A linear function of points, and the range of its values in which it does not separate cube and triangle.
+  // A linear function of the point, and the range of its values within which it does not separate cube and triangle.
   struct Axis {
     float u, v, low, high;
   };
-  std::array<float, 3> low, high;  // the functions x, y, z
+  std::array<float, 3> low, high;  // ranges of the functions x, y, z
   Vec3f normal;
   float lowest, highest;
-  // For axis k of the world and each edge, u * p[k + 1] + v * p[k + 2].
+  // The functions u * p[k + 1] + v * p[k + 2] (indices modulo 3) for each axis k and each edge.
   std::array<std::array<Axis, 3>, 3> axes;
 
-  // How far the function that is farthest out of its range is out of it, in that function's unit. At most zero where
-  // the cube meets the triangle.
+  // Returns the largest amount by which a function is outside of its range, in the unit of that function. At most zero
+  // if the cube intersects the triangle.
   float excess(float x, float y, float z) const {
     const auto beyond = [](float value, float least, float most) { return std::max(least - value, value - most); };
     const float p[3] = {x, y, z};
@@ -113,7 +113,7 @@ struct CubeTest {
   }
 };
 
-// Of the triangle with these corners, and cubes that reach `half` around points.
+// Returns the test of a triangle with these corners against cubes of half side `half`.
 inline CubeTest cubeTestOf(const std::array<Vec3d, 3>& corners, double half) {
   const auto list = [](const Vec3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
   const std::array<std::array<double, 3>, 3> at{list(corners[0]), list(corners[1]), list(corners[2])};

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// The level that serves a place: the least l with |coordinates| <= reach * 2^l, or the last one.
+// Returns the level that serves a place: the least l with |coordinates| <= reach * 2^l, or the last one.
 int levelAt(const DistanceField& field, const Vec3f& place) {
   const float most = std::max({std::fabs(place.x), std::fabs(place.y), std::fabs(place.z)});
   const int last = static_cast<int>(field.levels.size()) - 1;
@@ -19,7 +19,7 @@ int levelAt(const DistanceField& field, const Vec3f& place) {
 }
 
 struct FieldPlace {
-  std::uint32_t brick;              // of DistanceField::table
+  std::uint32_t brick;              // entry of DistanceField::table
   std::array<std::uint32_t, 3> in;  // voxel in the brick
   std::array<float, 3> f;           // place in the voxel, 0 to 1
 };
@@ -42,7 +42,7 @@ FieldPlace placeIn(const DistanceField& field, const Vec3f& place) {
   return found;
 }
 
-// In the arrays of full bricks.
+// Returns the index of a corner in the arrays of full bricks.
 std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return std::size_t{brick - kFullBrick} * kBrickStride + (z * kBrickCorners + y) * kBrickCorners + x;
 }

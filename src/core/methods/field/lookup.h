@@ -1,6 +1,6 @@
 #pragma once
 
-// Looks a field up at single places, for what particles have met. Places are in the field frame.
+// Looks up a field at single places, to resolve the hits of particles. Places are in the field frame.
 
 #include <cstdint>
 
@@ -9,13 +9,13 @@
 
 namespace scanmill {
 
-// m, of the voxels of the level that serves the place.
+// Returns the voxel size (m) of the level that serves the place.
 double voxelAt(const DistanceField& field, const Vec3f& place);
 
-// Interpolated, voxels of the level; in an empty brick a lower bound.
+// Returns the interpolated distance (voxels of the level); in an empty brick, a lower bound.
 float distanceAt(const DistanceField& field, const Vec3f& place);
 
-// The triangle nearest to the corner that is nearest to the place, of a field without lists; kNoWord where none is
+// Returns the triangle that the corner nearest to the place names, in a field without lists; kNoWord if no triangle is
 // near.
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place);
 

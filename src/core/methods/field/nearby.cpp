@@ -13,15 +13,15 @@ namespace {
 
 using Float4 [[gnu::vector_size(16)]] = float;
 
-// A block's vertices are padded so that 16 bytes may be read of each.
+// Loads a vertex. The block's vertices are padded, so that 16 bytes may be read at each.
 Float4 vertexOf(const TriangleBlock& block, std::uint32_t vertex) {
   Float4 v;
   std::memcpy(&v, reinterpret_cast<const char*>(block.vertices.data()) + sizeof(Vec3f) * vertex, sizeof v);
   return v;
 }
 
-// A sphere around a point, in float32 (m, relative to the world's origin). Its radius is so much larger than asked for
-// that nothing is lost to rounding.
+// A sphere around a point, in float32 (m, relative to the world's origin). Its radius is slightly larger than asked
+// for, so that rounding loses no triangle.
 class Ball {
  public:
   Ball(const Vec3d& point, double radius)
@@ -37,7 +37,7 @@ class Ball {
   float radius() const { return radius_; }
   Float4 point() const { return point_; }
 
-  // Whether the box around a triangle is in reach of the point, or of the cube that reaches `half` around it.
+  // True if the bounding box of a triangle is within the radius of the cube of half side `half` around the point.
   bool meets(const TriangleBlock& block, std::uint32_t triangle, float half = 0) const {
     const Triangle& corners = block.corners[triangle];
     const Float4 a = vertexOf(block, corners[0]);
@@ -82,7 +82,7 @@ struct PointSearch {
   NearestFacet best;
 };
 
-// m. The distances of facets are rounded: so much farther are triangles looked at.
+// Returns the search radius (m) for a squared distance. It has a margin, since the distances of facets are rounded.
 double reachOf(const BrickPlace& place, float distance2) {
   return (double{std::sqrt(distance2)} + 1e-4) * place.voxel;
 }
@@ -122,7 +122,7 @@ bool gathered(RTCPointQueryFunctionArguments* arguments) {
   if (!search.margin.meets(search.block, triangle, search.half)) return false;
   search.triangles.push_back(triangle);
   if (search.triangles.size() <= search.most) return false;
-  arguments->query->radius = 0;  // enough
+  arguments->query->radius = 0;  // ends the query
   return true;
 }
 

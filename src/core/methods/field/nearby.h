@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Where a brick is. Points near it are given in voxels, relative to its centre.
+// The position of a brick. Points near it are given in voxels, relative to its centre.
 struct BrickPlace {
   Vec3d centre;      // m, relative to the world's origin
   double voxel = 0;  // m
@@ -19,7 +19,7 @@ struct BrickPlace {
 
 using TriangleCorners = std::array<Vec3d, 3>;
 
-// The corners of a triangle in voxels, relative to the place.
+// Returns the corners of a triangle in voxels, relative to the place.
 TriangleCorners cornersAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place);
 
 inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place) {
@@ -30,11 +30,11 @@ inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle,
 constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;
 
 struct NearestFacet {
-  float distance2 = 0;  // voxels^2, as Facet<float> has it
+  float distance2 = 0;  // voxels^2, by Facet<float>::distance2()
   std::uint32_t triangle = kNoTriangle;
 };
 
-// The facets of a brick that were last asked for.
+// Caches the facets of a brick that were last asked for.
 class FacetCache {
  public:
   void startBrick() { ++brick_; }
@@ -58,17 +58,18 @@ class FacetCache {
   std::uint32_t brick_ = 0;
 };
 
-// The triangle nearest to a point by a brick; `nearest` where no other is nearer, or as near and earlier in order.
+// Returns the triangle nearest to a point near a brick: `nearest`, unless another one is nearer, or as near and earlier
+// by orderOf().
 NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec3f& point, const NearestFacet& nearest,
                           FacetCache& facets);
 
-// Gathers all triangles that are at most `margin` away from the cube that reaches `half` around a point by a brick, and
-// possibly some that are farther away (all in voxels). A triangle may be gathered twice. False where there are more
-// than `most`.
+// Gathers all triangles that are at most `margin` away from the cube of half side `half` around a point near a brick,
+// and possibly some that are farther away (all in voxels). A triangle may be gathered twice. Returns false if there are
+// more than `most`.
 bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& point, float half, float margin,
                      std::size_t most, std::vector<std::uint32_t>& triangles);
 
-// Among triangles that are equally near, the one with the least of these numbers comes first.
+// Returns the rank of a triangle: among equally near triangles the one of lowest rank comes first.
 inline std::uint64_t orderOf(const TriangleBlock& block, std::uint32_t triangle) {
   return std::uint64_t{block.surfaceOf(triangle).instance} << 32 | triangle;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-// The beams of a shot on a device, for shaders that make its rays there: a table stays, only poses travel.
+// The beams of a shot on a device, for shaders that compute its rays there. Beam tables stay on the device; only poses
+// are uploaded for each shot.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,36 +20,37 @@ class DeviceBeams {
  public:
   explicit DeviceBeams(const ComputeDevice& device);
 
-  // So many bytes of a ray are in the largest buffer, of directions.
+  // Bytes per ray in the largest buffer, that of directions.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
-  // Shots of one table that a device traces together, with as many poses each, and their frames (frameOf()).
+  // Shots of the same beam table and with equally many poses, which a device traces together, and their frames
+  // (frameOf()).
   struct Shots {
     std::vector<const Shot*> shots;
     std::vector<const ShotFrame*> frames;
   };
 
-  // Uploads the rays of the shots' table, unless they are there, and the shots' poses. Tables stay, those that were
-  // last used: of the sensors of a vehicle.
+  // Uploads the shots' poses and, unless the device holds them already, the rays of their table. The kTables most
+  // recently used tables stay on the device, for the sensors of a vehicle.
   void hold(const Shots& shots);
 
-  // Bindings 0 to 3 of programs that use shader(), of what was last held.
+  // Bindings 0 to 3 of programs that use shader(), for the shots of the last hold().
   const ComputeBuffer& directions() const { return tables_.front().directions; }
   const ComputeBuffer& origins() const { return tables_.front().origins; }
   const ComputeBuffer& poses() const { return poses_; }
   const ComputeBuffer& steps() const { return tables_.front().steps; }
 
-  // GLSL that declares the buffers and
+  // Returns GLSL that declares the buffers and
   //
   //     void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d)
   //
-  // which gives the origin (m, relative to the world's origin) and the unit direction of a ray with the bits that
-  // setUp() in methods/world/resolve.h gives them. `firstPose`: of the shot, counted from that of the first.
+  // which gives the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as
+  // setUp() in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
   //
   //     bool settled(double value, double doubt, out float rounded)
   //
-  // tells whether a float32 has the same bits wherever within the doubt the value lies; kSlack is the share by which a
-  // quotient or a root may err.
+  // which is true if all values that differ from `value` by at most `doubt` round to the same float32. kSlack is the
+  // relative error that a quotient or a root may have.
   static std::string shader();
 
  private:
@@ -57,15 +59,15 @@ class DeviceBeams {
   struct Table {
     explicit Table(const ComputeDevice& device);
 
-    std::weak_ptr<const BeamTable> beams;  // whose rays the buffers hold
-    std::size_t poses = 0;                 // of a shot, for which `steps` is
+    std::weak_ptr<const BeamTable> beams;  // whose rays are in the buffers
+    std::size_t poses = 0;                 // poses per shot for which `steps` is computed
     ComputeBuffer directions, origins, steps;
   };
 
   static void fill(Table& table, const Shot& shot);
 
   ComputeDevice device_;
-  std::list<Table> tables_;  // the last used one first
+  std::list<Table> tables_;  // most recently used first
   ComputeBuffer poses_;
 };
 

@@ -48,8 +48,8 @@ std::uint64_t DeviceFields::HeldPool::bytes() const {
 DeviceFields::DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes)
     : device_(device), mostTableBytes_(mostTableBytes) {}
 
-// Brings the place of a pool to the front: its own, that of one that is gone, a new one, or that of the one that was
-// not used for the longest time.
+// Brings an entry for the pool to the front of pools_: that of this pool, else that of a pool that no longer exists,
+// else a new one if it fits, else that of the pool that was not used for the longest time.
 void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
   auto found = std::find_if(pools_.begin(), pools_.end(), [&](const HeldPool& p) { return p.pool.lock() == pool; });
   if (found == pools_.end()) {
@@ -82,7 +82,7 @@ void DeviceFields::hold(const std::shared_ptr<const DistanceField>& field) {
 
 void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   HeldPool& held = pools_.front();
-  held.field.reset();  // what is there is of no field until all is there
+  held.field.reset();  // the buffers belong to no field until all are filled
   const std::vector<DeviceLevel> levels = deviceLevels(*field);
   holdTable(device_, held.levels, Uint32x4, std::as_bytes(std::span(levels)), mostTableBytes_, "levels", kMend);
   holdTable(device_, held.table, Uint32, std::as_bytes(std::span(field->table)), mostTableBytes_, "table of bricks",
@@ -93,7 +93,7 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   held.field = field;
 }
 
-// `room`: elements that the array may have one day.
+// Uploads the part of `all` that the device does not hold. `room`: elements to which the array may grow.
 template <class T>
 void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room,
                           const char* what) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// Distance fields on a device. A field that has moved shares its bricks with the one before (field/brick_pool.h): only
-// those that the device has not are uploaded.
+// Distance fields on a device. A field that has moved shares its bricks with the field before (field/brick_pool.h):
+// only the bricks that the device does not hold are uploaded.
 
 #include <cstdint>
 #include <list>
@@ -15,16 +15,16 @@ namespace scanmill {
 
 class DeviceFields {
  public:
-  // `mostTableBytes`: of one table.
+  // `mostTableBytes`: the most bytes of one table.
   DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes);
 
-  // Uploads what of the field is not there. Bricks of other pools stay, those that were last used, up to kMostBytes: of
-  // threads that work on drives of their own. Where memory is out, those go. Fails in the device's words where it does
-  // not fit.
+  // Uploads those parts of the field that the device does not hold yet. The most recently used bricks of other pools
+  // stay, up to kMostBytes, for threads that work on other drives; if memory runs out, they are dropped. Throws an
+  // Error with the device's ComputeErrorWords if the field does not fit even then.
   void hold(const std::shared_ptr<const DistanceField>& field);
 
-  // Of what was last held. Of each level two words of 16 bytes: the bits of its offset (float32), the first entry of
-  // the table; the bricks along x, y and z.
+  // The tables of the field of the last hold(). levels() has two words of 16 bytes per level: one with the bits of its
+  // offset (float32) and its first entry in the table, one with its bricks along x, y and z.
   ComputeTable levels() const { return {&pools_.front().levels, ComputeTable::Texel::Uint32x4}; }
   ComputeTable table() const { return {&pools_.front().table, ComputeTable::Texel::Uint32}; }
   ComputeTable distances() const { return {&pools_.front().distances.buffer, ComputeTable::Texel::Uint16}; }
@@ -34,13 +34,13 @@ class DeviceFields {
  private:
   static constexpr std::uint64_t kMostBytes = std::uint64_t{2} << 30;
 
-  // An array of a pool, of which the beginning is there.
+  // An array of a pool, whose first `there` bytes are uploaded.
   struct Array {
     ComputeBuffer buffer;
     std::uint64_t there = 0;  // bytes
   };
 
-  // A pool, and the last field of it that was held.
+  // A pool on the device, and the last of its fields that was uploaded.
   struct HeldPool {
     explicit HeldPool(const ComputeDevice& device);
     std::uint64_t bytes() const;
@@ -58,7 +58,7 @@ class DeviceFields {
 
   ComputeDevice device_;
   std::uint64_t mostTableBytes_;
-  std::list<HeldPool> pools_;  // the last used one first
+  std::list<HeldPool> pools_;  // most recently used first
 };
 
 }  // namespace scanmill

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// As the shader declares it, by the rules of std140.
+// The parameters of marchShader(), in std140 layout.
 struct MarchBlock {
   std::int32_t lastLevel;
   float perReach;

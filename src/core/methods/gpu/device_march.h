@@ -1,6 +1,6 @@
 #pragma once
 
-// Particles that march on a device, through fields that stay there between calls.
+// Marches particles on a device, through fields that stay there between calls.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,23 +16,23 @@ namespace scanmill {
 
 class DeviceMarch {
  public:
-  // `mostTableBytes`: of one table.
+  // `mostTableBytes`: the most bytes of one table.
   DeviceMarch(const ComputeDevice& device, std::uint64_t mostTableBytes);
 
-  // So many columns of float32 have the particles of fields with lists, and without.
+  // Columns of float32 per particle: the most, for fields with lists, and the fewest, for fields without.
   static constexpr std::uint64_t kMostColumns = 14;
   static constexpr std::uint64_t kFewestColumns = 8;
 
-  // Uploads what of a field and, for one with lists, of the world's triangles is not there. Fails in the device's words
-  // where it does not fit.
+  // Uploads those parts of a field and, if it has lists, of the world's triangles that the device does not hold yet.
+  // Throws an Error with the device's ComputeErrorWords if they do not fit.
   void hold(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
 
-  // Makes room for so many particles and their records, and lets them march through the field that is held. `again`:
-  // those alone that go on behind a hole.
+  // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last
+  // hold(). `again`: marches only those that continue behind a hole.
   void reserve(bool lists, std::size_t particles);
   void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again);
 
-  // Storage buffers 0 and 1 of marchShader() (march_gl.h), and the field that is held.
+  // Storage buffers 0 and 1 of marchShader() (march_gl.h), and the fields on the device.
   ComputeBuffer& particles() { return particles_; }
   const ComputeBuffer& records() const { return records_; }
   const DeviceFields& fields() const { return fields_; }
@@ -43,7 +43,7 @@ class DeviceMarch {
   MarchPrograms marchers_;
   ComputeBuffer particles_, records_, triangles_;
   DeviceFields fields_;
-  std::weak_ptr<const World> world_;  // whose triangles
+  std::weak_ptr<const World> world_;  // whose triangles are uploaded
 };
 
 }  // namespace scanmill

@@ -1,9 +1,9 @@
 #pragma once
 
-// Makes hits on a device of the triangles that a shot's rays meet, as methods/world/resolve.h does on the processor:
-// with its bytes, or not at all. Sums and products in double have the processor's bits (`precise`); quotients and
-// roots, which devices round as they like, are bounded, and where rounding could change a number that is asked for, the
-// ray is left to the processor.
+// Turns the triangles that a shot's rays hit into hits on a device, as methods/world/resolve.h does on the processor:
+// with the same bytes, or not at all. Sums and products in double have the processor's bits (`precise`). Quotients and
+// roots, which devices round differently, are bounded; if rounding could change a number that is asked for, the ray is
+// left to the processor.
 
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace scanmill {
 
 constexpr std::uint64_t kResolverBytesPerTriangle = 48;
 
-// What became of a ray that is neither a hit nor a miss: NaNs in the place of its range.
+// The result of a ray that is neither a hit nor a miss: a NaN in place of its range.
 enum class RayVerdict : std::uint32_t {
   Open = 0x7FC00001u,       // left to the processor
   Exhausted = 0x7FC00002u,  // a particle used up its steps
@@ -34,7 +34,7 @@ struct UndecidedRay {
   RayVerdict verdict;
 };
 
-// By the rules of std140: what DeviceResolver::shader() reads.
+// The parameters that DeviceResolver::shader() reads, in std140 layout.
 struct ResolverBlock {
   double nearest, farthest;    // m, the sensor's range limits
   std::uint32_t channels = 0;  // asked for
@@ -43,7 +43,7 @@ struct ResolverBlock {
 
 class DeviceResolver {
  public:
-  // `most`: bytes of a table.
+  // `most`: the most bytes of a table.
   DeviceResolver(const ComputeDevice& device, std::uint64_t most);
 
   // Uploads the planes and labels of all triangles of a flat world, with its materials.
@@ -51,7 +51,7 @@ class DeviceResolver {
 
   static ResolverBlock block(const BeamTable& beams, Channels channels, std::size_t rays);
 
-  // Makes room for hits of so many rays.
+  // Makes room for the hits of `rays` rays.
   void reserve(Channels channels, std::size_t rays);
   static std::uint64_t bytesPerRay(Channels channels);
   // Binding kColumns of programs that use shader().
@@ -62,16 +62,16 @@ class DeviceResolver {
 
   // Some of the rays in columns().
   struct Piece {
-    std::size_t all;  // rays of the columns
+    std::size_t all;  // all rays in columns()
     std::size_t from;
     std::size_t count;
   };
-  // Copies what a program has made of a piece to the channels that `hits` has, from its ray `first` on, and adds the
-  // rays that are neither hits nor misses, ascending. `columns` is a copy of all of columns().
+  // Copies the results of a program for a piece to the channels that `hits` has, from ray `first` of `hits` on, and
+  // adds the rays that are neither hits nor misses to `undecided`, ascending. `columns` is a copy of all of columns().
   static void take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
                    std::vector<UndecidedRay>& undecided);
 
-  // GLSL that declares the tables, the buffer of columns (binding kColumns) and
+  // Returns GLSL that declares the tables, the buffer of columns (binding kColumns) and
   //
   //     Plane planeOf(uint triangle, dvec3 d)
   //     double distanceTo(Plane plane, dvec3 o, out double doubt)  // m, along the ray
@@ -81,8 +81,8 @@ class DeviceResolver {
   //     bool letsPass(Plane plane, double range, double doubt, dvec3 o, dvec3 d, out bool sure)  // by its texture
   //     void planeRecord(uint triangle, out dvec3 normal, out double offset)
   //
-  // It declares the program's uniform block, too: the members of ResolverBlock, and then `parameters`, GLSL such as
-  // "uint columns;".
+  // The GLSL also declares the program's uniform block: the members of ResolverBlock, and then `parameters`, GLSL such
+  // as "uint columns;".
   static constexpr std::uint32_t kColumns = 5;
   static std::string shader(const std::string& parameters);
 

@@ -34,8 +34,8 @@ constexpr const char* kParameters = R"(
   double aside, layer, alike, trusted, there;  // those of march_rule.h
 )";
 
-// What resolve() does with a particle (methods/particle/march_job.cpp), in its order, in double. Where rounding of a
-// quotient could change what is decided, the particle is left to the processor.
+// Does the same for a particle as resolve() (methods/particle/march_job.cpp), in the same order, in double. If rounding
+// of a quotient could change a decision, the particle is left to the processor.
 constexpr const char* kEnds = R"(
 layout(std430, binding = 4) restrict buffer HitRecords { uint records[]; };
 layout(std430, binding = 6) restrict buffer Particles { float particles[]; };

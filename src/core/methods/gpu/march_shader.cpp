@@ -11,8 +11,8 @@ namespace scanmill {
 
 namespace {
 
-// The steps of march_stream.h. What is `precise` is neither contracted nor reassociated: it has the bits that the
-// processor finds. Divisions, which GPUs round as they like, are left to the processor.
+// Takes the steps of march_stream.h. What is `precise` is neither contracted nor reassociated, so it has the same bits
+// as on the processor. Divisions, which GPUs round differently, are left to the processor.
 constexpr const char* kCommon = R"(
 layout(std140, binding = 0) uniform MarchParameters {
   int lastLevel;
@@ -153,7 +153,7 @@ void invoke(uint i) {
 }
 )";
 
-// Particles march freely until all that run together are where triangles are, then look at the triangles together.
+// Particles march until all that run together have reached triangles, and then test their triangles together.
 constexpr const char* kLists = R"(
 layout(binding = 4) uniform usamplerBuffer lists;
 layout(binding = 5) uniform samplerBuffer triangles;
@@ -291,7 +291,7 @@ void invoke(uint i) {
 }
 )";
 
-// What launch() does (methods/particle/march_job.cpp), in its order, in double.
+// Does the same as launch() (methods/particle/march_job.cpp), in the same order, in double.
 constexpr const char* kLaunch = R"(
 layout(std140, binding = 0) uniform LaunchParameters {
   dvec4 low, high;    // m, of the box where particles may march

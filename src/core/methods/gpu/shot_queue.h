@@ -1,7 +1,7 @@
 #pragma once
 
-// Gives a device the shots of many threads. While some are on their way, others queue up; what one dispatch can do then
-// goes together.
+// Gives a device the shots of many threads. While some shots are in flight, others queue up; shots that one dispatch
+// can do then go together.
 
 #include <algorithm>
 #include <condition_variable>
@@ -22,30 +22,30 @@ namespace scanmill {
 // Work: what a thread waits for, all or some rays of a shot. It has
 //
 //     std::size_t rays() const
-//     std::uint64_t bytes() const              // on the device, of the largest array that grows with it
-//     bool goesWith(const Work& other) const   // one dispatch does both: they have as many rays each
+//     std::uint64_t bytes() const              // of the largest array on the device that grows with the work
+//     bool goesWith(const Work& other) const   // one dispatch can do both; they have equally many rays
 //
 template <class Work>
 class ShotQueue {
  public:
-  // Of one dispatch: where the hits come back, work after work in the order in which it was given.
+  // One dispatch. Its hits come back to `hits`, work after work in the order in which the works were given.
   struct Batch {
     explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
     ComputeReadbacks::Lease hits;
-    std::size_t rays = 0;  // of all
+    std::size_t rays = 0;  // of all works
   };
-  // Gives the device some work, and starts `hits` of the batch. One thread at a time calls it.
+  // Gives the device some work, and starts the copy to `hits` of the batch. Only one thread at a time calls it.
   using Give = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
-  // `most`: bytes of what goes together.
+  // `most`: the most bytes of the works of one dispatch.
   ShotQueue(const ComputeDevice& device, std::uint64_t most, Give give)
       : readbacks_(device, kInFlight), most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {}
 
   struct Given {
     std::shared_ptr<Batch> batch;
-    std::size_t from = 0;  // the work's first ray there
+    std::size_t from = 0;  // the work's first ray in the batch
   };
-  // Returns once the device has the work, given by this thread or another one, and throws what went wrong then.
+  // Returns once this thread or another one has given the device the work. Throws the error if that fails.
   Given give(const Work& work) {
     Waiting mine{work, {}, nullptr};
     std::unique_lock lock(mutex_);
@@ -62,7 +62,7 @@ class ShotQueue {
   }
 
  private:
-  // Dispatches whose hits the device makes, or the processor copies.
+  // Most dispatches whose hits the device is making or the processor is copying.
   static constexpr std::size_t kInFlight = 3;
   static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;
 
@@ -72,8 +72,8 @@ class ShotQueue {
     std::exception_ptr failure;
   };
 
-  // Gives the device what waits first, and what goes with it, as soon as fewer than kInFlight dispatches are on their
-  // way. Whoever has what it waits for may be gone.
+  // Gives the device the first waiting work, and all works that go with it, as soon as fewer than kInFlight dispatches
+  // are in flight. A thread whose work is given may return at once: then its Waiting no longer exists.
   void lead(std::unique_lock<std::mutex>& lock) {
     leading_ = true;
     lock.unlock();
@@ -99,7 +99,7 @@ class ShotQueue {
     changed_.notify_all();
   }
 
-  // What did not go together may fit by itself.
+  // Gives the device one work alone, which may fit even if all together did not.
   void giveAlone(Waiting* waiting) {
     try {
       giveAll({waiting}, std::make_shared<Batch>(readbacks_));
@@ -143,7 +143,7 @@ class ShotQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Waiting*> queue_;
-  bool leading_ = false;  // some thread gives the device work
+  bool leading_ = false;  // a thread is in lead()
 };
 
 }  // namespace scanmill

@@ -9,14 +9,14 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 1e-4;  // m, so far from a surface a ray goes on, so as not to meet it again
+constexpr double kStep = 1e-4;  // m; a ray continues this far behind a surface, so as not to hit it again
 
-// A ray that goes on.
+// A ray that continues after a hit.
 struct Onward {
   std::uint32_t beam;
-  Vec3d origin;     // m, world axes, from the sensor's place at the start of the revolution
+  Vec3d origin;     // m, world axes, relative to the sensor's position at the start of the revolution
   Vec3d direction;  // unit, world axes
-  double way;       // m, so far
+  double way;       // m, length of the path so far
   double weight;
   std::uint32_t panes;
   std::uint32_t bounces;
@@ -42,7 +42,7 @@ class LightFollower {
   }
 
  private:
-  // All rays so far have a beam, a weight and a path of their own.
+  // Fills in the beam, weight and path of the rays traced so far.
   void takeAsTheyAre() {
     if (hits_.beamOfRay.empty()) {
       hits_.beamOfRay.resize(hits_.rays());
@@ -78,7 +78,7 @@ class LightFollower {
     return m.transmission > 0 || (paths_.bounces > 0 && m.roughness <= kMirrorRoughness);
   }
 
-  // What becomes of a ray at what it meets.
+  // Appends the rays that continue from a hit: one through the pane, one off the mirror.
   void branch(const Onward& before, const Hits& met, std::uint32_t ray, std::vector<Onward>& onward) const {
     const Material& material = materials_[met.material[ray]];
     const double cosine = met.incidence[ray];
@@ -105,7 +105,7 @@ class LightFollower {
     }
   }
 
-  // One ring of rays about the sensor's place, in the axes of the world.
+  // Returns a shot with these rays as a single ring around the sensor's position, in world axes.
   Shot shotOf(const std::vector<Onward>& onward) const {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;
@@ -125,13 +125,13 @@ class LightFollower {
     return shot;
   }
 
-  // When a beam fires (s since the start of the revolution).
+  // Returns when a beam fires (s since the start of the revolution).
   float timeOf(std::uint32_t beam) const {
     const BeamTable& rays = *shot_.beams;
     return static_cast<float>(rays.columnTime(beam % (rays.columns / rays.raysPerBeam) * rays.raysPerBeam));
   }
 
-  // Adds what they met, and gives those that go on from there.
+  // Adds the hits of these rays to hits_, and returns the rays that continue from there.
   std::vector<Onward> add(const std::vector<Onward>& onward, const Hits& met) {
     std::vector<Onward> further;
     for (std::uint32_t i = 0; i < onward.size(); ++i) {

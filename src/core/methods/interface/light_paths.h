@@ -1,6 +1,6 @@
 #pragma once
 
-// Rays that go on behind glass and off mirrors. Any method that can start rays anywhere traces them: see
+// Follows rays through glass and off mirrors. Works with any method that can start rays anywhere: see
 // MethodCapabilities::transmission.
 
 #include <cstdint>
@@ -14,42 +14,43 @@
 namespace scanmill {
 
 struct LightPaths {
-  std::uint32_t panes = 4;          // that a ray goes through at most
-  std::uint32_t bounces = 1;        // off mirrors, at most
+  std::uint32_t panes = 4;          // most panes that a ray passes
+  std::uint32_t bounces = 1;        // most reflections of a ray off mirrors
   double least = 0.001;             // share of a beam's power below which a ray is not followed
-  bool mirroredUnlabelled = false;  // mirror images have class and instance 0, in place of those of what is mirrored
+  bool mirroredUnlabelled = false;  // hits seen in mirrors have class and instance 0, not those of the surface
 };
 
 // The channels that followLight() reads.
 inline constexpr Channels kLightChannels =
     Channel::Range | Channel::Normal | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
 
-// Materials as smooth as this or smoother are mirrors besides whatever they scatter.
+// Materials of at most this roughness reflect as mirrors, in addition to scattering.
 constexpr float kMirrorRoughness = 0.1f;
 
-// The part of unpolarised light that one face between air and a material of this refractive index reflects (Fresnel;
-// Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine`: of the angle of
+// Returns the share of unpolarised light that one face between air and a material of this refractive index reflects
+// (Fresnel; Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine` is that of the angle of
 // incidence.
 double fresnel(double cosine, double index);
 
-// A pane with two such faces, that lets the part `inside` of the light through its inside: all that it reflects, and
-// all that it lets through, sums of the geometric series of reflections within (Born and Wolf, section 7.6, without
-// interference).
+// The shares of light that a pane reflects and transmits in all. It has two faces between air and its material, and its
+// inside transmits the share `inside`. Both are sums of the geometric series of internal reflections (Born and Wolf,
+// section 7.6, without interference).
 struct Pane {
   double reflected = 0;
   double transmitted = 0;
 };
 Pane paneOf(double cosine, double index, double inside);
 
-// What a surface sends on as a mirror: of a pane, a metal (Schlick, "An inexpensive BRDF model for physically-based
-// rendering", Eurographics 1994, eq. 15) or a smooth face. 0 where it is rough.
+// Returns the share of light that a surface reflects as a mirror: a pane, a metal (Schlick, "An inexpensive BRDF model
+// for physically-based rendering", Eurographics 1994, eq. 15) or a smooth face. 0 if the material is rough.
 double mirrored(const Material& material, double cosine, double reflectance);
 
-// `hits` are those of the shot's beam table (which may be a footprint's), one a ray. Adds a ray for each that goes on:
-// behind a material with a transmission in the same direction, off a mirror in the mirrored one; from there again, as
-// far as `paths` allows. An added ray has its beam, the whole way as its range, pathOfRay, and as its weight that of
-// the ray before times the square of what goes on, since what it meets comes back the same way. Rays that meet nothing
-// within the sensor's limits are not added. Needs kLightChannels.
+// Continues rays through transmissive materials, in the same direction, and off mirrors, in the mirrored direction, as
+// often as `paths` allows, and adds each continued ray to `hits`. Before, `hits` must hold kLightChannels for each ray
+// of the shot's beam table (which may be a footprint's). An added ray has the beam that it comes from, its pathOfRay,
+// the length of its complete path as its range, and a weight: that of the ray before times the square of the share of
+// light that continues, since the echo returns along the same path. Continued rays that hit nothing within the sensor's
+// range limits are not added.
 TraceAccount followLight(const Method& method, const Shot& shot, std::span<const Material> materials,
                          const LightPaths& paths, Hits& hits);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a call of a method took, and what its user should know of it.
+// The time that a call of a method took, and its warnings for the user.
 
 #include <cstdint>
 #include <string>
@@ -10,22 +10,22 @@
 
 namespace scanmill {
 
-// Something that happened to some beams of a scan and makes them worse than the user expects.
+// A problem with some beams of a scan, which makes them worse than the user expects.
 struct BeamWarning {
   std::string sensor;       // its name
-  unsigned kind = 0;        // which of the method's warnings it is; they are told in this order
-  std::uint64_t count = 0;  // how many of the scan's beams it happened to
-  std::string text;         // the whole sentence, with the count, the sensor and what helps
+  unsigned kind = 0;        // number of the warning in its method; warnings are reported in this order
+  std::uint64_t count = 0;  // how many of the scan's beams are affected
+  std::string text;         // the complete sentence, with the count, the sensor and the remedy
 };
 
 struct TraceAccount {
-  StageSeconds seconds;               // by the method's own stages; empty where it has but one
+  StageSeconds seconds;               // by the method's stages; empty if it has only one
   std::vector<BeamWarning> warnings;  // at most one for each sensor and kind, in the order of sensor and kind
 
-  // Adds a warning. Of two of the same sensor and kind the one with more beams stays: a user wants to know the worst
-  // scan, and the order in which scans are traced must not change what is told.
+  // Adds a warning. Of two warnings of the same sensor and kind only the one with more beams is kept: a user wants to
+  // know the worst scan, and the order in which scans are traced must not change what is reported.
   void warn(BeamWarning warning);
-  // Adds up the seconds, and adds the warnings.
+  // Adds the seconds and the warnings of `other`.
   TraceAccount& operator+=(const TraceAccount& other);
   std::vector<std::string> warningTexts() const;
 };

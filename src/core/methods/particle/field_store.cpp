@@ -17,10 +17,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kShareOfMemory = 0.125;   // that fields may take
-constexpr std::size_t kFewestPools = 4;    // two drives, one that is built, one that is given up
-constexpr std::size_t kFewestFields = 6;   // of these pools, which have half as much again as a field
-constexpr std::size_t kFieldsOfPool = 2;   // of two sensors of a vehicle
+constexpr double kShareOfMemory = 0.125;   // share of the memory that fields may take
+constexpr std::size_t kFewestPools = 4;    // for two drives, one being built, one being dropped
+constexpr std::size_t kFewestFields = 6;   // that fit into these pools: one and a half into each
+constexpr std::size_t kFieldsOfPool = 2;   // for two sensors of a vehicle
 constexpr double kOriginsFarApart = 1000;  // m: a larger scene may have worlds with several origins
 
 bool holds(const Box& outer, const Box& inner) {
@@ -29,13 +29,13 @@ bool holds(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
-// Before anything is built, so that a plan refuses what a run would.
+// Checks the options before anything is built, so that a plan refuses what a run would refuse.
 const ParticleOptions& checked(const Scene& scene, const ParticleOptions& options) {
   checkField(options, scene.bounds(), static_cast<double>(memoryLimitBytes()));
   return options;
 }
 
-// With the one that is being built.
+// Returns how many pools may exist, including that of the field being built.
 std::size_t mostPoolsOf(const ParticleOptions& options, const Box& scene) {
   if (options.extent == ParticleOptions::Extent::Scene) return 3;
   const double fit = kShareOfMemory * static_cast<double>(memoryLimitBytes()) / fieldBytes(options, scene);
@@ -43,7 +43,7 @@ std::size_t mostPoolsOf(const ParticleOptions& options, const Box& scene) {
   return std::max(static_cast<std::size_t>(std::min(fit, wanted)), kFewestPools);
 }
 
-// How far apart the centres of two fields are, squared (m^2).
+// Returns the squared distance between the centres of two fields (m^2).
 double apart2(const FieldShape& a, const FieldShape& b) {
   const Vec3d way = a.centre - b.centre;
   return dot(way, way);
@@ -100,19 +100,20 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
       work = work_;
     }
     if (own && hasWaiters()) {
-      // The scene is being loaded: whoever waits for the scene helps, and nobody waits for the field.
+      // This thread is loading the scene: threads that wait for the scene help to build the field, and no thread waits
+      // for the field alone.
       build(*work, clock);
     } else {
       tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });
       work->done.take();
     }
-    if (work->world != world || !(work->shape == shape)) continue;  // it was another thread's
+    if (work->world != world || !(work->shape == shape)) continue;  // the field was for another thread
     if (work->failure) std::rethrow_exception(work->failure);
     return work->field;
   }
 }
 
-// Called with mutex_ locked. Null: it is not there.
+// Called with mutex_ locked. Returns the field if it is cached, else null.
 std::shared_ptr<const DistanceField> FieldStore::known(const std::shared_ptr<const World>& world,
                                                        const FieldShape& shape) const {
   const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const Known& known) {
@@ -133,7 +134,7 @@ void FieldStore::build(Work& work, StageClock& clock) const {
         if (known.world.lock() == work.world) before.push_back(known.field);
       }
     }
-    // Threads work on drives that are far from each other: the nearest field is of the same one.
+    // Threads work on drives that are far apart: the nearest field is of the same drive.
     std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
     const WallTimer timer;
     withWaiters([&] { work.field = buildField(*work.world, work.shape, before); });
@@ -147,7 +148,7 @@ void FieldStore::build(Work& work, StageClock& clock) const {
   work_ = nullptr;
 }
 
-// Called with mutex_ locked. Lets go of what was not used for the longest time.
+// Called with mutex_ locked. Caches the new field and drops those that were not used for the longest time.
 void FieldStore::keep(const Work& work) const {
   std::erase_if(fields_, [](const Known& known) { return known.world.expired(); });
   fields_.push_front({work.world, work.field});

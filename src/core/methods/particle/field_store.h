@@ -1,6 +1,6 @@
 #pragma once
 
-// The fields of a run: built, or moved along with the sensor.
+// Builds the fields of a run, moves them along with the sensors, and caches them.
 
 #include <list>
 #include <memory>
@@ -15,8 +15,8 @@ namespace scanmill {
 
 class FieldStore {
  public:
-  // The scene must outlive it. Throws InputError where the field would be too large for this machine: see checkField()
-  // in shape.h.
+  // The scene must outlive the store. Throws InputError if the field would be too large for this machine: see
+  // checkField() in shape.h.
   FieldStore(const Scene& scene, const ParticleOptions& options);
 
   struct Place {
@@ -25,14 +25,14 @@ class FieldStore {
     Box box;     // m, relative to the world's origin: where particles may march
     bool whole;  // nothing of the scene lies outside of the box
   };
-  // Around a sensor (m), reaching `range` (m) far where the options do not say otherwise. Safe to call from several
-  // threads: fields are built one after the other, each out of those before, and whoever waits for one helps with it.
-  // The seconds of building a field, or of moving one along with the sensor, are added to the stage "field_build" or
-  // "field_update" of `clock`.
+  // Returns the field around a sensor (m), which reaches `range` (m) unless the options set its extent. Safe to call
+  // from several threads: fields are built one after the other, each from those before, and threads that wait for a
+  // field help to build it. The seconds of building a field, or of moving one along with the sensor, are added to the
+  // stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // So many fields are in memory at least where the sensors drive, with the room that moving needs. There are more, one
-  // for each thread, which works on a drive of its own, as far as an eighth of the memory holds them.
+  // Returns how many fields are in memory at least while sensors drive, including the room for moving. There may be
+  // more, one for each thread (which works on a drive of its own), as long as all fit into an eighth of the memory.
   std::size_t fewestFields() const;
 
  private:
@@ -53,8 +53,8 @@ class FieldStore {
   std::size_t mostPools_;
   Worlds worlds_;
   mutable std::mutex mutex_;
-  mutable std::list<Known> fields_;     // the last used one first
-  mutable std::shared_ptr<Work> work_;  // one at a time: the next one is built out of it
+  mutable std::list<Known> fields_;     // most recently used first
+  mutable std::shared_ptr<Work> work_;  // only one at a time: the next field is built from it
 };
 
 }  // namespace scanmill

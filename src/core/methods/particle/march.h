@@ -1,12 +1,12 @@
 #pragma once
 
 // Sphere tracing (Hart 1996): particles march from the sensor through a distance field. Each step is as long as the
-// field says that the space around the particle is free. A particle ends where it meets a surface, where its way ends,
-// or when its steps are used up.
+// distance that the field says is free around the particle. A particle ends where it hits a surface, at the end of its
+// path, or when its steps are used up.
 //
 // There are two backends: the lanes of the processor (march_stream.h) and a compute shader (gpu/march_shader.cpp). Both
 // use float32 and nothing but additions, multiplications, comparisons and conversions, in the same order and without
-// contraction. So both take the same steps, bit by bit, on any processor or GPU that keeps IEEE 754.
+// contraction. So both take the same steps, bit by bit, on any processor or GPU that follows IEEE 754.
 
 #include <cstdint>
 #include <span>
@@ -22,7 +22,7 @@ namespace scanmill {
 struct Particles {
   std::vector<float> ox, oy, oz;  // origin, relative to the field's centre
   std::vector<float> dx, dy, dz;  // unit direction, world axes
-  std::vector<float> begin, end;  // the part of the direction along which it marches; with begin >= end it misses
+  std::vector<float> begin, end;  // the part of the line that is marched; if begin >= end, the particle misses
   // Only for fields with lists.
   std::vector<float> wx, wy, wz;  // m, origin relative to the world's origin
   std::vector<float> ix, iy, iz;  // 1 / direction; components smaller than 1e-12 count as 1e-12
@@ -31,17 +31,17 @@ struct Particles {
   void resize(std::size_t count, bool lists);
 };
 
-// What became of particles, in the same order.
+// The results of particles, in the same order.
 struct HitRecords {
   std::vector<float> way;               // of a hit: the length marched, in the field frame
   std::vector<std::uint32_t> triangle;  // of a hit: index in World::baked
   std::vector<std::uint32_t> outcome;   // Outcome + 4 * steps taken
 
   std::size_t size() const { return way.size(); }
-  void reset(std::size_t count);  // of particles that have taken no step
+  void reset(std::size_t count);  // to particles that have taken no step
   Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
-  // Takes record `j` of others for record i.
+  // Copies record j of `others` to record i.
   void copy(std::size_t i, const HitRecords& others, std::size_t j) {
     way[i] = others.way[j];
     triangle[i] = others.triangle[j];
@@ -49,9 +49,9 @@ struct HitRecords {
   }
 };
 
-// Marches the particles with the numbers `which` on the calling thread, as many at a time as the processor has lanes,
-// until each has taken `steps` steps at most, those included that its record counts already. Alpha is not looked at
-// here: every triangle is solid.
+// Marches the particles with the indices `which` on the calling thread, as many at a time as the processor has lanes.
+// Each takes at most `steps` steps, including those that its record already counts. Alpha is ignored: every triangle
+// counts as solid.
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
               const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records);
 

@@ -1,7 +1,8 @@
-// Particles in the lanes of the processor. What is between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE() is compiled
-// for each instruction set that Highway knows of this kind of processor, and the best that the machine has is taken.
+// Marches particles in the SIMD lanes of the processor. The code between HWY_BEFORE_NAMESPACE() and
+// HWY_AFTER_NAMESPACE() is compiled for each instruction set that Highway knows for this kind of processor, and the
+// best one that the machine has is used.
 
-#ifdef __AVX2__  // a build for the own processor: its instructions alone
+#ifdef __AVX2__  // a build for this machine's processor: only its instruction set
 #define HWY_COMPILE_ONLY_STATIC
 #endif
 #undef HWY_TARGET_INCLUDE
@@ -55,7 +56,7 @@ void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::u
               const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
   HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, steps, particles, which, records);
   if (field.shape.lists) return;
-  // From corners to their triangles: all at once, since words lie anywhere in memory.
+  // Replaces corners by the triangles that they name: all at once, since words are scattered in memory.
   for (const std::uint32_t i : which) {
     if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.word[records.triangle[i]];
   }

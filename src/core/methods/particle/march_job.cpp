@@ -11,13 +11,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSteep = 1e-12;  // components of directions that are smaller count as this
+constexpr double kSteep = 1e-12;  // smaller components of directions count as this
 
 double inverseOf(double d) {
   return 1 / (std::fabs(d) < kSteep ? kSteep : d);
 }
 
-// The parts of lines inside of the box: m along them.
+// The parts of beams inside of the box (m along the beams).
 struct Stretches {
   alignas(64) Lane begin, end;
 };
@@ -32,7 +32,7 @@ void cut(double low, double high, const Lane& from, const Lane& direction, Stret
   }
 }
 
-// Of the ways of particles, those inside of the box.
+// Returns the parts of the particles' paths that are inside of the box.
 Stretches stretchesOf(const MarchJob& job, const Rays& rays) {
   Stretches inside;
   std::fill_n(inside.begin, kPacket, 0.0);
@@ -52,13 +52,14 @@ Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
   return Vec3f((point - field.shape.centre) * (1 / field.shape.voxel));
 }
 
-// A hit's triangle, and how far it is.
+// A hit's triangle and range.
 struct Rest {
   std::uint32_t triangle;
   double range;  // m
 };
 
-// The triangle that a beam along `d` sees at a place on the plane of `triangle`: that one, or one that lies on it.
+// Returns the triangle that a beam along `d` sees at a place on the plane of `triangle`: that triangle, or one of a
+// thin layer on it (march_rule.h).
 std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& place, const Vec3d& d, double voxel) {
   const BlockTriangle& plane = job.world.baked.triangles[triangle];
   const double side = dot(plane.normal, d) > 0 ? -1 : 1;
@@ -71,9 +72,10 @@ std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& p
   return layer ? named : triangle;
 }
 
-// The gradient of the distance to a flat surface is its normal, and the nearest triangle's is exact, so the particle
-// goes on along the beam to that triangle's plane. What it meets there may have another triangle nearest to it: then to
-// that one's plane, once more. On the street the median error falls so from 59 mm to none, and labels hardly change.
+// Moves a hit along the beam to the plane of its triangle: the gradient of the distance to a flat surface is the
+// surface's normal, and the normal of the nearest triangle is exact. If the beam sees another triangle at the new
+// place, moves the hit once more, to that triangle's plane. On the street this lowers the median error from 59 mm to
+// none, and labels hardly change.
 Rest corrected(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
   const DistanceField& field = job.field;
   for (int round = 0; round < 2; ++round) {
@@ -94,7 +96,7 @@ Rest corrected(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
   return rest;
 }
 
-// Without correction, only the name changes.
+// Replaces only the triangle, by the one that the beam sees; the range stays.
 Rest renamed(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
   const BlockTriangle& plane = job.world.baked.triangles[rest.triangle];
   const Vec3d here = o + d * rest.range;
@@ -126,7 +128,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
     if (mayPass(i)) open.push_back(i);
   }
   if (open.empty()) return;
-  Particles particles;  // of tiles with open ones
+  Particles particles;  // of the tiles that have open particles
   particles.resize(tiles.size() * kPacket, true);
   std::size_t known = tiles.size();
   for (const std::uint32_t i : open) {
@@ -139,7 +141,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
   Rays rays;
   while (!open.empty()) {
     std::vector<std::uint32_t> passing;
-    known = tiles.size();  // whose rays are set up
+    known = tiles.size();  // index of the tile whose rays are set up; none yet
     for (const std::uint32_t i : open) {
       const std::size_t tile = i / kPacket;
       const auto lane = static_cast<int>(i % kPacket);
@@ -160,9 +162,9 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
   }
 }
 
-constexpr std::size_t kTilesTogether = 16;  // they stay in the first cache
+constexpr std::size_t kTilesTogether = 16;  // their triangles stay in the L1 cache
 
-// What hits name lies anywhere in memory: all of it is asked for before the first is needed.
+// Prefetches the triangles of the hits of kTilesTogether tiles, since they are scattered in memory.
 void expect(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {
   for (std::size_t i = first; i < first + std::min(tiles, kTilesTogether) * kPacket; ++i) {
     if (records.outcomeOf(i) == Outcome::Hit) prefetch(job.world.baked.triangles[records.triangle[i]]);
@@ -235,7 +237,7 @@ MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& mat
     }
     expectStore(tile, hits);
     setUp(job.shot, job.frame, tile, rays);
-    bool known = false;  // the stretches
+    bool known = false;  // whether `inside` is computed
     for (int lane = 0; lane < kPacket; ++lane) {
       const std::size_t i = at + static_cast<std::size_t>(lane);
       const Outcome outcome = records.outcomeOf(i);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes particles of beams, and hits of what became of the particles.
+// Turns beams into particles, and the particles' results into hits.
 
 #include <cstdint>
 #include <span>
@@ -23,9 +23,9 @@ struct MarchJob {
   const Shot& shot;
   const World& world;
   const DistanceField& field;
-  const ShotFrame& frame;  // of the world's origin
+  const ShotFrame& frame;  // relative to the world's origin
   ParticleOptions::Refine refine;
-  std::uint32_t steps;  // that a particle may take
+  std::uint32_t steps;  // most steps of a particle
   Box box;              // m, relative to the world's origin: where particles may march
   bool whole;           // nothing of the scene lies outside of the box
 };
@@ -38,16 +38,17 @@ struct MarchCounts {
   MarchCounts& operator+=(const MarchCounts& o);
 };
 
-// How far particles march (m): a little past the sensor's maximum range, since float32 must not decide what lies at
-// exactly the maximum.
+// Returns how far particles march (m): slightly beyond the sensor's maximum range, so that float32 rounding does not
+// decide about hits at exactly the maximum.
 double farthest(const BeamTable& beams);
 
-// Fills kPacket particles for each tile, from number `first` on. A tile of fewer beams fills the rest with particles
-// that miss.
+// Fills kPacket particles for each tile, from index `first` on. If a tile has fewer beams, its remaining particles
+// miss.
 void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first);
 
-// Makes hits of the same particles once they have marched: lets them go on through what is transparent (in fields with
-// lists), fills the channels that `hits` has, and adds the beams that are neither hits nor misses to `unresolved`.
+// Turns the same particles into hits after they have marched: lets them continue through transparent triangles (in
+// fields with lists), fills the channels that `hits` has, and adds the beams that are neither hits nor misses to
+// `unresolved`.
 MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                     HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved);
 

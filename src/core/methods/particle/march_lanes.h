@@ -1,5 +1,5 @@
-// Lanes of particles, by Google Highway. Only for march_cpu.cpp and what that includes: third-party types stay there.
-// Read once for each instruction set: see march_cpu.cpp.
+// SIMD lanes of particles, by Google Highway. Only for march_cpu.cpp and the files that it includes, so that
+// third-party types stay there. Included once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_LANES_H
 #undef SCANMILL_MARCH_LANES_H
@@ -32,11 +32,11 @@ static_assert(kLanes <= 16);
 using LaneFloats = float[kLanes];
 using LaneWords = std::uint32_t[kLanes];
 
-// Sets of lanes, for loops over them.
+// A set of lanes, one bit per lane, for loops over lanes.
 using LaneBits = std::uint32_t;
 
 inline LaneBits bitsOf(Mask mask) {
-  std::uint8_t bytes[8] = {};  // Highway may write so many
+  std::uint8_t bytes[8] = {};  // Highway may write this many
   hn::StoreMaskBits(kFloats, mask, bytes);
   std::uint16_t bits = 0;
   std::memcpy(&bits, bytes, sizeof bits);

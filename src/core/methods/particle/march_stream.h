@@ -1,13 +1,14 @@
-// The steps of particles, for as many at a time as the processor has lanes, for march_cpu.cpp. The shader in
-// march_shader.cpp takes the same steps.
+// Steps particles, as many at a time as the processor has lanes, for march_cpu.cpp. The shader in march_shader.cpp
+// takes the same steps.
 //
-// Particles stream through the lanes: as soon as a particle is done, its lane is refilled with the next one, so that
-// one long way leaves no other lane idle. A step is cut into stages, and each stage is done for all groups of lanes
-// before the next stage begins. The loads of a stage take far longer than its arithmetic; meanwhile the processor works
-// on the other groups. What becomes of a particle does not depend on the others.
-// Against one particle at a time the lanes of AVX-512 make scans 3.1 to 3.5 times as fast, and the groups 15 to 25 % of
+// Particles stream through the lanes: as soon as a particle is done, its lane is refilled with the next one, so that a
+// long path leaves no other lane idle. A step is split into stages, and each stage is done for all groups of lanes
+// before the next stage begins: while one group waits for its loads, which take far longer than arithmetic, the
+// processor works on the other groups. The result of a particle does not depend on the others. Compared with one
+// particle at a time, the lanes of AVX-512 make scans 3.1 to 3.5 times as fast; the groups contribute 15 to 25 % of
 // that (docs/particle.md).
-// Read once for each instruction set: see march_cpu.cpp.
+//
+// Included once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_STREAM_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_STREAM_H
 #undef SCANMILL_MARCH_STREAM_H
@@ -31,7 +32,7 @@ static_assert(kLaneGroups * kLanes <= TriangleTester::kLines);
 constexpr std::uint32_t kCornerRow = kBrickCorners;
 constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
 
-// Particles in their lanes.
+// The particles in a group of lanes.
 struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
   HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only for fields with lists
@@ -40,21 +41,21 @@ struct LaneGroup {
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that hold a particle
 
-  // Of the current step.
+  // State of the current step.
   HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // place in the voxel
   HWY_ALIGN_MAX LaneWords in[3] = {};              // voxel in the brick
   HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
-  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, the nearest corner's alone
-  HWY_ALIGN_MAX LaneFloats looked = {};  // the way before the step
-  HWY_ALIGN_MAX LaneWords corner = {};   // without lists, of the lanes that rest: nearest to the particle
-  LaneBits meeting = 0;                  // lanes that rest, or have triangles to look at
+  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only that of the nearest corner
+  HWY_ALIGN_MAX LaneFloats looked = {};  // `way` before the step
+  HWY_ALIGN_MAX LaneWords corner = {};   // without lists: corner nearest to a particle that rests
+  LaneBits meeting = 0;                  // lanes that rest at a surface, or have triangles to test
 };
 
-// Of all levels.
+// The parameters of all levels, indexed by level.
 struct LevelTables {
   static constexpr std::size_t kSize = kMaxLevels;
   HWY_ALIGN_MAX float offset[3][kSize] = {};
-  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // corner that begins a voxel
+  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // last corner that begins a voxel
   HWY_ALIGN_MAX std::uint32_t row[kSize] = {};     // bricks from one row to the next
   HWY_ALIGN_MAX std::uint32_t layer[kSize] = {};
   HWY_ALIGN_MAX std::uint32_t first[kSize] = {};
@@ -90,7 +91,7 @@ inline Floats mixed(Floats a, Floats b, Floats t) {
   return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
 }
 
-// Of a pair of neighbours' distances.
+// Returns the distance in the lower half of a pair; upperOf() returns that of the next corner along x.
 inline Floats lowerOf(Words pair) {
   return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::And(pair, hn::Set(kWords, 0xFFFFu))));
 }
@@ -103,7 +104,8 @@ inline Words wordsWhere(Mask mask, Words yes, Words no) {
   return hn::IfThenElse(hn::RebindMask(kWords, mask), yes, no);
 }
 
-// Without lists, a hit is recorded with the corner whose word names the triangle: see nameTriangles() in march_cpu.cpp.
+// Marches particles. Without lists, a hit is recorded with the corner whose word names the triangle; marchCpu()
+// replaces it by the triangle.
 template <bool kLists>
 class RayStream {
  public:
@@ -152,7 +154,7 @@ class RayStream {
     records_.outcome[i] = outcome;
   }
 
-  // The next particle takes the lane; where none is left, the lane idles where it is.
+  // Gives the lane to the next particle. If none is left, the lane idles at its last position.
   void refill(LaneGroup& group, std::size_t lane) {
     group.active &= ~(LaneBits{1} << lane);
     while (next_ < which_.size()) {
@@ -185,7 +187,7 @@ class RayStream {
     }
   }
 
-  // Level, brick and voxel; asks the table for the brick.
+  // Finds the level, brick and voxel of each particle, and loads the brick's table entry.
   void locate(LaneGroup& group) const {
     const Floats way = hn::Load(kFloats, group.way);
     Floats q[3];
@@ -215,13 +217,14 @@ class RayStream {
     hn::Store(hn::GatherIndex(kWords, field_.table.data(), hn::BitCast(kInts, at)), kWords, group.entry);
   }
 
-  // The distance of a corner and, in the upper half, of the next one along x.
+  // Loads the distance of a corner (lower half) and of the next corner along x (upper half).
   Words pair(Words corner) const {
     return hn::GatherOffset(kWords, reinterpret_cast<const std::uint32_t*>(field_.distance.data()),
                             hn::BitCast(kInts, hn::ShiftLeft<1>(corner)));
   }
 
-  // The corner in full bricks that begins the voxel; asks for its distances, which may lie anywhere in memory.
+  // Finds the corner that begins the voxel or, with lists, the nearest corner, in full bricks. Prefetches its
+  // distances, which may lie anywhere in memory.
   void aim(LaneGroup& group) const {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
@@ -241,7 +244,7 @@ class RayStream {
     }
   }
 
-  // Distances of full bricks.
+  // Loads the distances of full bricks.
   void fetch(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);
@@ -289,7 +292,7 @@ class RayStream {
     return hn::Mul(between, hn::Set(kFloats, kDistanceStep));
   }
 
-  // Where the particle leaves its voxel.
+  // Returns how far the particle is from leaving its voxel (voxels).
   static Floats exitOf(const LaneGroup& group, const Floats (&r)[3]) {
     const auto face = [&](int k) {
       const Floats inverse = hn::Load(kFloats, group.inverse[k]);
@@ -298,7 +301,7 @@ class RayStream {
     return hn::Min(face(0), hn::Min(face(1), face(2)));
   }
 
-  // The step itself, but for triangles.
+  // Takes the step, except that triangles are not intersected yet.
   void step(std::size_t g) {
     LaneGroup& group = groups_[g];
     const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};
@@ -308,7 +311,7 @@ class RayStream {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     const bool anyFull = !hn::AllFalse(kFloats, full);
-    // The free ball: of the brick, or of the nearest corner.
+    // The free ball around the centre of the brick or around the nearest corner.
     Floats r[3];
     for (int k = 0; k < 3; ++k) {
       const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));
@@ -356,13 +359,13 @@ class RayStream {
         hn::Store(nearestOf(group, hn::Load(kWords, group.cell)), kWords, group.corner);
       }
     }
-    // Lanes that idle stay at the end of their way.
+    // Idle lanes stay at the end of their path.
     const Floats end = hn::Load(kFloats, group.end);
     hn::Store(hn::Min(hn::Add(way, hn::Mul(ahead, grow)), end), kFloats, group.way);
     hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
   }
 
-  // Has the tester look at the triangles of the lanes that meet some.
+  // Gives tester_ the lanes whose particles have triangles to test.
   void ask(std::size_t g, const Floats (&d)[3], Floats way, Floats exit, Floats grow) {
     const LaneGroup& group = groups_[g];
     const Floats metres = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
@@ -418,10 +421,10 @@ class RayStream {
   }
 
   const DistanceField& field_;
-  const std::uint32_t spent_;  // as outcomes count steps: 4 each
+  const std::uint32_t spent_;  // the limit of steps as outcomes count them: 4 per step
   const Particles& particles_;
   std::span<const std::uint32_t> which_;
-  std::size_t next_ = 0;  // of which_
+  std::size_t next_ = 0;  // index into which_
   HitRecords& records_;
   LevelTables tables_;
   TriangleTester tester_;

@@ -1,5 +1,5 @@
 // Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp.
-// Read once for each instruction set: see march_cpu.cpp.
+// Included once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_TRIANGLES_H
 #undef SCANMILL_MARCH_TRIANGLES_H
@@ -18,8 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {
 
-// The part of a particle's line that is looked at: from `low` to `high` along d, from the place x y z; m, relative to
-// the world's origin.
+// The part of a particle's line that is tested: from `low` to `high` along d, counted from the point x y z; m, relative
+// to the world's origin.
 struct LineStart {
   float x, y, z, low;
 };
@@ -27,14 +27,15 @@ struct LineCourse {
   float dx, dy, dz, high;
 };
 
-// Where a line meets a triangle: m from its start, as a fraction.
+// The intersection of a line with a triangle: the distance from the line's start (m) as a fraction.
 struct Meeting {
-  float numerator, denominator;  // denominator > 0 of a hit
+  float numerator, denominator;  // denominator > 0 if there is a hit
   std::uint32_t triangle;
 };
 
-// Lists differ in length. So pairs of a line and a triangle are collected first and then intersected, kLanes at a time,
-// whichever lines they belong to. Words and lists lie anywhere in memory: they are prefetched before they are needed.
+// Lists differ in length, so pairs of a line and a triangle are collected first and then intersected, kLanes at a time,
+// whichever lines they belong to. Words and lists are scattered in memory, so they are prefetched before they are
+// needed.
 class TriangleTester {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;
@@ -92,7 +93,7 @@ inline void TriangleTester::meet() {
     }
   }
   asked_.clear();
-  // Those that fill the last lanes change nothing: a line that meets a triangle twice meets it no nearer.
+  // The last pair is repeated to fill the last lanes. Repeats change nothing, since only a nearer hit replaces another.
   for (; count % kLanes != 0; ++count) pairs_[count] = pairs_[count - 1];
   for (std::size_t k = 0; k < count; k += kLanes) look(pairs_.data() + k);
 }
@@ -105,7 +106,7 @@ inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product
   }
 }
 
-// Four floats of each of the numbers k, k + 4, ... below kLanes.
+// Loads four floats each from address(k), address(k + 4) and so on, for numbers below kLanes.
 template <class Address>
 HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   constexpr hn::FixedTag<float, 4> four;
@@ -121,7 +122,7 @@ HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   }
 }
 
-// Four floats of each number below kLanes, to four vectors.
+// Loads four floats from address(k) for each k below kLanes: the first of each into x, the second into y, and so on.
 template <class Address>
 HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Floats& z, Floats& w) {
   const Floats row[4] = {loadRow(address, 0), loadRow(address, 1), loadRow(address, 2), loadRow(address, 3)};
@@ -135,11 +136,11 @@ HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Flo
   w = hn::InterleaveUpper(kFloats, zwEven, zwOdd);
 }
 
-// Moeller and Trumbore 1997, without the division.
+// Intersects kLanes pairs by Moeller and Trumbore 1997, without the division.
 inline void TriangleTester::look(const Pair* pairs) {
   const Vec3f* vertices = triangles_.vertices.data();
   const Triangle* triangles = triangles_.corners.data();
-  // 16 bytes of each: vertices are padded by one.
+  // Reads 16 bytes per vertex: the vertices are padded by one.
   const auto vertex = [&](int c) {
     return [=](std::size_t k) { return &vertices[triangles[pairs[k].triangle][c]].x; };
   };

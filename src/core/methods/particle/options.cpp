@@ -17,13 +17,13 @@ namespace scanmill {
 
 namespace {
 
-// Diameter of the smallest ball that every beam through its middle meets, in voxels; see smallestSeen().
+// Diameter of the smallest ball that every beam through its middle hits, in voxels; see smallestSeen().
 constexpr double kSmallestBall = 2;
 constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m
 constexpr std::uint32_t kMostVoxels = 1024;
 constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 
-// Reads the name of one of the values, the first where there is none.
+// Reads the name of one of the values; `fallback` if the key is absent.
 template <class T, std::size_t n>
 T named(Fields& fields, std::string_view key, const std::pair<const char*, T> (&values)[n], T fallback) {
   std::vector<std::string> names;
@@ -57,13 +57,13 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   return voxels;
 }
 
-// How many levels there may be.
+// Returns how many levels the field may have at most.
 std::uint32_t mostLevels(const ParticleOptions& options) {
   return options.levels == 0 ? kMaxLevels : options.levels;
 }
 
-// m from the sensor: so far do `level` and finer ones serve in all directions. Along each axis the sensor is up to half
-// a brick of level 0 off the field's centre.
+// Returns up to which distance from the sensor (m) `level` and finer levels serve in all directions. The sensor is up
+// to half a brick of level 0 off the field's centre along each axis.
 double servedRange(const ParticleOptions& options, std::uint32_t level) {
   return levelReach(options, level) - kHalfBrick * options.voxel;
 }

@@ -20,34 +20,35 @@ struct ParticleOptions {
   std::uint32_t voxels = 256;                                   // across each level
   std::uint32_t levels = 0;                                     // 0: as many as the sensor's range takes
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
-  std::uint32_t steps = 512;  // that a particle may take
-  Location where;             // of what chose the voxels, for messages
+  std::uint32_t steps = 512;  // most steps of a particle
+  Location where;             // of the key that chose the voxels, for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
 //
-// Throws InputError, also for a key that has no effect beside the others.
+// Throws InputError, also for a key that has no effect in combination with the others.
 ParticleOptions readParticleOptions(Fields& fields);
 
-// How far a level of a field around a sensor serves, in m from the field's centre along each axis: FieldShape::reach *
-// voxel * 2^level. Its bricks reach voxels / 2 from the middle of its box, which is up to half a brick off the field's
-// centre; one voxel is left over.
+// Returns how far a level of a field around a sensor serves: m from the field's centre along each axis,
+// FieldShape::reach * voxel * 2^level. The level's bricks reach voxels / 2 from the middle of their box, which is up to
+// half a brick off the field's centre; one voxel is a margin.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 
-// About how many bytes a level takes that has so many voxels across. Memory follows the surface, hence the square of
-// the voxels; the factor was measured on the procedural street.
+// Returns about how many bytes a level with `voxels` voxels across takes. Memory grows with the surface area, hence
+// with the square of the voxels; the factor was measured on the procedural street.
 double levelBytes(double voxels, bool lists);
 
-// An estimate as text: 1.2 GiB, 34 MiB.
+// Returns an estimate as text: 1.2 GiB, 34 MiB.
 std::string memoryText(double bytes);
 
-// The diameter (m) of the smallest ball that every beam through its middle meets, `range` m from the sensor; infinite
-// beyond the last level.
+// Returns the diameter (m) of the smallest ball at `range` m from the sensor that every beam through its middle hits;
+// infinite beyond the last level.
 //
-// With `refine: none` and `normal` that is two voxels. Of balls of half a voxel 0.8 % of such beams pass, of 1.25
-// voxels 0.4 %, and of 1.8 or more none of 30,000: a stride may take a particle through both sides of what is thinner.
+// With `refine: none` and `normal` the diameter is two voxels. Of the beams through the middle of a ball 0.8 % miss a
+// ball of half a voxel, 0.4 % one of 1.25 voxels, and none of 30,000 one of 1.8 voxels or more: one step may take a
+// particle through both sides of a thinner object.
 //
-// With `refine: triangle` the size does not matter: every triangle lies in full bricks, and is met exactly.
+// With `refine: triangle` the size does not matter: every triangle lies in full bricks, and is intersected exactly.
 double smallestSeen(const ParticleOptions& options, double range);
 
 }  // namespace scanmill

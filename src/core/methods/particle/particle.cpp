@@ -1,8 +1,8 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
 // The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
-// processor or by a compute shader, which take the same steps (march.h); what they met is resolved in double, from the
-// triangles that the field names, so that labels and normals come without a further trace (march_job.h).
+// processor or by a compute shader, with the same steps (march.h). Their hits are resolved in double from the triangles
+// that the field names, so that labels and normals need no further trace (march_job.h).
 
 #include "methods/particle/particle.h"
 
@@ -34,11 +34,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the second cache
-constexpr std::size_t kFewestPieces = 64;  // so that all cores have some of few tiles
+constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the L2 cache
+constexpr std::size_t kFewestPieces = 64;  // keeps every core busy when tiles are few
 
-// Stretches of 16 beams of a ring, sector by sector of the revolution: particles that march together stay near each
-// other, and so do the parts of the field that they read.
+// Returns groups of 16 beams of a ring, sector by sector of the revolution: particles that march together then stay
+// close to each other, and read nearby parts of the field.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
@@ -150,7 +150,8 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // What the device leaves undecided is marched anew by the tiles that hold it.
+  // Marches on the device. Tiles with rays that the device leaves open (RayVerdict::Open) are marched again on the
+  // processor.
   MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits, StageClock& clock) const {
     std::vector<UndecidedRay> undecided;
     const ParticleLaunch launch{&job.shot, &job.frame,
@@ -188,7 +189,8 @@ class ParticleMethod : public Method {
                        memoryText(deviceBytes()));
   }
 
-  // Of a field, with room for the bricks that moving brings, of what bricks are made of, and hits.
+  // Returns about how many bytes a device needs: for a field, with room for the bricks that moving adds, and for the
+  // triangles and texels of the scene.
   double deviceBytes() const {
     constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
     const std::uint64_t each =

@@ -13,15 +13,15 @@ namespace scanmill {
 namespace {
 
 constexpr double kMostBricks = 268'435'456;   // 2^28: a table of 1 GiB
-constexpr double kMostBricksAcross = 65'536;  // float32 tells places of 2^19 voxels to 1/32 of one
+constexpr double kMostBricksAcross = 65'536;  // float32 resolves 1/32 of a voxel at 2^19 voxels
 constexpr std::uint32_t kUsualLevels = 5;     // for ranges of 120 to 200 m
-constexpr double kFarthestBrick = 1e15;       // of lattice coordinates: exact in double, with room to spare
+constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate: exact in double, with room to spare
 
 std::array<double, 3> axes(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// Bricks of level 0 to metres.
+// Returns the first corner of a brick of level 0 (m).
 Vec3d placeOf(const Corner& brick, double voxel) {
   const double size = kBrickVoxels * voxel;
   return {static_cast<double>(brick[0]) * size, static_cast<double>(brick[1]) * size,
@@ -42,7 +42,7 @@ Corner nearestBrick(const Vec3d& point, double voxel) {
   return brick;
 }
 
-// The largest coordinate of the box's corners, seen from `centre`.
+// Returns the largest absolute coordinate of the box's corners, relative to `centre`.
 double reachOf(const Box& box, const Vec3d& centre) {
   if (box.empty()) return 0;
   double most = 0;
@@ -57,7 +57,7 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
   shape.voxel = options.voxel;
   const Corner centre = nearestBrick(sensor, options.voxel);
   shape.centre = placeOf(centre, options.voxel);
-  // A coarse level's bricks are up to half a brick off the centre, and a voxel is to spare.
+  // The box of a coarse level may be off the centre by half a brick; one voxel more is a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {
@@ -87,7 +87,8 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
 struct Span {
   std::array<double, 3> first{}, bricks{};
 
-  // How many times too small voxels are for all of these; NaN where nothing can be said.
+  // Returns the factor by which the voxels are too small, so that there are too many bricks; at most 1 if there are
+  // not. NaN if it cannot be computed.
   double excess() const {
     double all = 1;
     double most = 0;
@@ -99,7 +100,7 @@ struct Span {
   }
 };
 
-// Which bricks hold the box, with one more on each side.
+// Returns the bricks that hold the box, with one more on each side.
 Span spanOf(const Box& box, double voxel) {
   Span span;
   const std::array<double, 3> low = axes(box.low);
@@ -111,7 +112,8 @@ Span spanOf(const Box& box, double voxel) {
   return span;
 }
 
-// What would do in place of a field whose voxels are so many times too small, or levels have so many times too many.
+// Returns what to choose in place of a field whose voxels are too small or, around a sensor, too many across, by the
+// factor `times`.
 std::string adviceFor(const ParticleOptions& options, double times) {
   if (options.extent == ParticleOptions::Extent::Sensor) {
     const auto most = static_cast<std::uint32_t>(std::max(options.voxels / times, double{kFewestVoxels}));
@@ -123,7 +125,8 @@ std::string adviceFor(const ParticleOptions& options, double times) {
   return fmt::format("choose voxel_m: {:g} or more, or field: sensor", std::ceil(voxel / unit) * unit);
 }
 
-// The bricks of a field of the whole scene. `memory`: bytes that it may take, for advice.
+// Returns the bricks of a field of the complete scene. Throws InputError if there would be too many; its advice
+// considers the `memory` that the field may take (bytes).
 Span sceneSpan(const ParticleOptions& options, const Box& box, double memory) {
   const Span span = spanOf(box, options.voxel);
   const double excess = span.excess();
@@ -173,7 +176,7 @@ double fieldBytes(const ParticleOptions& options, const Box& scene) {
   }
   const Vec3d size = scene.empty() ? Vec3d{} : scene.high - scene.low;
   const double across = std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x})) / options.voxel;
-  // The table follows the box, not the surface.
+  // The table grows with the volume of the box, not with the surface.
   return levelBytes(across, lists) - std::pow(across / kBrickVoxels, 3) * 4 +
          size.x * size.y * size.z / std::pow(kBrickVoxels * options.voxel, 3) * 4;
 }
@@ -181,7 +184,7 @@ double fieldBytes(const ParticleOptions& options, const Box& scene) {
 void checkField(const ParticleOptions& options, const Box& scene, double memory) {
   constexpr double kTolerance = 2;
   if (options.extent == ParticleOptions::Extent::Scene && !scene.empty()) {
-    // Worlds have their origin in the scene's centre, or a whole number of grid cells off.
+    // The origin of a world is the centre of the scene, or a whole number of grid cells away from it.
     sceneSpan(options, {scene.low - scene.center(), scene.high - scene.center()}, memory);
   }
   const double bytes = fieldBytes(options, scene);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a field lies, from what a user asks for and where the sensor is.
+// Computes the position and extent of a field from the user's options and the sensor's position.
 
 #include <cstdint>
 #include <string>
@@ -12,19 +12,21 @@
 
 namespace scanmill {
 
-// Levels around a sensor at `sensor` (m, relative to the world's origin), or the one level that holds `scene` (the
-// scene's bounds, likewise; empty: a scene without triangles). `range`: m, so far should the field reach. Depends on
-// its arguments alone. Throws InputError where a scene-wide field would have too many bricks, and says what would do.
+// Returns the levels around a sensor at `sensor` (m, relative to the world's origin), or the one level that holds
+// `scene` (the scene's bounds in the same frame; empty if the scene has no triangles). The field should reach `range`
+// (m). Depends on its arguments alone. Throws InputError, which says what to choose instead, if the field would have
+// too many bricks.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
 
-// About how many bytes a field of the scene takes. `scene`: its bounds, m, world frame.
+// Returns about how many bytes a field of the scene takes. `scene`: its bounds, m, world frame.
 double fieldBytes(const ParticleOptions& options, const Box& scene);
 
-// Throws InputError where a scene-wide field would have too many bricks, or where the field would take more than twice
-// the memory (bytes), and says what would do. Twice, since the estimate may be off by that factor.
+// Throws InputError, which says what to choose instead, if a scene-wide field would have too many bricks, or if the
+// field is estimated to take more than twice `memory` (bytes). Twice, since the estimate may be off by that factor.
 void checkField(const ParticleOptions& options, const Box& scene, double memory);
 
-// The outermost level's box, shrunk by a voxel (m, relative to the world's origin). Particles march inside of it.
+// Returns the box in which particles march: that of the outermost level, shrunk by a voxel (m, relative to the world's
+// origin).
 Box marchBox(const FieldShape& shape);
 
 }  // namespace scanmill

@@ -33,7 +33,7 @@ bool precedes(const World& world, const Candidate& a, const Candidate& b) {
          std::tuple(instanceIdOf(world, b), b.instance, b.geometry, b.primitive);
 }
 
-// Cosine between a ray, given in the world, and the normal of a triangle.
+// Returns the absolute cosine between a ray (world frame) and a triangle's normal.
 float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
   const bool baked = c.instance == RTC_INVALID_GEOMETRY_ID;
   const TriangleBlock& block = baked ? world.baked : *world.placed[c.instance - World::kFirstPlaced].block;
@@ -46,8 +46,8 @@ float reachOf(float distance, float floor) {
   return distance + (distance * kReach + floor);
 }
 
-// One lane: whether the candidate at `distance` is taken; updates the context and the ray's far end. `direction` is the
-// ray's in the world.
+// Returns whether a lane takes the candidate at `distance`, and if so updates the context and the ray's far end.
+// `direction` is the ray's, in the world frame.
 bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction, const Candidate& candidate,
             float& far) {
   const float best = context.distance[lane];
@@ -69,7 +69,7 @@ bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f
   return true;
 }
 
-// Lanes one by one: any packet width.
+// Filters the lanes one by one, for packets of any width.
 void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
   const unsigned n = a->N;
   auto* ray = reinterpret_cast<float*>(a->ray);
@@ -92,15 +92,15 @@ void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
 }
 
-// W numbers of 4 bytes, unaligned. No more than 8: GCC 12 compares vectors of 16 number by number.
+// W numbers of 4 bytes, unaligned. W is at most 8, since GCC 12 compares vectors of 16 number by number.
 template <int W>
 struct Lanes {
   typedef float Floats __attribute__((vector_size(4 * W), aligned(4), may_alias));
   typedef int Ints __attribute__((vector_size(4 * W), aligned(4), may_alias));
 };
 
-// All lanes at once as long as no two surfaces are near each other, which is nearly always. Written with vector types
-// because the compiler does not vectorise the loop above.
+// Filters all lanes at once unless some candidate is close to the nearest hit of its lane, which is rare. Written with
+// vector types because the compiler does not vectorise the loop of filterLanes().
 template <int N>
 void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   constexpr int kWidth = N < 8 ? N : 8;
@@ -142,7 +142,7 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
 }
 
-// Lets beams through where the base colour is transparent.
+// Rejects hits where the base colour is transparent.
 void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
   const unsigned n = a->N;
   const auto* hit = reinterpret_cast<const float*>(a->hit);

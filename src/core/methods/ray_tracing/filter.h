@@ -1,6 +1,6 @@
 #pragma once
 
-// Embree's intersection filter: the tie rule, and alpha-tested textures.
+// Embree's intersection filters, which apply the tie rule and alpha-tested textures.
 
 #include <cstdint>
 
@@ -10,7 +10,8 @@
 
 namespace scanmill {
 
-// Follows a packet through Embree: what each lane's ray holds so far. Lane i belongs to the ray whose id is i.
+// The state of a packet while Embree traces it: the nearest hit of each ray so far. Lane i belongs to the ray whose id
+// is i.
 struct TieContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
@@ -23,19 +24,19 @@ struct TieContext {
   void reset();
 };
 
-// Surfaces are coplanar where they lie within kCoplanar x distance + floor of each other, measured along their normals.
-// Among them the lowest instance id wins, then the lowest Embree instance, geometry and primitive, whatever order the
-// traversal visits them in. The tolerance is as large as the errors of rounding to float32, of distances and of corners
-// near the sensor.
+// Surfaces count as coplanar if they lie within kCoplanar x distance + floor of each other, measured along their
+// normals. Among coplanar surfaces the lowest instance id wins, then the lowest Embree instance, geometry and
+// primitive, whatever order the traversal visits them in. The tolerance covers float32 rounding, of distances and of
+// corners near the sensor.
 constexpr float kCoplanar = 4e-7f;
-constexpr float kCoplanarCorners = 64;  // m, from the sensor
+constexpr float kCoplanarCorners = 64;  // m, largest distance of a near corner from the sensor
 
 inline float coplanarFloor(float sensorToOrigin) {
   return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);
 }
 
-// When a hit is accepted, the ray is cut off not at the hit but farther by this share of its distance, so that surfaces
-// coplanar with it are visited too, in any order. That is enough for up to 89.98 degrees of incidence.
+// When a hit is accepted, the ray is cut off not at the hit but farther, by this share of the hit's distance, so that
+// surfaces coplanar with the hit are visited too, in any order. The margin suffices up to 89.98 degrees of incidence.
 constexpr float kReach = 1e-3f;
 
 void tieFilter(const RTCFilterFunctionNArguments* arguments);

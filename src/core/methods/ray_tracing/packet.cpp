@@ -12,14 +12,15 @@ namespace scanmill {
 
 namespace {
 
-// Embree 3.13 takes components nearer to zero than 1e-18 for positive where it divides by them, but not where it asks
-// for their sign: with -4e-19 in one lane, all of a packet of coherent rays missed what they should have hit.
+// Returns a component of a direction for Embree; tiny ones become 0. Embree 3.13 treats components below 1e-18 in size
+// as positive when it divides by them, but not when it tests their sign: with -4e-19 in one lane, all rays of a
+// coherent packet missed surfaces that they should have hit.
 float component(double direction) {
   constexpr double kAlongAnAxis = 1e-12;
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// When the beams of a tile fire, as parts of the revolution; all 0 where nothing moves.
+// Computes when the beams of a tile fire, as shares of the revolution; all 0 if nothing moves.
 void findParts(const PacketJob& job, const Tile& tile, float* parts) {
   std::fill_n(parts, kPacket, 0.0f);
   if (job.world.duration <= 0) return;
@@ -79,7 +80,7 @@ HitTriangle triangleOf(const World& world, const TieContext& context, int lane) 
   return {block, placed, block->global(context.geometry[lane], context.primitive[lane])};
 }
 
-// A packet on its way: traced, while its triangles' records come to the caches; then resolved.
+// A packet in flight: first traced, then its triangles' records are prefetched, then it is resolved.
 struct Pending {
   Tile tile;
   Rays rays;
@@ -135,7 +136,7 @@ float searchDistance(const BeamTable& beams) {
 }
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {
-  // Two packets in flight: while Embree traces one, what resolving the other reads comes from memory.
+  // Two packets are in flight: while Embree traces one, the data for resolving the other is prefetched.
   Pending pending[2];
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     begin(job, tiles[i], pending[i % 2]);

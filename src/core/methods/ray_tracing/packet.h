@@ -1,6 +1,6 @@
 #pragma once
 
-// One packet of beams: set up in double, traced by Embree in float32, resolved in double.
+// Traces packets of beams: set up in double, traced by Embree in float32, resolved in double.
 
 #include <cstdint>
 #include <span>
@@ -23,8 +23,8 @@ struct PacketJob {
   float coplanarFloor;  // m
 };
 
-// How far rays are traced (m): a little past the maximum range, since a distance in float32 must not decide what lies
-// at exactly the maximum.
+// Returns how far rays are traced (m): slightly beyond the maximum range, so that float32 rounding does not decide
+// about hits at exactly the maximum.
 float searchDistance(const BeamTable& beams);
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits);

@@ -26,7 +26,8 @@ namespace {
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
 
-// Columns of a packet's tile: as square as possible in angle, since packets trace best when their beams stay together.
+// Returns how many columns make a packet's tile as square as possible in angle, since packets trace fastest when their
+// beams stay together.
 std::uint32_t bestTileColumns(const BeamTable& beams) {
   if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
   const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
@@ -48,7 +49,7 @@ std::uint32_t bestTileColumns(const BeamTable& beams) {
 // How a table's rays are split into packets.
 class Tiling {
  public:
-  // `columns` of a packet; 0: what is best.
+  // `columns`: how many a packet's tile has; 0: as bestTileColumns() says.
   Tiling(const BeamTable& beams, int columns)
       : beams_(beams),
         width_(columns != 0 ? static_cast<std::uint32_t>(columns) : bestTileColumns(beams)),
@@ -143,7 +144,7 @@ class RayTracing : public Method {
 
   const Scene& original_;
   std::unique_ptr<const Scene> simplified_;  // null: the original is traced
-  const Scene& scene_;                       // that is traced
+  const Scene& scene_;                       // the scene that is traced
   RayTracingOptions options_;
   Worlds worlds_;
   std::vector<CompactMaterial> materials_;

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSlack = 1e-3;  // m, about boxes, for what rounds
+constexpr double kSlack = 1e-3;  // m, margin around boxes for rounding
 
 struct ThingContext {
   EmbreeContext embree = newEmbreeContext();
@@ -21,7 +21,7 @@ struct ThingContext {
   std::uint32_t thing;
 };
 
-// About all of a thing over a revolution: a box in axes of its own, relative to the world's origin.
+// A box around a thing over the complete revolution, in the box's own axes, relative to the world's origin.
 struct Extent {
   Pose boxFromOrigin;
   Box box;
@@ -72,8 +72,8 @@ std::optional<Interval> crossing(const Extent& extent, const Vec3d& origin, cons
   return found.enter <= found.leave ? std::optional(found) : std::nullopt;
 }
 
-// The angle about the middle of a thing in which its beams point, as seen from anywhere the sensor comes by. `offset`:
-// of beams' origins from the sensor's (m).
+// Returns the half angle (rad) of a cone around the direction to the thing's middle (at the first pose) that holds all
+// beams which may hit the thing during the revolution. `offset`: distance of beams' origins from the sensor's (m).
 double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
   const double radius = extent.radius + offset;
   double angle = 0;
@@ -90,7 +90,8 @@ double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
   return angle;
 }
 
-// Of one ring: heads turn, and the rings of a column fire at almost the same time.
+// Returns the beam of the middle ring that is nearest to the direction. One ring suffices, since the rings of a column
+// fire at almost the same time.
 std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
   const std::uint32_t first = beams.rings / 2 * beams.columns;
   std::uint32_t nearest = first;
@@ -102,7 +103,7 @@ std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
 
 }  // namespace
 
-// Lets rays through all that is not the thing, and what is cut out of it.
+// Rejects hits on anything but the thing, and hits where alpha cuts the thing out.
 void thingFilter(const RTCFilterFunctionNArguments* a) {
   const auto& context = *reinterpret_cast<const ThingContext*>(a->context);
   const World& world = *context.world;
@@ -150,7 +151,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     occludeOne(world->embree.get(), context.embree, ray);
     return ray.tfar < 0;
   };
-  std::vector<std::pair<double, std::uint32_t>> firing;  // and the beam
+  std::vector<std::pair<double, std::uint32_t>> firing;  // firing time (s) and beam
   grid.forBeamsNear(direction, angle, [&](std::uint32_t beam) {
     const std::uint32_t column = beam % beams.columns;
     const std::size_t step = frame.rotation.size() == 1 ? 0 : shot.stepOf(column);
@@ -161,7 +162,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     if (!inside || inside->enter > beams.maxRange) return;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
     const float part = world->duration > 0 ? static_cast<float>(std::clamp(time / world->duration, 0.0, 1.0)) : 0.0f;
-    // What is nearer than the sensor can see hides the rest.
+    // A part of the thing nearer than the minimum range hides the rest from this beam.
     if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
     const double from = std::max(inside->enter, beams.minRange);
     const double to = std::min(inside->leave, beams.maxRange);

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a sensor would see of a thing if nothing stood before it: what true visibility is measured against.
+// Counts the beams that would hit a thing (an object instance) if nothing occluded it. True visibility is measured
+// against this count.
 
 #include <cstdint>
 #include <memory>
@@ -12,24 +13,25 @@
 
 namespace scanmill {
 
-// Embree's filter of the occlusions that it asks for.
+// Embree's occlusion filter for the queries of Unobstructed, which accepts only hits on the thing.
 void thingFilter(const RTCFilterFunctionNArguments* arguments);
 
-// Rays are traced from where they enter a thing's box to where they leave it, and meet nothing but the thing: only
-// beams that cross the box cost anything. Cut-outs by alpha count as in ray tracing, motion too.
+// Traces rays from where they enter a thing's box to where they leave it, and ignores everything but the thing. So only
+// beams that cross the box take time. Alpha cut-outs and motion are modelled as in ray tracing.
 class Unobstructed {
  public:
-  // All must outlive it. `worlds`: of the scene that `boxes` are of, with thingFilter() for occlusions.
+  // Both must outlive this object. `worlds` are of the same scene as `boxes`, and are built with thingFilter() for
+  // occlusions.
   Unobstructed(const Worlds& worlds, const ThingBoxes& boxes) : worlds_(worlds), boxes_(boxes) {}
 
   struct View {
-    std::uint32_t beams = 0;  // that would meet the thing within the sensor's range
-    // Index of the one that fires in the middle of them; where there is none, of one that fires when the sensor looks
-    // into the direction in which the thing lies.
+    std::uint32_t beams = 0;  // that would hit the thing within the sensor's range
+    // Index of the beam in the middle of these by firing time; if there are none, of a beam that fires when the sensor
+    // looks towards the thing.
     std::uint32_t middle = 0;
   };
-  // Of a thing in a shot, by one ray along the axis of each beam. `grid`: of the shot's beams. Safe to call from
-  // several threads.
+  // Returns the view of a thing in a shot, traced with one ray along the axis of each beam. `grid` is that of the
+  // shot's beams. Safe to call from several threads.
   View of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
 
  private:

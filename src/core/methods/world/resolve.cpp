@@ -32,7 +32,7 @@ void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::ui
   }
 }
 
-// What the triangles say about the lanes' hits.
+// The labels of the lanes' hits, from their triangles.
 struct Looked {
   std::uint32_t instance[kPacket];
   std::uint16_t semantic[kPacket];
@@ -96,7 +96,7 @@ void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   storeRows(tile, normal, hits.normal, hits.columns);
 }
 
-// Sets up beams of one pose that are next to each other in one ring.
+// Sets up kPacket adjacent beams of one ring, which share one pose.
 void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
   const Mat3 rotation = frame.rotation.front();
   const Vec3d o = frame.position.front();

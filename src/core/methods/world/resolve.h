@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes hits of the triangles that beams meet: ranges, normals, labels. In double, 16 beams at a time.
+// Turns the triangles that beams hit into hits: ranges, normals, labels. Computes in double, 16 beams at a time.
 
 #include <cstddef>
 #include <cstdint>
@@ -42,20 +42,20 @@ struct HitTriangle {
   const TriangleBlock* block = nullptr;  // null: a miss
   const PlacedBlock* placed = nullptr;   // null: baked
   std::uint32_t index = 0;
-  float part = 0;  // of the revolution, 0 to 1: where what moves is
+  float part = 0;  // share of the revolution, 0 to 1, at which the ray fires: places moving meshes
 };
 
-// The planes of the hit triangles, relative to the world's origin, and what follows from them.
+// The planes of the hit triangles, relative to the world's origin, and the ranges and cosines that follow from them.
 struct Resolved {
   alignas(64) Lane nx, ny, nz;  // unit normals
   alignas(64) Lane offset;      // normal . p of the plane
-  alignas(64) Lane traced;      // m, as it was found; infinite for a miss
+  alignas(64) Lane traced;      // m, the range that was traced; infinite for a miss
   alignas(64) Lane range;       // m; infinite for a miss
   alignas(64) Lane cosine;      // of normal and beam, signed
 };
 
-// When a ray of the table fires, as part of a revolution of so many seconds, 0 to 1; 0 where nothing moves
-// (duration 0).
+// Returns when a ray of the table fires, as a share (0 to 1) of a revolution of `duration` seconds; 0 if `duration` is
+// 0, which means that nothing moves.
 float partOf(const BeamTable& beams, std::size_t ray, double duration);
 
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
@@ -85,31 +85,31 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// Within which a sensor reports hits.
+// The limits within which a sensor reports hits.
 struct RangeLimits {
   double nearest, farthest;  // m
 };
 
 RangeLimits limitsOf(const BeamTable& beams);
 
-// How far the distance to a plane may lie from the one that was traced. Seen edge-on, a plane says little of where its
-// triangle is.
-constexpr double kTrust = 1e-2;  // of the distance, and m
+// How far the range to a triangle's plane may be from the traced range. The plane of a triangle that is seen edge-on
+// says little about where the triangle is.
+constexpr double kTrust = 1e-2;  // this share of the range, plus this many m
 
-// Sets each range to the distance along the ray to the plane of its triangle. Outside of the sensor's range limits it
-// is a miss.
+// Sets each range to the distance along the ray to the plane of its triangle, clamped to kTrust around the traced
+// range. A range outside of the sensor's limits is a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
-// The same with the distance `traced` as the range.
+// Does the same, but takes the traced range as it is.
 void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
 
-// Fills the channels that `hits` has.
+// Writes the tile's hits to the channels that `hits` has.
 void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays, const Resolved& r,
            const HitTriangle* triangles, Hits& hits);
 
 // Prefetches the memory that store() will write.
 void expectStore(const Tile& tile, Hits& hits);
 
-// Barycentric coordinates of a point (m, relative to the world's origin) of the triangle that was hit: see
+// Returns the barycentric coordinates of a point (m, relative to the world's origin) in the triangle that was hit: see
 // scene/reflectance.h.
 Vec2d barycentric(const HitTriangle& hit, const Vec3d& point);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene as Embree sees it: float32 triangles near an origin, and beside them their exact planes.
+// The scene as Embree traces it: float32 triangles relative to a nearby origin, with their exact planes alongside.
 
 #include <cstdint>
 #include <memory>
@@ -16,15 +16,15 @@ struct RTCFilterFunctionNArguments;
 
 namespace scanmill {
 
-// What hits on a triangle are labelled with.
+// The labels of hits on a triangle.
 struct HitSurface {
   std::uint32_t instance = 0;
   std::uint16_t semantic = 0;
   std::uint16_t material = 0;
 };
 
-// All that is read to resolve a hit, side by side, so that a hit touches few cache lines. The plane normal . p = offset
-// is computed in double from the mesh's own corners; the normal is a unit vector.
+// All data that resolving a hit reads, in one record, so that a hit touches few cache lines. The plane is normal . p =
+// offset, computed in double from the mesh's own corners; the normal is a unit vector.
 struct BlockTriangle {
   Vec3d normal;
   double offset;
@@ -35,8 +35,8 @@ struct BlockTriangle {
 // Triangles in one frame. Those with an alpha-tested material come last and form an Embree geometry of their own (id
 // 1), so that only they pay for the alpha test; the others are geometry 0.
 struct TriangleBlock {
-  std::vector<Vec3f> vertices;    // for Embree, padded by one: it reads 16 bytes a vertex
-  std::vector<Triangle> corners;  // likewise: indices of vertices
+  std::vector<Vec3f> vertices;    // padded by one, since Embree reads 16 bytes per vertex
+  std::vector<Triangle> corners;  // indices of vertices; read by Embree too
   std::vector<Vec2f> uvs;         // empty, or one per vertex
   std::vector<BlockTriangle> triangles;
   std::vector<HitSurface> surfaces;  // instance: the id (baked), or the object's number in its mesh (instanced)
@@ -51,13 +51,13 @@ struct TriangleBlock {
 // A mesh placed by an Embree instance.
 struct PlacedBlock {
   const TriangleBlock* block = nullptr;
-  Affine originFromMesh;  // exact, relative to the world's origin; of what moves, when the revolution starts
-  Mat3 normalFromMesh;    // the inverse transposed of its linear part
+  Affine originFromMesh;  // exact, relative to the world's origin; of a moving mesh: at the revolution's start
+  Mat3 normalFromMesh;    // the inverse transpose of originFromMesh's linear part
   std::uint32_t firstInstanceId = 0;
   bool moves = false;
-  Affine atEnd = {};  // of what moves: originFromMesh when the revolution ends; in between linear, as Embree has it
+  Affine atEnd = {};  // of a moving mesh: originFromMesh at the revolution's end; in between linear, as in Embree
 
-  // originFromMesh at a part of the revolution, 0 to 1.
+  // Returns originFromMesh at a share of the revolution, 0 to 1.
   Affine at(double part) const;
 };
 
@@ -72,7 +72,7 @@ using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
 DeviceHandle makeDevice();
-// The version of the library that runs, such as "4.3.3".
+// Returns the version of the Embree library that runs, such as "4.3.3".
 std::string embreeVersion(RTCDeviceTy* device);
 
 enum class HierarchyQuality { Low, Medium, High };
@@ -82,7 +82,8 @@ enum class Instancing { Auto, Always, Never };
 struct HierarchyOptions {
   bool robust = true;  // watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
-  // Embree's filters, of intersections and of occlusions; null: none.
+  // Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions; null:
+  // none.
   void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*occlusionFilter)(const RTCFilterFunctionNArguments*) = nullptr;
@@ -90,31 +91,32 @@ struct HierarchyOptions {
 
 // Meshes that many instances share: built once, whatever the origin.
 struct SharedMeshes {
-  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null where it is baked
+  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null if the mesh is baked
   std::vector<SceneHandle> scenes;
 };
 
-// Whether worlds of the scene move. Parts of a scene (Scene::whole) are made as the whole is, unless nothing of the
-// whole may be instanced.
+// True if worlds of the scene move. For a part of a scene (Scene::whole) the complete scene decides, unless instancing
+// is Never: then the part decides.
 bool worldsMove(const Scene& scene, Instancing instancing);
 
-// Which meshes are instanced. With Instancing::Auto: those placed more than once in a scene too large to be flattened.
-// All of a scene in which something moves, so that no hierarchy of triangles is built anew for a revolution.
+// Returns for each mesh whether it is instanced. Instancing::Auto instances the meshes that are placed more than once,
+// if the scene is too large to be flattened. If something in the scene moves, all meshes are instanced, so that no
+// hierarchy of triangles is rebuilt for each revolution.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                                const HierarchyOptions& options);
 
-// The whole scene relative to one origin, from one time to another where it moves. Read-only once built.
+// The complete scene relative to one origin and, if it moves, over one revolution. Read-only once built.
 struct World {
   Vec3d origin;
   const Scene* scene = nullptr;
   TriangleBlock baked;                   // frame: world axes, relative to origin
   std::vector<PlacedBlock> placed;       // Embree instance id k + kFirstPlaced
-  const SharedMeshes* shared = nullptr;  // of which blocks are placed; it outlives the world
+  const SharedMeshes* shared = nullptr;  // owns the blocks of `placed`; outlives the world
   SceneHandle embree;
   bool alpha = false;
-  double time = 0;                                  // s, when the revolution starts, of a scene that moves
+  double time = 0;                                  // s, start of the revolution, if the scene moves
   double duration = 0;                              // s
   static constexpr std::uint32_t kFirstPlaced = 2;  // 0 and 1 are the baked geometries
 };
@@ -123,7 +125,7 @@ std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
                                   const HierarchyOptions& options, double time = 0, double duration = 0);
 
-// Whether the alpha-tested material of a triangle lets beams through at these barycentric coordinates.
+// True if the alpha-tested material of a triangle lets beams through at these barycentric coordinates.
 bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v);
 
 }  // namespace scanmill

@@ -12,25 +12,26 @@
 
 namespace scanmill {
 
-// Origins lie on a grid of 1024 m anchored at the scene's centre, so that they depend on the shot alone and move with
-// the scene. Where something moves each revolution has a world of its own, in which little but places of shared meshes
-// is built; as many are kept as threads work on revolutions, and one. Their grid is of 16 m: the nearer the origin, the
-// less is rounded, and the fewer rays a device leaves to the processor.
+// Caches worlds. Their origins lie on a grid of 1024 m anchored at the scene's centre, so that they depend on the shot
+// alone and move with the scene. If something moves, each revolution has its own world, for which little more is built
+// than the placement of shared meshes; one more world than there are threads is cached. Origins of moving worlds lie on
+// a grid of 16 m, since rounding errors grow with the distance from the origin.
 class Worlds {
  public:
   // The scene must outlive it.
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
-  // The world whose origin is nearest to the sensor (m). Safe to call from several threads.
+  // Returns the world whose origin is nearest to the sensor (m). Safe to call from several threads.
   std::shared_ptr<const World> near(const Vec3d& sensor) const { return near(sensor, 0, 0); }
-  // Where something moves: as it is from a time on, for a duration (s).
+  // The same for the revolution that starts at `time` and takes `duration` (s); both matter only if something moves.
   std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
   bool moves() const { return moves_; }
-  std::string embree() const { return embreeVersion(device_.get()); }  // its version
+  std::string embree() const { return embreeVersion(device_.get()); }  // version of the library
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
-  // Of a world with all that it shares with others: each baked copy, each shared mesh once.
+  // Returns how many triangles a world and the meshes that it shares have: each baked copy counts, each shared mesh
+  // counts once.
   std::uint64_t triangles() const;
-  // What these take.
+  // Returns about how many bytes these triangles take.
   std::uint64_t memoryBytes() const;
 
  private:
