@@ -20,7 +20,7 @@ struct ComputeContext {
     throw Error(fmt::format("{}: {}; {}", words.cannot, why, words.instead));
   }
 
-  // Does the work, and throws what fails in the words of the device.
+  // Runs the work, and rethrows its errors as Error in the device's words.
   template <class Work>
   decltype(auto) told(const Work& work) const {
     try {
@@ -124,7 +124,7 @@ ComputeBuffer::~ComputeBuffer() {
 
 void ComputeBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
-  bytes_ = 0;  // what the buffer has where it cannot grow is not known
+  bytes_ = 0;  // the size is unknown if resizing fails
   context_->told([&] { context_->backend->resize(number_, bytes); });
   bytes_ = bytes;
 }
@@ -151,8 +151,8 @@ void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
 }
 
 std::span<const std::byte> ComputeReadback::wait() {
-  constexpr double kSpin = 1e-3;  // s, a device that is fast is asked again at once
-  constexpr double kMost = 120;   // s
+  constexpr double kSpin = 1e-3;  // s, during which the device is queried again without a pause
+  constexpr double kMost = 120;   // s, longest wait
   constexpr auto kPause = std::chrono::microseconds(50);
   const std::scoped_lock lock(asking_);
   const WallTimer waiting;
@@ -240,7 +240,7 @@ void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable:
 }
 
 std::string glslConstant(const char* name, float value) {
-  // No `const float`: some compilers do not take the call for a constant.
+  // Not a `const float`: some compilers do not accept the call as a constant.
   return fmt::format("#define {} uintBitsToFloat({:#x}u)\n", name, std::bit_cast<std::uint32_t>(value));
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Computing by compute shaders of OpenGL 4.3, without an X server. OpenGL is in a module (gpu/compute_interface.h) that
-// is loaded with the first device.
+// Runs compute shaders of OpenGL 4.3, without an X server. The OpenGL code is in a plug-in (gpu/compute_interface.h)
+// that is loaded with the first device.
 
 #include <condition_variable>
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace scanmill {
 
 struct ComputeContext;  // what a device's buffers and programs share
 
-// Errors of a device and of what it has made read "<cannot>: <why>; <instead>".
+// The wording of errors of a device, its buffers and its programs: "<cannot>: <why>; <instead>".
 struct ComputeErrorWords {
   std::string cannot;   // "particles cannot fly by OpenGL"
   std::string instead;  // "'backend: cpu' does without it"
@@ -29,22 +29,22 @@ struct ComputeErrorWords {
 
 class ComputeDevice {
  public:
-  // Takes the device that namedDevice() names (gpu/device.h). Throws Error where the machine has no OpenGL 4.3 by EGL,
-  // or the module cannot be loaded.
+  // Opens the device that namedDevice() names (gpu/device.h). Throws Error if the machine has no OpenGL 4.3 with EGL,
+  // or the plug-in cannot be loaded.
   explicit ComputeDevice(ComputeErrorWords words);
 
   const std::string& name() const;        // "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string driver() const;             // "4.5 (Core Profile) Mesa 22.3.6"
-  std::string nameAndPlace() const;       // what runs on the processor is told: "llvmpipe (...), on the processor"
+  std::string nameAndPlace() const;       // adds where software runs: "llvmpipe (...), on the processor"
   bool software() const;                  // it runs on the processor
   std::uint64_t mostBufferBytes() const;  // of one buffer that a program reads and writes
   std::uint64_t mostTableTexels() const;  // of one table, which a program only reads
-  // Waits until everything asked for is done.
+  // Waits until all requested work is done.
   void finish();
-  // Does work that makes several calls of this device, its buffers and programs. They are made on the device's own
-  // thread: together they wait for it once.
+  // Runs work that makes several calls of this device, its buffers and programs. All of it runs on the device's own
+  // thread, so that the caller waits for that thread once.
   void atOnce(const std::function<void()>& work) const;
-  // Throws an Error in the device's words.
+  // Throws an Error worded by ComputeErrorWords.
   [[noreturn]] void fail(const std::string& why) const;
 
  private:
@@ -56,8 +56,8 @@ class ComputeDevice {
 
 // A device that SCANMILL_GL_DEVICE may name (gpu/device.h).
 struct FoundDevice {
-  std::string name;    // what the variable says
-  std::string driver;  // as ComputeDevice::name() has it; of one that cannot compute: why not
+  std::string name;    // value of the variable that selects it
+  std::string driver;  // as ComputeDevice::name(); the reason if the device cannot compute
   bool usable = false;
   bool software = false;  // it runs on the processor
 };
@@ -66,11 +66,12 @@ struct FoundDevice {
 // since the last call, by the devices' own clocks. The first call starts the clocks and returns nothing.
 StageSeconds takeDeviceSeconds();
 
-// In the order in which they are tried. Each is opened for a moment. Throws Error where OpenGL cannot be loaded.
+// Returns the devices in the order in which they are tried. Opens each of them briefly. Throws Error if OpenGL cannot
+// be loaded.
 std::vector<FoundDevice> findDevices();
 
-// Memory of a device. Buffers and programs may outlive the ComputeDevice. Calls may come from any thread, one after the
-// other.
+// Memory of a device. Buffers and programs may outlive the ComputeDevice. Calls may come from any thread, but not at
+// the same time.
 class ComputeBuffer {
  public:
   explicit ComputeBuffer(const ComputeDevice& device);
@@ -78,7 +79,7 @@ class ComputeBuffer {
   ComputeBuffer(const ComputeBuffer&) = delete;
   ComputeBuffer& operator=(const ComputeBuffer&) = delete;
 
-  // Makes the buffer at least so large. Its contents are lost where it grows.
+  // Makes the buffer at least this large. Its contents are lost if it grows.
   void reserve(std::uint64_t bytes);
   std::uint64_t bytes() const { return bytes_; }
 
@@ -94,7 +95,7 @@ class ComputeBuffer {
   void write(std::span<const Source> pieces);
   void read(std::span<const Target> pieces) const;
 
-  // Makes the buffer at least as large as the array, and copies the array to its start.
+  // Makes the buffer at least as large as the array, and uploads the array to its start.
   template <class T>
   void hold(std::span<const T> array) {
     reserve(array.size_bytes());
@@ -110,8 +111,8 @@ class ComputeBuffer {
   std::uint64_t bytes_ = 0;
 };
 
-// Memory of the processor to which a device copies a buffer, while other programs run already. It is mapped for good
-// (OpenGL 4.4, ARB_buffer_storage); where the driver cannot do that, start() waits for the copy.
+// Host memory to which a device copies a buffer while later programs already run. It stays mapped (OpenGL 4.4,
+// ARB_buffer_storage); if the driver does not support that, start() waits for the copy.
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);
@@ -119,22 +120,22 @@ class ComputeReadback {
   ComputeReadback(const ComputeReadback&) = delete;
   ComputeReadback& operator=(const ComputeReadback&) = delete;
 
-  // Asks for a copy of the first bytes of a buffer as the programs leave it that were run before. Later programs may
-  // write to the buffer.
+  // Requests a copy of the first bytes of a buffer, as they are after all programs that were run before. Later programs
+  // may write to the buffer.
   void start(const ComputeBuffer& buffer, std::uint64_t bytes);
-  // Waits for the copy, which stays until the next start(). Other threads may use the device meanwhile, or wait, too.
+  // Waits for the copy, which is valid until the next start(). Meanwhile other threads may use the device, or wait too.
   std::span<const std::byte> wait();
 
  private:
   std::shared_ptr<ComputeContext> context_;
   std::uint32_t number_ = 0;
   std::uint64_t bytes_ = 0;
-  std::mutex asking_;                // of those that wait one asks the device
-  const std::byte* copy_ = nullptr;  // once it is there
+  std::mutex asking_;                // only one of the waiting threads queries the device
+  const std::byte* copy_ = nullptr;  // null: not complete yet
 };
 
-// A buffer that a program only reads, by texelFetch() of a usamplerBuffer (Uint16 ...) or a samplerBuffer (Float32x4).
-// It suits access here and there: llvmpipe reads it a tenth to a fifth faster than a storage buffer.
+// A buffer that a program only reads, with texelFetch() of a usamplerBuffer (Uint16 ...) or a samplerBuffer
+// (Float32x4). It is for scattered access: llvmpipe reads it a tenth to a fifth faster than a storage buffer.
 struct ComputeTable {
   enum class Texel { Uint16, Uint32, Uint32x4, Float32x4 };
   const ComputeBuffer* buffer;
@@ -143,29 +144,29 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
-// The bytes of a table on the device that are at most `most`.
+// Returns the size that a table can have on the device (bytes), at most `most`.
 std::uint64_t mostTableBytes(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t most);
 
-// Fails in the device's words where a table, or `most` bytes, hold less: "the <what> take 3.0 MiB, of which a table on
-// <device> holds 2.0 MiB<mend>".
+// Throws Error, worded by ComputeErrorWords, if `bytes` exceed mostTableBytes(): "the <what> take 3.0 MiB, of which a
+// table on <device> holds 2.0 MiB<mend>".
 void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
                 const std::string& what, const std::string& mend = "");
 
-// Copies an array into the buffer of a table, which checkTable() lets pass.
+// Uploads an array into the buffer of a table, after checkTable().
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
                std::span<const std::byte> array, std::uint64_t most, const std::string& what,
                const std::string& mend = "");
 
-// A line of GLSL that defines a constant: the same float32, whatever the shader's compiler makes of decimals.
+// Returns a line of GLSL that defines a constant with exactly this value, however the shader's compiler reads decimals.
 std::string glslConstant(const char* name, float value);
 std::string glslConstant(const char* name, std::uint32_t value);
 
-// Places to copy to, for as many pieces of work as may be in flight.
+// A pool of readbacks, for as many pieces of work as may be in flight.
 class ComputeReadbacks {
  public:
   ComputeReadbacks(const ComputeDevice& device, std::size_t count);
 
-  // One that nobody else has as long as the lease lives. Waits until there is one.
+  // Exclusive use of one readback while the lease lives. The constructor waits until a readback is free.
   class Lease {
    public:
     explicit Lease(ComputeReadbacks& all);
@@ -187,16 +188,16 @@ class ComputeReadbacks {
 
 class ComputeProgram {
  public:
-  // GLSL 4.30 without the version line and main(). It defines `void invoke(uint i)`, and declares storage buffers
-  // (std430) of bindings 0, 1, 2 ..., samplers of bindings 0, 1, 2 ... for tables, and, where it has parameters, a
-  // uniform block (std140) of binding 0. Throws Error with the compiler's words.
+  // `text` is GLSL 4.30 without the version line and main(). It defines `void invoke(uint i)`, and declares storage
+  // buffers (std430) of bindings 0, 1, 2 ..., samplers of bindings 0, 1, 2 ... for tables, and, if it has parameters, a
+  // uniform block (std140) of binding 0. Throws Error with the compiler's message.
   ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text);
   ~ComputeProgram();
   ComputeProgram(const ComputeProgram&) = delete;
   ComputeProgram& operator=(const ComputeProgram&) = delete;
 
-  // Calls invoke(0) to invoke(invocations - 1), less than 2^32, in any order. What they write is there for the next run
-  // and for read().
+  // Calls invoke(0) to invoke(invocations - 1) in any order; `invocations` is less than 2^32. What they write is
+  // visible to the next run and to read().
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// The interface of libscanmill_gpu.so, which computes by compute shaders (base/module.h). Programs use gpu/compute.h.
+// The interface of the plug-in libscanmill_gpu.so, which runs compute shaders (base/module.h). Other code uses
+// gpu/compute.h.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,11 +21,11 @@ struct ComputeLimits {
   std::uint64_t bufferBytes = 0;     // of a buffer that a program reads or writes
   std::uint64_t tableTexels = 0;     // of a table
   std::uint64_t parameterBytes = 0;  // of a program's parameters
-  std::uint32_t buffers = 0;         // that a program reads or writes
-  std::uint32_t tables = 0;          // that a program reads
+  std::uint32_t buffers = 0;         // number of buffers that a program reads or writes
+  std::uint32_t tables = 0;          // number of tables that a program reads
 };
 
-// Programs and buffers are numbers that the backend gives out, none of them 0.
+// One run of a program. Programs and buffers are identified by numbers that the backend assigns, never 0.
 struct ComputeRun {
   struct Table {
     std::uint32_t buffer;
@@ -37,8 +38,8 @@ struct ComputeRun {
   std::uint64_t invocations = 0;           // less than 2^32
 };
 
-// A device with a context of its own. Calls may come from any thread, one after the other. They throw std::bad_alloc
-// where the device's memory is out, and std::runtime_error.
+// A device with a context of its own. Calls may come from any thread, but not at the same time. They throw
+// std::bad_alloc if the device's memory is exhausted, and std::runtime_error for other errors.
 class ComputeBackend {
  public:
   virtual ~ComputeBackend() = default;
@@ -51,21 +52,21 @@ class ComputeBackend {
   virtual std::uint32_t makeBuffer() = 0;
   virtual void dropProgram(std::uint32_t program) noexcept = 0;
   virtual void dropBuffer(std::uint32_t buffer) noexcept = 0;
-  // Gives the buffer so many bytes, of any contents.
+  // Gives the buffer this size; its contents are then undefined.
   virtual void resize(std::uint32_t buffer, std::uint64_t bytes) = 0;
   virtual void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
   virtual void read(std::uint32_t buffer, std::span<const ComputeBuffer::Target> pieces) = 0;
-  // Memory of the processor that a device copies to, by the number that it gives out: see ComputeReadback.
+  // Creates host memory to which the device copies, and returns its number: see ComputeReadback.
   virtual std::uint32_t makeReadback() = 0;
   virtual void dropReadback(std::uint32_t readback) noexcept = 0;
   virtual void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) = 0;
-  // The copy, or null while it is not there.
+  // Returns the copy, or null while it is not complete.
   virtual const std::byte* copied(std::uint32_t readback) = 0;
-  // Runs invoke() for 0 to invocations - 1. What is written shows in later runs and reads.
+  // Runs invoke() for 0 to invocations - 1. What it writes is visible to later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
-  // Waits until everything asked for is done.
+  // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Does work that makes several of these calls without a change of threads between them.
+  // Runs work that makes several of these calls, without a change of threads between them.
   virtual void atOnce(const std::function<void()>& work) = 0;
 };
 
@@ -74,9 +75,9 @@ class ComputeModule {
   static constexpr ModuleFile kFile{"libscanmill_gpu.so", "nothing can be computed by OpenGL",
                                     "install GLEW and EGL (on Debian the packages libglew-dev and libegl-dev)"};
   virtual ~ComputeModule() = default;
-  // `device` is as namedDevice() gives it. Throws NoDevice, and std::invalid_argument where there is none of that name.
+  // `device`: as namedDevice() returns it. Throws NoDevice, and std::invalid_argument if no device has that name.
   virtual std::unique_ptr<ComputeBackend> open(const std::string& device) const = 0;
-  // What namedDevice() may name, in the order in which open() tries them.
+  // Returns the names that namedDevice() may give, in the order in which open() tries the devices.
   virtual std::vector<std::string> devices() const = 0;
   // See takeDeviceSeconds().
   virtual StageSeconds takeSeconds() const = 0;

@@ -1,5 +1,5 @@
-// libscanmill_gpu.so: compute shaders on an OpenGL context of our own, behind the interface of gpu/compute_interface.h.
-// It needs nothing of VTK but its GLEW.
+// The plug-in libscanmill_gpu.so: compute shaders on an OpenGL context of its own, behind the interface of
+// gpu/compute_interface.h. Its only dependency on VTK is VTK's GLEW.
 
 #include <fmt/format.h>
 #include <vtk_glew.h>
@@ -39,14 +39,15 @@ layout(location = 1) uniform uint endInvocation;
 #line 1
 )";
 
-// Numbers are compared with what is left, for a sum could overflow.
+// The index in the dispatch is compared with the number of invocations left: a sum could overflow.
 constexpr const char* kAfter = R"(
 void main() {
   if (gl_GlobalInvocationID.x < endInvocation - firstInvocation) invoke(firstInvocation + gl_GlobalInvocationID.x);
 }
 )";
 
-// GLEW finds OpenGL's functions, then asks for an X display and calls it an error where it finds none.
+// Loads OpenGL's functions. GLEW then looks for an X display and reports an error if there is none; that error is
+// ignored.
 void findFunctions() {
   glewExperimental = GL_TRUE;
   glewInit();
@@ -59,7 +60,7 @@ std::string textOf(GLenum name, const char* unknown) {
   return text != nullptr ? text : unknown;
 }
 
-// Mesa's rasterisers on the processor, and Windows' by way of Mesa.
+// True for Mesa's software rasterisers, and for that of Windows when it is used through Mesa.
 bool isSoftware(std::string_view renderer) {
   return std::ranges::any_of(
       std::initializer_list<std::string_view>{"llvmpipe", "softpipe", "SWR", "swrast", "Software", "Basic Render"},
@@ -72,8 +73,8 @@ std::uint64_t limitOf(GLenum name) {
   return static_cast<std::uint64_t>(std::max<GLint64>(value, 0));
 }
 
-// The number of groups in one dispatch. Mesa's llvmpipe gives each of its threads one contiguous part of a dispatch,
-// however long that takes: small dispatches, of elements that are alike, keep all of them busy.
+// Returns the number of groups in one dispatch. Mesa's llvmpipe gives each of its threads one contiguous part of a
+// dispatch, however long that takes: small dispatches of similar elements keep all threads busy.
 std::uint64_t groupsAtOnce(bool software) {
   GLint most = 0;
   glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &most);
@@ -114,7 +115,7 @@ class BufferTexture {
   GLuint name_ = 0;
 };
 
-// Memory of the processor that the device copies to.
+// Host memory to which the device copies.
 class MappedCopy {
  public:
   MappedCopy() = default;
@@ -139,7 +140,7 @@ class MappedCopy {
     checkGl("a buffer cannot be copied");
   }
 
-  // Null while it is not there.
+  // Returns the copy; null while it is not complete.
   const std::byte* copied() {
     if (fence_ == nullptr) return memory_ != nullptr ? memory_ : held_.data();
     const GLenum state = glClientWaitSync(fence_, 0, 0);
@@ -180,13 +181,13 @@ class MappedCopy {
   std::size_t bytes_ = 0;
   const std::byte* memory_ = nullptr;
   GLsync fence_ = nullptr;
-  std::vector<std::byte> held_;  // where buffers cannot stay mapped
+  std::vector<std::byte> held_;  // the copy if buffers cannot stay mapped
 };
 
-// Measures by the device's own clock how long it works. All calls come while the context is current.
+// Measures how long the device works, by its own clock. The context must be current in all calls.
 class DeviceClock {
  public:
-  // The device's seconds between the calls before begin() and those before end() count for `stage`.
+  // The device's seconds for the calls between begin() and end() count for `stage`.
   void begin() {
     if (!running) return;
     std::array<GLuint, 2> queries{};
@@ -201,7 +202,8 @@ class DeviceClock {
     open_ = {};
     collect(kMostPending);
   }
-  // Adds up what was measured, and waits for the device where more than `most` pieces of work are under way.
+  // Adds up the oldest measurements until at most `most` are pending, and waits for the device if they are not
+  // complete.
   void collect(std::size_t most) {
     while (pending_.size() > most) {
       const Pending& first = pending_.front();
@@ -213,7 +215,7 @@ class DeviceClock {
     }
   }
 
-  // The two serve all devices, and are used on the thread of all OpenGL alone.
+  // Shared by all devices, and used only on the thread that makes all OpenGL calls.
   static inline bool running = false;
   static inline StageSeconds seconds;
 
@@ -227,7 +229,7 @@ class DeviceClock {
   std::deque<Pending> pending_;
 };
 
-// What a context has, made and used while it is current.
+// A context and its objects, which are created and used while it is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     findFunctions();
@@ -238,7 +240,7 @@ struct ContextState {
   ContextState(const ContextState&) = delete;
   ContextState& operator=(const ContextState&) = delete;
 
-  static inline std::vector<ContextState*> all;  // used on the thread of all OpenGL alone
+  static inline std::vector<ContextState*> all;  // used only on the OpenGL thread
 
   EglContext context;
   std::map<std::uint32_t, std::unique_ptr<GlProgram>> programs;
@@ -341,7 +343,7 @@ class GlCompute final : public ComputeBackend {
 
   void atOnce(const std::function<void()>& work) override { thread_->run(work); }
 
-  // Memory of the device is asked for: programs, not the processor, read and write most.
+  // Asks for device memory: programs, not the processor, do most of the reading and writing.
   void resize(std::uint32_t buffer, std::uint64_t bytes) override {
     withContext([&](ContextState& state) {
       state.buffers.at(buffer)->fill(nullptr, bytes, GL_DYNAMIC_COPY);
@@ -409,7 +411,7 @@ class GlCompute final : public ComputeBackend {
   }
 
  private:
-  // Does the work on the thread of all OpenGL, with the context current.
+  // Runs the work on the OpenGL thread, with the context current.
   template <class Work>
   void withContext(const Work& work) {
     thread_->run([&] {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The device that draws and computes by OpenGL: a graphics card's driver, or Mesa's rasteriser on the processor.
+// The device that renders and computes with OpenGL: a graphics card's driver, or Mesa's software rasteriser.
 
 #include <string>
 #include <string_view>
@@ -9,19 +9,19 @@
 
 namespace scanmill {
 
-// This machine has no OpenGL that will do. The text lists what was tried.
+// Thrown if this machine has no suitable OpenGL. The message lists what was tried.
 class NoDevice : public Error {
  public:
   using Error::Error;
 };
 
-// What to do where there is none.
+// Advice for a machine without OpenGL.
 constexpr std::string_view kInstallOpenGl =
     "install Mesa (on Debian the packages libegl-mesa0 and libgl1-mesa-dri) or the graphics card's driver with its EGL "
     "library";
 
-// The device that the environment's SCANMILL_GL_DEVICE names: its number among EGL's devices, "software", or nothing
-// for the best one.
+// Returns the device that the environment variable SCANMILL_GL_DEVICE names: its number among EGL's devices,
+// "software", or an empty text for the best one.
 std::string namedDevice();
 
 }  // namespace scanmill

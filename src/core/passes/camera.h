@@ -30,11 +30,12 @@ struct Camera {
   Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
 };
 
-// Width and field (rad, more than 0 and less than pi) of a square-pixel camera whose principal point is the centre.
-// Throws InputError for a field of 180 degrees or more: a plane cannot hold it.
+// Returns a camera with square pixels and its principal point at the centre. `horizontalField`: rad. Throws InputError
+// unless it is more than 0 and less than 180 degrees: a plane cannot show more.
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField);
 
-// From the axes of a sensor or a vehicle (x forward, y left, z up) to those of a camera that looks along x.
+// Returns the rotation from camera axes to those of a sensor or a vehicle (x forward, y left, z up) along whose x the
+// camera looks.
 Quat vehicleFromOptical();
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kImageGrain = 8192;  // pixels of a task
+constexpr std::size_t kImageGrain = 8192;  // pixels per task
 
 // Calls use(member) with each plane as a pointer to member.
 template <class Use>
@@ -86,7 +86,7 @@ void ImageSource::require(PassChoice asked) const {
   }
 }
 
-// Plane by plane: what one plane's pixels wait for in memory overlaps.
+// Goes plane by plane, so that the memory accesses for the pixels of one plane overlap.
 void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) {
   require(asked);
   planes.reset(addresses.size(), asked);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a camera sees, one plane per channel: the passes that renderers give and EXR files keep.
+// Images of passes, with one plane per channel, as renderers return them and EXR files store them.
 
 #include <cstdint>
 #include <limits>
@@ -15,11 +15,11 @@
 
 namespace scanmill {
 
-// Depth where nothing is seen.
+// The depth of a pixel in which nothing is seen.
 constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 
-// Which passes are wanted. Of `channels`, Range stands for the depth, which there always is; Incidence has no pass of
-// its own (it wants Normal).
+// The requested passes. In `channels`, Range stands for the depth, which is always included; Incidence has no pass of
+// its own (it needs Normal).
 struct PassChoice {
   Channels channels = Channel::Range;
   bool surfaceParameters = false;  // roughness, metallic and retroreflectance of the material
@@ -27,8 +27,8 @@ struct PassChoice {
   bool operator==(const PassChoice&) const = default;
 };
 
-// Planes of n pixels as a structure of arrays; planes that were not asked for are empty. Where nothing is seen: depth
-// kNoDepth, everything else zero.
+// Planes of n pixels as a structure of arrays; planes that were not requested are empty. Pixels in which nothing is
+// seen have the depth kNoDepth, and zero in all other planes.
 struct PassPlanes {
   std::vector<float> depth;              // m, planar: along the camera's z axis, not along the line of sight
   std::vector<Vec3f> normal;             // unit, world axes, turned towards the camera
@@ -47,8 +47,8 @@ struct PassPlanes {
   void reset(std::size_t pixels, PassChoice asked);
 };
 
-// Calls visit(row of kChannels, pointer to the member of PassPlanes, pointer to that of Hits) for each channel that is
-// drawn; the depth stands for the range.
+// Calls visit(row of kChannels, pointer to the member of PassPlanes, pointer to the member of Hits) for each channel
+// that renderers draw; depth takes the place of range.
 template <class Visit>
 void forEachPass(const Visit& visit) {
   visit(kChannels[0], &PassPlanes::depth, &Hits::range);
@@ -75,9 +75,9 @@ class PixelSource {
  public:
   virtual ~PixelSource() = default;
   virtual const std::vector<Camera>& cameras() const = 0;
-  virtual PassChoice available() const = 0;  // what fetch() can give
-  // Fills `planes` with one entry per address; kNoPixel reads as a pixel in which nothing is seen. Throws InputError
-  // where the images lack a pass that is asked for.
+  virtual PassChoice available() const = 0;  // passes that fetch() can fill
+  // Fills `planes` with one entry per address; kNoPixel gives a pixel in which nothing is seen. Throws InputError if
+  // the images lack a requested pass.
   virtual void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) = 0;
 };
 
@@ -95,13 +95,14 @@ class ImageSource : public PixelSource {
   std::span<const PassImage> images_;
   std::vector<Camera> cameras_;
   std::vector<PixelAddress> first_;  // address of each image's first pixel, and one past the last
-  PassChoice available_;             // of all images
+  PassChoice available_;             // passes that all images have
 };
 
-// What does where images lack this pass, in brackets for the end of a message; empty where nothing else does.
+// Returns a hint in brackets, for the end of a message, on what can replace this pass if images lack it; empty if
+// nothing can.
 std::string_view insteadOf(std::string_view pass);
 
-// All pixels of a source, image by image.
+// Returns all images of a source.
 std::vector<PassImage> readAll(PixelSource& source, PassChoice asked);
 
 }  // namespace scanmill

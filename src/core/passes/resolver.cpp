@@ -13,8 +13,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kResolverGrain = 4096;  // pixels of a task
-constexpr std::size_t kLanes = 64;  // pixels that are looked up together, so that memory answers all of them at once
+constexpr std::size_t kResolverGrain = 4096;  // pixels per task
+constexpr std::size_t kLanes = 64;  // pixels that are looked up together, so that their memory accesses overlap
 
 // The line of sight through pixel (i, j) has the direction corner + right * i + down * j, world axes.
 struct DrawnView {
@@ -168,7 +168,7 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   });
   if (planes.normal.empty()) return;
 
-  // The first loop reads memory, lane by lane. The second has no branch and becomes vector instructions.
+  // The first loop reads memory, lane by lane. The second has no branch and is vectorised.
   alignas(64) std::array<double, kLanes> x, y, z, along;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d n = placed[i]->normalFromMesh * faces[i]->normal;
@@ -186,8 +186,8 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   }
 }
 
-// The point is where the line of sight meets the triangle's plane. All of it is relative to the eye, so that a scene
-// far from the origin loses nothing.
+// Takes the texture where the line of sight intersects the triangle's plane. All coordinates are relative to the eye,
+// so that a scene far from the origin loses no precision.
 float Resolver::texturedReflectance(const SeenTriangle& seen, const CompactMaterial& material, const Vec3d& eye,
                                     const Vec3d& sight) const {
   const Instance& instance = scene_.instances[seen.instance - 1];

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes the values of all passes from what a renderer draws: a triangle and a depth for each pixel.
+// Computes the values of all passes from a triangle and a depth per pixel, which are all that a renderer draws.
 
 #include <cstdint>
 #include <span>
@@ -13,32 +13,32 @@
 
 namespace scanmill {
 
-// What one pixel sees.
+// The triangle that a pixel sees, and its depth.
 struct SeenTriangle {
   float depth = kNoDepth;      // m, planar
   std::uint32_t instance = 0;  // 1 + index into Scene::instances; 0: nothing is seen
   std::uint32_t triangle = 0;  // index into Mesh::triangles
 };
 
-// Normals, labels and materials come from the scene's own triangles, in double: whatever draws, they are exact. A
-// resolver may be used by several threads at once. The scene must outlive it.
+// Normals, labels and materials come from the scene's own triangles, in double, so that they are exact with any
+// renderer. A resolver may be used by several threads at once. The scene must outlive it.
 class Resolver {
  public:
   explicit Resolver(const Scene& scene);
   Resolver(const Resolver&) = delete;
   Resolver& operator=(const Resolver&) = delete;
 
-  // Makes one entry of `planes` per entry of `seen`. addresses[i] tells the pixel of seen[i] among the cameras'
-  // (kNoPixel: no pixel). Normals are turned towards the line of sight of the pixel's centre. The reflectance of
-  // textured materials is that of the texel there. Throws Error where an instance, a triangle or an address is not
-  // there.
+  // Fills `planes` with one entry per entry of `seen`. addresses[i] is the pixel of seen[i] in the cameras' images
+  // (kNoPixel: none). Normals are turned towards the camera, along the line of sight through the pixel's centre. A
+  // textured material has the reflectance of the texel that is seen. Throws Error if an instance, a triangle or an
+  // address does not exist.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
 
   std::uint64_t memoryBytes() const;
 
  private:
-  // All that is looked up at random has one record, so that a pixel costs few cache lines.
+  // Everything that is accessed at random is in one record, so that a pixel takes few cache lines.
   struct Face {
     Vec3d normal;               // unit, mesh axes
     std::uint32_t surface = 0;  // index into surfaces_
@@ -69,7 +69,7 @@ class Resolver {
   const Scene& scene_;
   std::vector<Face> faces_;           // mesh by mesh
   std::vector<SurfaceIds> surfaces_;  // mesh by mesh
-  std::vector<Placed> instances_;     // [0] stands for nothing
+  std::vector<Placed> instances_;     // [0]: nothing is seen
   std::vector<Finish> materials_;
 };
 

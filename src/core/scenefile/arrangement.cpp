@@ -17,12 +17,12 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;       // for a place that is free
-constexpr std::uint64_t kMisses = 30'000;  // one after the other, after which no place is looked for any more
-constexpr double kOverhead = 0.05;         // m, above a surface, from where on what is there covers it
-constexpr double kSame = 1e-3;             // m
+constexpr std::uint64_t kTries = 30;       // per wanted copy, to find a free place
+constexpr std::uint64_t kMisses = 30'000;  // after this many misses in a row no further place is tried
+constexpr double kOverhead = 0.05;         // m; a surface is covered if another lies more than this above it
+constexpr double kSame = 1e-3;             // m; heights that differ by less belong to one surface
 
-// Numbers from 0 to 1 of the n-th try for an object.
+// Returns the random numbers of an object's n-th try or copy; `what` keeps their different uses apart.
 RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, std::uint32_t what) {
   return randomBlock(
       {seed, object, static_cast<std::uint32_t>(n), what, static_cast<std::uint32_t>(n >> 32), 0, Purpose::Placement});
@@ -46,7 +46,7 @@ std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontolog
   return ids;
 }
 
-// Whether a place is farther than so much from all before it.
+// Accepts places that are at least `spacing` (m) from all accepted before, as seen from above.
 class Spaced {
  public:
   explicit Spaced(double spacing) : spacing_(spacing) {}
@@ -206,8 +206,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     return true;
   };
   std::uint64_t misses = 0;
-  // By density: as many of so many places as are free.
-  // Near a class there may be little of the surface: then the misses alone end it.
+  // With a density each wanted copy is tried once, and copies without a free place are left out. With a count and
+  // `distance_from` little of the surface may be left: then only kMisses ends the search.
   const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);
@@ -299,7 +299,7 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
   }
   if (!standOn_) return all;
   std::vector<Copy> standing;
-  std::optional<Vec3d> lost;  // the place of the first for which there is no ground
+  std::optional<Vec3d> lost;  // position of the first copy without ground
   for (Copy& own : all) {
     Affine& copy = own.worldFromMesh;
     const auto ground = heights->under(copy.translation, [&](const SurfaceHeights::Surface& s) {

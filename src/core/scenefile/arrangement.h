@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the copies of an object stand that are not listed one by one: scattered over surfaces, along a path, varied at
+// Places the copies of an object that are not listed one by one: scattered over surfaces or along a path, varied at
 // random, and set on the ground.
 
 #include <array>
@@ -22,34 +22,34 @@ namespace scanmill {
 //
 //   copies:
 //     scatter: {on: [terrain], count: 200, spacing: 3, slope_deg: 30, within: [[x, y], [x, y]], covered: false,
-//       distance_from: {road: [1, 4], building: 3}}    # m, as seen from above: least and most, or least
-//                                      # or density: 0.02 (a square metre as seen from above) in place of count
+//       distance_from: {road: [1, 4], building: 3}}    # m, as seen from above: least and most, or only least
+//                                      # or density: 0.02 (copies per m^2 as seen from above) in place of count
 //     along: {waypoints: [[x, y, z], ...], every: 8, left: 3}
 //   vary: {yaw_deg: [0, 360], scale: [0.8, 1.2], position: 0.5, presence: 0.9, material: [car_paint, car_paint_dark]}
 //   stand_on: ground                   # or classes: [terrain, road]
 //
-// The copies of the placement stand at each scattered place, which turns with a random yaw, or at each place along the
-// path, which turns with it. `vary` turns a copy about the vertical through its own place. Random numbers follow from
-// the scene's seed and the object's name.
+// Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
+// a random yaw, a place along the path the path's heading. `vary` turns a copy about the vertical axis through its own
+// position. Random numbers are derived from the scene's seed and the object's name.
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
   Arrangement(Fields& object, const Ontology& ontology);
 
   bool random() const { return scatter_ || vary_; }
-  // Of which each copy has one at random; empty: that of the object.
+  // Each copy gets one of these at random; empty: every copy keeps the object's own material.
   const std::vector<std::string>& materials() const { return materials_; }
   bool needsSurfaces() const { return scatter_ || standOn_; }
 
   struct Copy {
     Affine worldFromMesh;
-    std::size_t variant = 0;  // which of several shapes or materials it has
-    std::size_t number = 1;   // of all, those that are left out included, from 1
+    std::size_t variant = 0;  // index of its file and material among `variants`
+    std::size_t number = 1;   // counts all copies from 1, including those that are left out
   };
 
-  // Every copy, which has one of `variants` at random. `heights`: of `scene`, what is there before it, where
-  // needsSurfaces(). `lowest`: the height of a copy's lowest point (m). Throws InputError where there is no such
-  // surface, or no room.
+  // Returns every copy, each with one of `variants` at random. `heights`: the surfaces of `scene`, which holds the
+  // objects before this one; required if needsSurfaces(). `lowest` returns the height of a copy's lowest point (m).
+  // Throws InputError if there is no surface of these classes, or not enough room.
   std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
                            std::uint64_t seed, std::uint32_t object, std::size_t variants,
                            const std::function<double(const Copy&)>& lowest) const;
@@ -57,7 +57,7 @@ class Arrangement {
  private:
   struct Distance {
     std::uint16_t semantic = 0;
-    double least = 0, most = 0;  // m; infinite: no most
+    double least = 0, most = 0;  // m; `most` is infinite if only the least distance is given
     Location where;
   };
   struct Scatter {
@@ -82,7 +82,7 @@ class Arrangement {
     double presence = 1;
   };
   struct StandOn {
-    std::vector<std::uint16_t> classes;  // empty: all that are no things
+    std::vector<std::uint16_t> classes;  // empty: all classes that are not things
     Location where;
   };
   static std::vector<Distance> readDistances(const Value& value, const Ontology& ontology);

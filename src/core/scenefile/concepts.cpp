@@ -14,9 +14,9 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kInside = 5;  // letters of words that are found inside of others
+constexpr std::size_t kInside = 5;  // letters; words of this length or longer are also found inside other words
 
-// Two-byte letters of UTF-8 and what stands for them.
+// Two-byte letters of UTF-8 and their replacements.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kFolded{
     {{"ß", "ss"}, {"ä", "a"}, {"ö", "o"}, {"ü", "u"}, {"Ä", "a"}, {"Ö", "o"}, {"Ü", "u"}, {"é", "e"}, {"è", "e"},
      {"ê", "e"},  {"à", "a"}, {"â", "a"}, {"á", "a"}, {"ç", "c"}, {"í", "i"}, {"î", "i"}, {"ï", "i"}, {"ñ", "n"},
@@ -32,7 +32,8 @@ struct Match {
   bool better(const Match& other) const { return end != other.end ? end > other.end : length > other.length; }
 };
 
-// Where a word ends in a folded name at last; nothing where it is not in it.
+// Returns the last match of a word in a folded name: where the part of the name that contains the word ends, and how
+// long the word is. Nothing if the name does not contain the word.
 std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
   std::optional<Match> found;
   for (std::size_t at = name.find(word); at != std::string_view::npos; at = name.find(word, at + 1)) {
@@ -62,7 +63,7 @@ std::vector<std::string> textsOf(Fields& f, std::string_view key) {
   return texts;
 }
 
-// A detail without classes of its own has those of what it is of: one for each of these.
+// Repeats a detail without classes for each whole that has it, with the whole's classes.
 std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
   std::vector<Concept> all;
   for (const Concept& c : concepts) {
@@ -122,7 +123,7 @@ const SemanticClass* classOf(const Concept& what, const Ontology& ontology) {
 
 std::string foldedName(std::string_view name) {
   std::string out;
-  bool lower = false;  // the letter before was a lower one
+  bool lower = false;  // the previous letter was a lower-case letter
   const auto blank = [&] {
     if (!out.empty() && out.back() != ' ') out += ' ';
     lower = false;
@@ -140,7 +141,7 @@ std::string foldedName(std::string_view name) {
     if (std::isalpha(c) == 0) {
       blank();
     } else {
-      // BusStop, but not CAR
+      // Split BusStop, but not CAR.
       if (std::isupper(c) != 0 && lower) blank();
       out += static_cast<char>(std::tolower(c));
       lower = std::islower(c) != 0;
@@ -219,7 +220,7 @@ std::set<std::uint16_t> classesWithWheels(const std::vector<Concept>& concepts, 
   std::set<std::uint16_t> ids;
   for (const Concept& c : concepts) {
     const SemanticClass* const known = classOf(c, ontology);
-    // One that stands in where the ontology lacks the concept's own holds other things as well.
+    // A class in place of one that the ontology lacks holds other things as well.
     const bool isOwn = known != nullptr && ontology.find(c.classes.front()) == known;
     if (names.contains(c.name) && isOwn && known->thing) ids.insert(known->id);
   }

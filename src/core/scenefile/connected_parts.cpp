@@ -18,7 +18,7 @@ struct PlaceHash {
   std::size_t operator()(const Vec3f& p) const {
     std::uint64_t hash = 0;
     for (const float value : {p.x, p.y, p.z}) {
-      hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // -0 is 0
+      hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // -0 hashes as 0
       hash ^= hash >> 29;
     }
     return hash;
@@ -29,7 +29,8 @@ struct SamePlace {
   bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
 };
 
-// How much of a box's footprint lies above, below or in another's; 0 where more than the gap is between them.
+// Returns the share of a box's footprint that lies above, below or in another box; 0 if they are more than `gap` (m)
+// apart.
 double shareOver(const Box& box, const Box& other, double gap) {
   const auto overlap = [&](double Vec3d::*axis) {
     return std::min(box.high.*axis, other.high.*axis) - std::max(box.low.*axis, other.low.*axis);
@@ -42,7 +43,7 @@ double shareOver(const Box& box, const Box& other, double gap) {
   return std::max(share(&Vec3d::x) * share(&Vec3d::y), 1e-9);
 }
 
-// Boxes by the cells of a grid that they are in; very large ones apart.
+// A grid that finds the boxes near a box. Very large boxes are in a list of their own.
 class Cells {
  public:
   explicit Cells(const Box& all) : low_(all.low), cells_(kSide * kSide * kSide) {
@@ -60,7 +61,7 @@ class Cells {
     forEachCell(box, [&](std::size_t cell) { cells_[cell].push_back(number); });
   }
 
-  // Some are told several times.
+  // May call `use` several times for one box.
   template <class Use>
   void forEachNear(const Box& box, double gap, const Use& use) const {
     forEachCell({box.low - Vec3d{gap, gap, gap}, box.high + Vec3d{gap, gap, gap}}, [&](std::size_t cell) {
@@ -101,7 +102,8 @@ class Cells {
 }  // namespace
 
 ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
-  // Vertices count through all parts; each has at first as its parent the first at its place.
+  // Union-find: vertices are numbered through all parts, and each starts with the first vertex at its place as its
+  // parent.
   std::vector<std::uint32_t> parent;
   std::unordered_map<Vec3f, std::uint32_t, PlaceHash, SamePlace> known;
   std::size_t vertices = 0;
@@ -157,7 +159,7 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     const Box& box = connected[i];
     return box.empty() ? 0 : length(box.high - box.low);
   };
-  // Of boxes as large, the one that begins first: the order of the triangles does not matter.
+  // Larger boxes come first. Equal ones are ordered by position, so that the order of the triangles does not matter.
   const auto key = [&](std::uint32_t i) {
     const Vec3d& low = connected[i].low;
     return std::tuple(-diagonal(i), low.x, low.y, low.z);
@@ -171,9 +173,9 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
   }
   std::vector<std::uint32_t> owner(connected.size());
   if (all.empty()) return owner;
-  constexpr double kGap = 0.05;    // m
-  constexpr double kShare = 0.25;  // of its footprint
-  constexpr double kSmall = 0.15;  // of the other's diagonal
+  constexpr double kGap = 0.05;    // m, between the boxes
+  constexpr double kShare = 0.25;  // of the smaller part's footprint
+  constexpr double kSmall = 0.15;  // of the larger part's diagonal
   Cells largest(all);
   for (const std::uint32_t i : order) {
     owner[i] = i;
@@ -188,7 +190,7 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     });
     if (owner[i] == i) largest.add(connected[i], i);
   }
-  // In the order of the connected parts.
+  // Number the things in the order of the connected parts.
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(connected.size(), kNone);
   std::vector<std::uint32_t> things;

@@ -15,7 +15,7 @@
 namespace scanmill {
 namespace {
 
-// A clip that plays is a mesh for every so much of it.
+// A clip is sampled every kMoment, at most kMostMoments times.
 constexpr double kMoment = 0.05;  // s
 constexpr double kMostMoments = 48;
 
@@ -55,7 +55,7 @@ const std::vector<PlacedMesh>& FileMeshes::read(const std::filesystem::path& fil
   return known->second;
 }
 
-// All have the materials of the first, so that pictures are kept once.
+// All moments have the materials of the first, so that their textures are stored once.
 std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path& file, AssetOptions options,
                                                      Labelling labelling, const std::string& clip,
                                                      const Location& where) {
@@ -74,7 +74,7 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
     options.textures = false;
     labelling.counted = true;
   };
-  addMoment(0);  // which is as at its first key frame
+  addMoment(0);  // shows the first key frame
   const auto [first, last] = gltf::clipSpan(file, clip);
   const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
   for (int k = 1; k < moments; ++k) addMoment(first + (last - first) * k / moments);
@@ -83,8 +83,8 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
   return known = animation;
 }
 
-// Decoding base colours can cost more than all the rest, and materials of the library seldom need them: where rules
-// name materials, the asset is read without textures first, and again only if some part shows its own.
+// If rules name materials, reads the asset without textures first, and again with them only if some part shows its own:
+// decoding base colours can cost more than all the rest, and materials of the library seldom need them.
 Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
                        const Location& where) const {
   try {
@@ -94,7 +94,7 @@ Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& op
       colored.textures = true;
       return readAsset(file, colored);
     }
-    if (isCloud(file)) return readAsset(file, options);  // textures are what points have
+    if (isCloud(file)) return readAsset(file, options);  // the textures of a point cloud are its data
     const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !mayDoWithout) return readAsset(file, options);
     AssetOptions plain = options;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The meshes of the files that a scene's objects name.
+// Loads the meshes of the files that a scene's objects name.
 
 #include <filesystem>
 #include <map>
@@ -19,11 +19,11 @@ class FileMeshes {
  public:
   explicit FileMeshes(SceneBuilder& builder) : builder_(builder) {}
 
-  // Throws InputError at `where` for a file that cannot be read, and what addAsset() throws.
+  // Returns the meshes of a file. Throws InputError at `where` if the file cannot be read, and what addAsset() throws.
   const std::vector<PlacedMesh>& read(const std::filesystem::path& file, const AssetOptions& options,
                                       const Labelling& labelling, const Location& where);
 
-  // The meshes of a clip that plays, over and over, one for every moment of it.
+  // Returns a clip as an animation that loops, with one mesh for each sampled moment.
   std::shared_ptr<const Animation> playing(const std::filesystem::path& file, AssetOptions options, Labelling labelling,
                                            const std::string& clip, const Location& where);
 

@@ -17,7 +17,8 @@ namespace {
 
 constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // of a mesh
 
-// A part that a rule gives a material keeps its own texture where that decides which beams pass: alpha cut-outs.
+// Returns the rule's `material`, adapted to a part with the material `own` of its file. The part keeps its own texture
+// if the rule's material is textured, and also if the texture's alpha decides which beams pass (cut-outs).
 Material withMaterial(const Material& material, const Material& own) {
   Material m = material;
   m.textured = material.textured && own.texture;
@@ -30,14 +31,14 @@ Material withMaterial(const Material& material, const Material& own) {
   return m;
 }
 
-// Triangles of a part that the same rules decide on.
+// Triangles of a part whose class and material come from the same rules.
 struct LabelledPart {
   AssetPart part;
-  const Rule* classRule = nullptr;  // null: no rule gives a class, or drops them
+  const Rule* classRule = nullptr;  // null: no rule gives these triangles a class or drops them
   const Rule* materialRule = nullptr;
 };
 
-// Which of the rules a part's names do not rule out.
+// Returns the indices of the rules whose name patterns match a part.
 std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labelling) {
   std::vector<std::size_t> found;
   for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
@@ -46,7 +47,7 @@ std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labell
   return found;
 }
 
-// Takes the decisions that are still open, and says whether it has taken one.
+// Lets a rule set the class and the material if they are still open. True if it has set one of them.
 bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule) {
   const bool decides = rule.decides() && classRule == nullptr;
   const bool covers = !rule.materialName.empty() && materialRule == nullptr;
@@ -55,21 +56,21 @@ bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule)
   return decides || covers;
 }
 
-// What a rule gives to what it matches, in words.
+// Describes what a rule gives to the triangles that it matches.
 std::string gives(const Rule& rule) {
   std::string text = rule.drop ? "nothing: it drops them" : rule.className;
   if (!rule.materialName.empty()) text += (text.empty() ? "material " : ", material ") + rule.materialName;
   return text;
 }
 
-// How many triangles each rule matches, and of how many it decides.
+// Counts for each rule the triangles that it matches, and those whose class or material it sets.
 struct RuleCounts {
   std::vector<std::uint64_t> matched, decided;
   explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
 };
 
-// Takes some of a part's triangles, of each as many vertices as they use. All of its calls share one table, so that
-// each costs no more than what it takes.
+// Copies some of a part's triangles with the vertices that they use. All calls share one table of vertices, so that the
+// cost of a call depends only on the triangles that it copies.
 class Taker {
  public:
   explicit Taker(const AssetPart& part) : part_(part), moved_(part.positions.size(), kNew) {}
@@ -105,7 +106,7 @@ class Taker {
  private:
   static constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
   const AssetPart& part_;
-  std::vector<std::uint32_t> moved_;  // of the vertices taken, their new numbers
+  std::vector<std::uint32_t> moved_;  // by vertex: its number in the copy, or kNew
 };
 
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
@@ -182,7 +183,8 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
-// Divides parts that hold several things. Gives each part the number of its thing, 0 where it is of none.
+// Divides parts that hold several things. Returns, by part, the number of its thing; 0 if its class is not a thing
+// class.
 std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
                                         const ThingBounds& bounds, const std::string& file) {
   std::vector<ThingTriangles> ofThings;
@@ -230,15 +232,15 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
   return objects;
 }
 
-// The mesh of some parts of the file; none where no triangle of them can be traced. `dropped` are triangles that they
-// have lost already, and in the end all.
+// Adds a mesh of some parts of the file and returns its index; nothing if none of its triangles can be traced.
+// `dropped` is increased by the triangles that the parts lose here.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                       const Labelling& labelling, const Location& where, RuleCounts& counts,
                                       Dropped& dropped) {
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
-    // Slivers that hang together with nothing are no things.
+    // A degenerate triangle that is connected to nothing must not become a thing.
     if (labelling.things.by == ThingBounds::By::Part) {
       std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
     }
@@ -312,10 +314,11 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
 
 std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
                                  const Location& where) {
-  // Where a triangle is, is where it is in the file.
+  // Rules by box, height, slope or size test positions in the asset's frame: first turn all instances into parts that
+  // are placed there.
   if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
                   [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
-    flatten(asset);  // of assets that have an origin there are no copies
+    flatten(asset);  // assets with an origin have no instances
   }
   Dropped dropped = asset.dropped;
   RuleCounts counts(labelling.rules.size());

@@ -38,7 +38,7 @@ Copies ObjectPlacer::read(Fields& object) const {
   return copies;
 }
 
-// The height of the lowest point of meshes that stand so.
+// Returns the height (m) of the lowest point of meshes at this pose.
 double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
   double lowest = std::numeric_limits<double>::infinity();
   for (const PlacedMesh& m : meshes) {
@@ -61,8 +61,8 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   return lowest;
 }
 
-// An object's random numbers follow from its name, and not from what else is in the scene; objects of one name differ,
-// but those of one thing do not.
+// An object's random numbers depend on its name and not on the rest of the scene. Objects with the same name get
+// different ones, but those with the same `thing` share them, so that their copies stay together.
 std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
                                                       std::size_t variants, const Chosen& meshesOf) {
   const std::uint32_t object =

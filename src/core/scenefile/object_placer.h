@@ -19,20 +19,20 @@
 
 namespace scanmill {
 
-// Where an object's copies stand.
+// How an object's copies are placed, and how they move.
 struct Copies {
   Placement placement;
   Arrangement arrangement;
-  std::string thing;                           // that the n-th copies of all objects with it are; empty: none
+  std::string thing;  // the n-th copies of all objects with this name are one thing; empty: each is its own
   std::shared_ptr<const Movement> movement;    // null: it stands still
   std::shared_ptr<const Animation> animation;  // null: it keeps its mesh
-  std::optional<double> facing = {};           // see Instance
+  std::optional<double> facing = {};           // see Instance::facing
 };
 
-// The meshes that a copy may have, one of several sets at random.
+// The sets of meshes of which each copy gets one at random.
 struct Variants {
   std::size_t count = 1;
-  // Called once for each set that a copy has. What it returns must last until all are placed.
+  // Returns a set of meshes. Called once for each set in use; the result must stay valid until all copies are placed.
   std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
 };
 
@@ -40,12 +40,12 @@ class ObjectPlacer {
  public:
   ObjectPlacer(SceneBuilder& builder, std::uint64_t seed) : builder_(builder), seed_(seed) {}
 
-  // Reads the keys of an object's places from its map. Throws InputError with the place.
+  // Reads the keys of an object's map that place its copies. Throws InputError with the place.
   Copies read(Fields& object) const;
 
-  // Places all copies, in order. Throws InputError, at `where` for more than Placement::kMostCopies in the scene.
+  // Places all copies, in order. Throws InputError; at `where` if the scene then has more than Placement::kMostCopies.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
-  // The same of an object of one shape.
+  // The same for an object that has a single set of meshes.
   void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
              const Location& where);
 
@@ -59,7 +59,7 @@ class ObjectPlacer {
   std::uint64_t seed_;
   std::optional<SurfaceHeights> heights_;
   std::uint64_t placed_ = 0;
-  std::map<std::string, std::uint32_t> named_;  // how many objects of a name there were
+  std::map<std::string, std::uint32_t> named_;  // number of objects so far, by name
 };
 
 }  // namespace scanmill

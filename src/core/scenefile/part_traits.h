@@ -1,6 +1,6 @@
 #pragma once
 
-// What rules may tell the triangles of one part of an asset from each other by.
+// Properties of triangles that rules can test.
 
 #include <cstddef>
 #include <vector>
@@ -10,16 +10,16 @@
 
 namespace scanmill {
 
-// Where the frame of an asset's parts lies.
+// The frame that the positions of an asset's parts are given in.
 struct PartFrame {
   Vec3d origin;       // m, in the asset's frame
-  double lowest = 0;  // m, the lowest point of all parts, less the origin
+  double lowest = 0;  // m, lowest z of all parts in this frame
 };
 
 class PartTraits {
  public:
-  // The part is kept by reference. Sizes of connected parts, which take time, are found only where they are wanted:
-  // triangles are connected where corners are at the same place.
+  // Keeps a reference to the part. Finds the sizes of connected parts, which takes time, only if `withSizes`; see
+  // connect().
   PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes);
 
   TriangleTraits at(std::size_t triangle) const;

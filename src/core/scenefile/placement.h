@@ -1,6 +1,6 @@
 #pragma once
 
-// Where an object of a scene file stands, and how often: position, rotation, scale and copies.
+// The placement of an object of a scene file: position, rotation, scale and copies.
 
 #include <array>
 #include <cstdint>
@@ -21,10 +21,10 @@ namespace scanmill {
 //     at: [{position, yaw_deg, ..., scale}]    # in the object's frame, in metres
 //     grid: {count: [nx, ny, nz], spacing: [x, y, z]}
 //
-// Position and rotation make the object's frame; a copy stands in that frame at its grid cell plus its own position,
-// and its scale multiplies the object's. Scales act on the geometry alone, never on the distances between copies. The
-// grid is not centred: its first cell is at the object's position. Copies come in the order of the grid's cells (x
-// fastest, then y, then z), in each cell in the order of `at`.
+// Position and rotation define the object's frame. A copy is placed in that frame at its grid cell plus its own
+// position, and its scale multiplies the object's. Scales act on the geometry alone, never on the distances between
+// copies. The grid is not centred: its first cell is at the object's position. Copies are ordered by grid cell (x
+// fastest, then y, then z), and within each cell as in `at`.
 struct Placement {
   struct Copy {
     Pose pose;
@@ -39,14 +39,14 @@ struct Placement {
 
   static constexpr std::uint64_t kMostCopies = 10'000'000;
 
-  // How many copies there are, the object itself being one where it has no others.
+  // Returns the number of copies; 1 if the object has no key `copies`.
   std::uint64_t count() const;
   // Calls visit(worldFromMesh) for each copy, in order.
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads these keys from an object's map. Throws InputError with the place; for more than kMostCopies the message shows
-// how many they are and why.
+// Reads these keys from an object's map. Throws InputError with the place; for more than kMostCopies the message gives
+// their number and its factors.
 Placement readPlacement(Fields& object);
 
 }  // namespace scanmill

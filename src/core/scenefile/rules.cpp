@@ -21,7 +21,8 @@ bool isRegex(const std::string& pattern) {
   return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
 }
 
-// Compiling costs far more than matching, and each part of an asset meets the same few patterns.
+// Caches compiled patterns: compiling costs far more than matching, and each part of an asset is tested with the same
+// few.
 const std::regex& compiled(const std::string& pattern, const Location& where) {
   thread_local std::map<std::string, std::regex> cache;
   const auto known = cache.find(pattern);
@@ -58,7 +59,7 @@ bool matchesSet(std::string_view pattern, std::size_t& at, char c) {
   return found != negated;
 }
 
-// On a mismatch only the latest '*' takes one more character: linear in memory, at worst quadratic in time.
+// On a mismatch only the latest '*' takes one more character: constant memory, at worst quadratic time.
 bool matchesGlob(std::string_view pattern, std::string_view text) {
   constexpr std::size_t kNone = std::string_view::npos;
   std::size_t p = 0;

@@ -3,13 +3,13 @@
 //   name: town                           # default: the file's name
 //   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths; or one of the program's own: scanmill
 //   materials: ../labels/materials.yaml
-//   assets: ${SCANMILL_ASSETS}/town      # where relative `file`s start; default: this file's folder
+//   assets: ${SCANMILL_ASSETS}/town      # folder in which relative `file`s start; default: this file's folder
 //   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
 //   objects: [...]
 //
 // An object is one of
 //
-//   file: car.glb                        # an asset; or {one_of: [...]} of files and folders: each copy is one of them
+//   file: car.glb                        # an asset; or {one_of: [...]}, files and folders: one at random for each copy
 //   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
 //                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
 //                                        # OBJ, PLY, STL and all others
@@ -17,21 +17,20 @@
 //                                        # this is a factor on top
 //   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
 //                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
-//                                        # where they do not, what looks like cut-outs: see AlphaUse in
-//                                        # assets/asset.h)
-//   instances: node                      # node: each node with a thing class is a thing of its own; part: what is
-//                                        # connected; /chair_[0-9]+/: nodes whose names match alike; object (default,
-//                                        # but for clouds): the placed asset is one thing. See scenefile/things.h
-//   thing: tree_1                        # what all objects with this key and name are together, copy by copy
-//   points: {...}, heights: {...}        # of clouds of points and rasters of heights: see
-//                                        # scenefile/survey_options.h
-//   animation: {clip: walk}              # of glTF: it plays over and over; with time_s it stands as it is then
-//   rules: [...]                         # see scenefile/rules.h; what match: {file: ...} sees is `file` as written
-//   here class: car, material: car_paint      # one more rule, which fits everything
+//                                        # if they declare nothing, yes for textures that look like cut-outs: see
+//                                        # AlphaUse in assets/asset.h)
+//   instances: node                      # what is one thing. node: each node with a thing class; part: each group of
+//                                        # connected triangles; /chair_[0-9]+/: all nodes with the same match; object
+//                                        # (default, except for point clouds): the whole asset. See scenefile/things.h
+//   thing: tree_1                        # the n-th copies of all objects with this key and name are one thing
+//   points: {...}, heights: {...}        # for point clouds and height rasters: see scenefile/survey_options.h
+//   animation: {clip: walk}              # glTF: the clip loops; with time_s it is frozen at that time
+//   rules: [...]                         # see scenefile/rules.h; match: {file: ...} tests `file` as written here
+//   class: car, material: car_paint      # one more rule, which matches everything
 //
-//   The class of a part comes from the first that fits and names one, of: the object's rules in their order, the
-//   object's class, the scene's rules in their order. So does the material. Hence an object's class hides the classes
-//   of all the scene's rules, but not their materials, unless the object has a material too.
+//   A part gets its class from the first of these that matches and has a class: the object's rules in their order, the
+//   object's class, the scene's rules in their order. Its material likewise. An object's class therefore overrides the
+//   classes of all the scene's rules, but their materials only if the object has a material too.
 //
 //   primitive: box                       # class and material are required. Centred at the origin, in metres:
 //   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
@@ -41,11 +40,11 @@
 //   street: {...}                        # see town/street/street.h
 //   town: {...}                          # see town/town.h
 //
-// and has a name, a position and copies (see scenefile/placement.h and scenefile/arrangement.h), and, but for streets
-// and towns, may move:
+// Every object has a name, a position and copies (see scenefile/placement.h and scenefile/arrangement.h); objects other
+// than streets and towns may move:
 //
-//   facing: -y                           # the way that the model faces: for boxes of objects
-//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are then relative to it
+//   facing: -y                           # the axis along which the model faces, for bounding boxes of objects
+//   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are relative to the movement
 
 #include "scenefile/scene_file.h"
 
@@ -111,7 +110,7 @@ class SceneReader {
     }
   }
 
-  // Which of the four it is. Throws InputError where it is none, or several.
+  // Returns which of the four kinds the object is. Throws InputError if it is none of them, or several.
   static std::string kindOf(Fields& f, const Location& where) {
     std::string found;
     int count = 0;
@@ -134,15 +133,16 @@ class SceneReader {
     return found;
   }
 
-  // Some of it follows from the seed.
+  // True if some of the scene depends on the seed.
   bool procedural() const { return procedural_ > 0 || random_; }
 
-  // Odd, so that the streets of one scene and those of the scenes with the next seeds all differ.
+  // Returns the seed of the street or town after `before` others. Multiples of this odd number keep the seeds of one
+  // scene apart from those of scenes with the next seeds.
   static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
     return seed + 0x9E3779B97F4A7C15 * before;
   }
 
-  // Where a street or a town stands; all of the object's own keys but the one that says what it is.
+  // Returns the pose of a street or a town. Reads all of the object's keys but `what`, which the caller reads.
   static Affine proceduralPlace(Fields& f, const std::string& what) {
     f.require(what);
     f.text("name", what);
@@ -163,7 +163,8 @@ class SceneReader {
     return copies;
   }
 
-  // A file, or of {one_of: [...]} files and those of folders: their paths and as they are called here.
+  // Returns the path of the object's file, or of all files that {one_of: [...]} names itself or by their folder, each
+  // with its name as the scene writes it.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
     const auto isFolder = [](const std::filesystem::path& path) {
       std::error_code error;
@@ -205,7 +206,7 @@ class SceneReader {
     return files;
   }
 
-  // A shape that copies may have.
+  // A file with its options and rules; each copy gets one variant at random.
   struct Variant {
     std::filesystem::path file;
     AssetOptions asset;
@@ -281,7 +282,7 @@ class SceneReader {
     }
   }
 
-  // Of {clip: NAME, time_s: t}: the clip, and when it is held; without a time it plays over and over.
+  // Reads {clip: NAME, time_s: t}: the clip and the time (s) at which it is frozen; without a time it loops.
   using Clip = std::pair<std::string, std::optional<double>>;
   static std::optional<Clip> clipOf(Fields& f) {
     const Value* const value = f.find("animation");
@@ -294,7 +295,7 @@ class SceneReader {
     return clip;
   }
 
-  // The object's own rules, its shorthand, the scene's rules.
+  // Returns the object's own rules, then its class and material as one more rule, then the scene's rules.
   std::vector<Rule> rulesOf(Fields& f) {
     std::vector<Rule> rules;
     if (const Value* own = f.find("rules")) rules = readRules(*own);
@@ -313,7 +314,8 @@ class SceneReader {
     return rules;
   }
 
-  // A typing error is found even where the rule matches nothing.
+  // Throws InputError for unknown classes and materials, so that a typing error is found even if the rule matches
+  // nothing.
   void checkNames(const std::vector<Rule>& rules) const {
     for (const Rule& rule : rules) {
       if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
@@ -327,7 +329,7 @@ class SceneReader {
     return assetFolder_ / name;
   }
 
-  // The shape of a primitive: reads its keys, and appends it to a mesh with the key that equal shapes share.
+  // Reads the keys of a primitive and appends its shape to a mesh. Returns a key that equal shapes share.
   static std::string appendPrimitive(Fields& f, const std::string& kind, Mesh& mesh) {
     if (kind == "box") {
       const Vec3d size = readSize(f.require("size"), 3);
@@ -399,7 +401,7 @@ class SceneReader {
   bool random_ = false;
 };
 
-// The scene's objects with what the seed draws for their keys.
+// Returns the scene's objects with random values for the keys that ask for them, and lists these values in `draws`.
 Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
   const Value* objects = root.find("objects");
   if (objects == nullptr) return {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Keys of objects whose file is a cloud of points or a raster of heights.
+// YAML keys of objects whose file is a point cloud or a height raster.
 
 #include "assets/asset.h"
 #include "config/value.h"
@@ -8,24 +8,24 @@
 namespace scanmill {
 
 //   points:
-//     spacing: 0.05                  # m: of the points in each cube of a grid one is kept; default: all are
-//     neighbors: 12                  # from which normals and radii are estimated
-//     cover: 1.5                     # times the radius of a point's share of the surface: more leaves fewer holes
+//     spacing: 0.05                  # m, edge of the cubes of a grid: one point in each is kept; default: all
+//     neighbors: 12                  # number of points from which a normal and a radius are estimated
+//     cover: 1.5                     # factor on the radius of a point's share of the surface: larger, fewer holes
 //     radius: [0.005, 0.2]           # m, least and most; or one for all
 //     reflectance: auto              # auto (from intensity, else color), intensity, color, none (a plain 0.3)
-//     full: 255                      # the intensity of a reflectance of 1; default: 1, 255 or the greatest
-//     labels: semantic_kitti         # the ontology whose ids the labels are; points whose class has a name or alias in
-//                                    # the scene's ontology have that class where no rule gives another
+//     full: 255                      # the intensity that means reflectance 1; default: 1, 255 or the greatest
+//     labels: semantic_kitti         # the ontology whose ids the labels are; points whose class the scene's ontology
+//                                    # has, by name or alias, keep it unless a rule gives another
 PointOptions readPointOptions(const Value& value);
 
 //   heights:
-//     every: 4                       # so many samples along each axis become one, their mean
+//     every: 4                       # this many samples along each axis are averaged into one
 //     within: [[x, y], [x, y]]       # least and greatest corner, in the raster's coordinates
-//     classes: cover.tif             # numbers of classes: the triangles' materials, for rules
+//     classes: cover.tif             # raster of class numbers, which rules can match as material names
 //     image: photo.tif               # colours, for reflectances and rules
 HeightOptions readHeightOptions(const Value& value);
 
-// What tells two of them apart.
+// Returns a text that differs if the options differ.
 std::string keyOf(const PointOptions& points, const HeightOptions& heights);
 
 }  // namespace scanmill

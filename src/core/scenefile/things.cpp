@@ -16,7 +16,7 @@ namespace {
 
 using Numbers = std::vector<std::vector<std::uint32_t>>;
 
-// Numbers from 1 in the order of the keys' lowest nodes.
+// Gives parts with equal keys one number, from 1, in the order of each key's lowest node.
 template <class KeyOf>
 Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf) {
   using Key = decltype(keyOf(*triangles.front().part));
@@ -87,7 +87,7 @@ ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback) {
   }
   bounds.by = ThingBounds::By::Name;
   bounds.pattern = value->text;
-  matchedText(bounds.pattern, "", bounds.where);  // throws where it is none
+  matchedText(bounds.pattern, "", bounds.where);  // throws InputError for an invalid pattern
   return bounds;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which triangles of an asset are one thing: the key `instances` of an object.
+// Divides the triangles of an asset into things (object instances): the key `instances` of an object.
 
 #include <cstdint>
 #include <string>
@@ -14,29 +14,29 @@ namespace scanmill {
 struct ThingBounds {
   enum class By { Object, Node, Part, Name };
   By by = By::Object;
-  std::string pattern;  // of Name: a regular expression with its slashes; nodes of the same match are one thing
+  std::string pattern;  // for Name: a regular expression with its slashes; nodes with the same match are one thing
   Location where;
 
-  std::string text() const;  // that differs where they differ
+  std::string text() const;  // differs if any of the bounds differ
 };
 
 // Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.
 ThingBounds readThingBounds(Fields& object, ThingBounds::By fallback);
 
-// Triangles of one class of things, as labels have divided them.
+// An asset part whose triangles all have the same thing class.
 struct ThingTriangles {
   const AssetPart* part = nullptr;
   std::uint16_t semantic = 0;
 };
 
-// By these triangles: of each the number of its thing, from 1; one number, in the order of the nodes or of the
-// triangles, for all that is one thing.
+// Returns, by part and triangle, the number of the triangle's thing, from 1, in the order of the nodes or of the
+// triangles.
 //
-//   Object  all is one.
-//   Node    the triangles of each node are one; nodes are numbered by AssetPart::nodeIndex.
-//   Name    the triangles of all nodes whose names match alike are one: what the first group of the regular expression
-//           matches, or where it has none, what it matches as a whole. Other nodes are each one.
-//   Part    the triangles of a class that are connected are one, see thingsOf().
+//   Object  All triangles are one thing.
+//   Node    Each node is one thing; nodes are numbered by AssetPart::nodeIndex.
+//   Name    All nodes with the same match are one thing. The match is that of the regular expression's first group, or
+//           of all of it if it has no group. Each node without a match is one thing.
+//   Part    The connected triangles of one class are grouped into things by thingsOf().
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
                                                      const std::vector<ThingTriangles>& triangles);
 

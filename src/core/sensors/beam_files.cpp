@@ -16,7 +16,8 @@
 namespace scanmill {
 namespace {
 
-// Lower case, without what is no letter, digit or underscore: "Laser id" is "laserid", "fire time(us)" "firetimeus".
+// Returns a name in lower case, with only its letters, digits and underscores: "Laser id" becomes "laserid", "fire
+// time(us)" "firetimeus".
 std::string plainName(std::string_view name) {
   std::string plain;
   for (const char c : lowerCase(name)) {
@@ -25,12 +26,12 @@ std::string plainName(std::string_view name) {
   return plain;
 }
 
-// Hesai ends some files with one.
+// True for a checksum, with which Hesai ends some files.
 bool isChecksum(std::string_view text) {
   return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-// Rows by the channel that they name, or in their order where they name none.
+// A table whose rows are ordered by their channel, or as in the file if they name no channel.
 class BeamTableFile {
  public:
   explicit BeamTableFile(const std::filesystem::path& file) : bytes_(readFile(file)) {
@@ -66,7 +67,8 @@ class BeamTableFile {
     }
   }
 
-  // The numbers of a column in the order of the channels, which count from 1.
+  // Returns the numbers of a column in the order of the channels, which count from 1, or from 0 if there is a channel
+  // 0.
   std::vector<double> numbers(std::size_t column) const {
     const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
     for (const Row& row : rows_) {

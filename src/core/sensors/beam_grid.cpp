@@ -41,7 +41,7 @@ BeamGrid::BeamGrid(const BeamTable& beams) : directions_(beams.direction), first
 
   for (const Vec3f& origin : beams.origin) farthestOrigin_ = std::max(farthestOrigin_, double{length(origin)});
 
-  // Of most pairs of neighbours: seams of patterns are wider.
+  // Take a percentile of the angles between neighbours: some patterns have a few wider gaps.
   std::vector<double> gaps;
   for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
     for (std::uint32_t column = 0; column < beams.columns; column += 16) {
@@ -65,8 +65,8 @@ void BeamGrid::cellsOf(const Vec3d& direction, double angle, std::uint32_t& low,
   const double elevation = elevationOf(direction);
   low = rowOf(elevation - angle);
   high = rowOf(elevation + angle);
-  // A cone about a pole, or one that holds it, meets all azimuths; else its widest is asin(sin(angle) / cos(elevation))
-  // to either side.
+  // A cone that contains a pole covers all azimuths. Any other covers asin(sin(angle) / cos(elevation)) to either side
+  // of its axis.
   const double wide = std::abs(elevation) + angle >= kPi / 2 ? 2.0 : std::sin(angle) / std::cos(elevation);
   if (!(wide < 1)) {
     first = 0;

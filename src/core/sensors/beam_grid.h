@@ -12,11 +12,11 @@ namespace scanmill {
 
 class BeamGrid {
  public:
-  // Looks at the directions alone, in the sensor's frame. The table must outlive it.
+  // Sorts the beams by direction, in the sensor's frame. The table must outlive the grid.
   explicit BeamGrid(const BeamTable& beams);
 
-  // Calls visit(index) for every beam that lies within `angle` (rad) of a unit vector, in a fixed order, and for some
-  // that lie farther.
+  // Calls visit(index) for every beam within `angle` (rad) of a unit vector, and for some beams outside, in a fixed
+  // order.
   template <class Visit>
   void forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
     std::uint32_t low = 0, high = 0, first = 0, count = 0;
@@ -29,11 +29,12 @@ class BeamGrid {
     }
   }
 
-  // Whether the sensor looks into a direction: some beam is no farther from it than one and a half times the angle that
-  // 99 of 100 neighbours in a ring or a column keep to each other, 10 degrees at most.
+  // True if the sensor looks into a direction: the nearest beam is at most 1.5 times the usual angle between
+  // neighbouring beams away from it, and at most 10 degrees. The usual angle is the 99th percentile over neighbours in
+  // rings and columns.
   bool looksInto(const Vec3d& direction) const;
 
-  // How far from the sensor's origin beams begin at most (m).
+  // Returns the greatest distance of a beam's origin from the sensor's origin (m).
   double farthestOrigin() const { return farthestOrigin_; }
 
  private:
@@ -47,8 +48,8 @@ class BeamGrid {
                       std::uint32_t& first, std::uint32_t& count);
 
   const std::vector<Vec3d>& directions_;
-  std::vector<std::uint32_t> firstOf_;  // per cell: index into beams_, and at last their number
-  std::vector<std::uint32_t> beams_;    // by cells
+  std::vector<std::uint32_t> firstOf_;  // per cell: index of its first beam in beams_; last entry: their number
+  std::vector<std::uint32_t> beams_;    // sorted by cell
   double farthestOrigin_ = 0;
   double reach_ = 0;  // rad, see looksInto()
 };

@@ -37,7 +37,7 @@ void fillRosette(BeamTable& table) {
       double left = 0;
       double up = 0;
       for (std::size_t k = 0; k < 2; ++k) {
-        // Whole turns are taken off first, so that hours keep the phase.
+        // Subtract whole turns first, so that the phase stays exact after hours.
         const double turn = std::fmod((table.start + since) * (r.speed[k] / (2 * kPi)), 1.0) * 2 * kPi + r.phase[k];
         left += r.angle[k] * std::cos(turn);
         up += r.angle[k] * std::sin(turn);
@@ -73,7 +73,7 @@ double BeamTable::azimuth(std::uint32_t ownColumn) const {
 
   const std::uint32_t column = ownColumn / raysPerBeam;
   const std::uint32_t beams = columns / raysPerBeam;
-  // A full revolution ends one step before it began; a partial one is swept from edge to edge.
+  // The columns of a full revolution end one step before the first azimuth; those of a partial one reach both edges.
   double swept = 0.5;
   if (fullTurn()) {
     swept = static_cast<double>(column) / beams;
@@ -83,14 +83,15 @@ double BeamTable::azimuth(std::uint32_t ownColumn) const {
   return firstAzimuth + (clockwise ? -field : field) * swept;
 }
 
-// With the head at encoder angle t, offset a and elevation e of the ring, beam origin distance n:
+// Computes the beams of rings that lie on cones. With the head at encoder angle t, offset a and elevation e of the
+// ring, and distance n of the beam origin from the axis:
 //   direction = (cos(t + a) cos e, sin(t + a) cos e, sin e),  origin = (n cos t, n sin t, height),
 //   point = origin + direction * (range from the beam origin).
-// The offsets l and u of a ring add l (-sin(t + a), cos(t + a), 0) + u (-cos(t + a) sin e, -sin(t + a) sin e, cos e):
-// Velodyne's horizontal and vertical offsets, as velodyne_pointcloud applies them (HDL-64E S2 User's Manual, appendix
-// on converting data).
-// Ouster, "Sensor Data: Lidar Range to XYZ" (there a is minus beam_azimuth_angles and n is
+// See Ouster, "Sensor Data: Lidar Range to XYZ" (there a is minus beam_azimuth_angles and n is
 // lidar_origin_to_beam_origin_mm; the reported range counts from the axis, hence its range - n).
+// The offsets l and u of a ring add l (-sin(t + a), cos(t + a), 0) + u (-cos(t + a) sin e, -sin(t + a) sin e, cos e) to
+// the origin: Velodyne's horizontal and vertical offsets, as velodyne_pointcloud applies them (HDL-64E S2 User's
+// Manual, appendix on converting data).
 void fillBeams(BeamTable& table) {
   if (table.listed != nullptr) return fillListed(table);
   if (table.rosette) return fillRosette(table);

@@ -13,19 +13,19 @@
 
 namespace scanmill {
 
-// Beams that are listed one by one, ring * columns + column.
+// Beams that are listed one by one, indexed by ring * columns + column.
 struct ListedBeams {
   std::vector<double> azimuth, elevation;  // rad, in the sensor's frame
   std::vector<double> time;                // s since the start of the revolution
   std::vector<Vec3f> origin;               // m; empty where all are zero
 
-  // When the first beam of each column fires (s).
+  // Returns when the first beam of each column fires (s since the start of the revolution).
   std::vector<double> columnStarts(std::uint32_t columns) const;
 };
 
-// Two prisms that turn, each of which deflects the beam by a small angle towards where it points: to first order the
-// beam's deflection is their sum, which draws a rosette about the x axis that need not repeat (Risley prisms; Marshall,
-// "Risley prism scan patterns", Proc. SPIE 3787, 1999, equations 1 and 2).
+// Two rotating prisms, each of which deflects the beam by a small angle in the direction that the prism has turned to.
+// To first order the deflections add up, and the beam traces a rosette about the x axis that need not repeat (Risley
+// prisms; Marshall, "Risley prism scan patterns", Proc. SPIE 3787, 1999, equations 1 and 2).
 struct Rosette {
   std::array<double, 2> angle{};  // rad, deflection
   std::array<double, 2> speed{};  // rad/s
@@ -37,7 +37,7 @@ struct Rosette {
 // whichever way the sensor rotates.
 struct BeamTable {
   std::string model;   // "OS1-128"
-  std::string source;  // of the figures
+  std::string source;  // where the figures come from
   std::uint32_t rings = 0;
   std::uint32_t columns = 0;
 
@@ -49,33 +49,33 @@ struct BeamTable {
   double maxRange = 0;  // m; a hit at exactly maxRange counts
   double period = 0;    // s, of one revolution
 
-  // The description of the beams, as the manifest keeps it. fillBeams() makes the three tables above from it. First
-  // those that do not lie on cones: then the rest of it, but for the period, says nothing, and the field is a full
-  // circle.
+  // The description of the beams, as the manifest keeps it; fillBeams() computes the three tables above from it. With
+  // `listed` or `rosette`, the figures of cones below are unused, and the field is a full circle.
   std::shared_ptr<const ListedBeams> listed;  // null: not listed
-  std::optional<Rosette> rosette;             // of each ring; columns fire evenly over the period
-  double start = 0;                           // s, of column 0 of a rosette since the time 0
-  std::vector<double> columnStart;            // s, of beams that are listed, by fillBeams()
+  std::optional<Rosette> rosette;             // traced by each ring; columns fire evenly over the period
+  double start = 0;                           // s, time of a rosette's column 0 since the start of the drive
+  std::vector<double> columnStart;            // s, of listed beams; set by fillBeams()
   bool clockwise = false;                     // seen from above
   double firstAzimuth = 0;                    // rad, of column 0 before offsets
   double field = 2 * kPi;                     // rad, horizontal; in a full circle no column repeats the first
   std::vector<double> elevation;              // rad, per ring
   std::vector<double> azimuthOffset;          // rad, per ring
   std::vector<double> firingOffset;           // s, per ring
-  double originOffset = 0;                    // m, beam origin to the axis of rotation, along the beam's azimuth
+  double originOffset = 0;                    // m, beam origin to the axis of rotation, along the head's azimuth
   double originHeight = 0;                    // m, beam origin above the sensor frame's origin
-  std::vector<double> originLeft;  // m, per ring, further offsets of the origin: square to the beam, to its left
-  std::vector<double> originUp;    // and square to both, upwards; each empty where all are zero
+  std::vector<double> originLeft;  // m, per ring, added to the origin: perpendicular to the beam, to its left
+  std::vector<double> originUp;    // and perpendicular to both, upwards; each is empty if all are zero
   bool topDown = false;            // ring 0 is the highest beam
 
-  // The beam's width, across (in azimuth) and up (in elevation): that at the exit plus the angle times the range. A
-  // Gaussian beam is as wide as where its power has fallen to 1/e^2 of the middle's. Zero where the file does not say.
+  // The beam's full width, across (in azimuth) and up (in elevation), is the width at the exit plus the divergence
+  // times the range. A Gaussian beam's width is measured where its power has fallen to 1/e^2 of that in the middle.
+  // Zero if the sensor file gives none.
   std::array<double, 2> divergence{};  // rad, full angle
   std::array<double, 2> exitWidth{};   // m
-  bool uniformBeam = false;            // as bright at the edge as in the middle, in place of Gaussian
+  bool uniformBeam = false;            // as bright at the edge as in the middle; false: Gaussian
   double pulse = 0;                    // s, full width of the emitted pulse at half of its maximum
 
-  // So many neighbouring columns of the three tables are rays of one beam: see sensors/footprint.h.
+  // This many neighbouring columns of the three tables are rays of one beam: see sensors/footprint.h.
   std::uint32_t raysPerBeam = 1;
 
   std::size_t size() const { return std::size_t{rings} * columns; }
@@ -100,8 +100,8 @@ struct BeamTable {
 // Computes direction, origin and time of every beam from the table's compact description.
 void fillBeams(BeamTable& table);
 
-// The beams of the revolution that starts at a time (s since the start of the drive): the table itself, unless its
-// pattern goes on from revolution to revolution.
+// Returns the beams of the revolution that starts at a time (s since the start of the drive). This is the table itself,
+// except for rosettes, whose pattern differs from revolution to revolution.
 std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time);
 
 }  // namespace scanmill

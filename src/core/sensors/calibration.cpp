@@ -58,7 +58,7 @@ Value::Entry listOf(const char* key, const std::vector<Laser>& lasers, double La
   return {key, std::move(list)};
 }
 
-// The manifest names the unit, by its file and what that holds.
+// Adds the calibration file's name and hash to `source`, so that the manifest identifies the unit.
 void setSource(Value& sensor, const Location& file) {
   const std::string own =
       fmt::format("calibration {} (SHA-256 {})", std::filesystem::path(file.file).filename().string(),
@@ -85,7 +85,7 @@ Value scalar(const std::string& text, const Location& where) {
   return value;
 }
 
-// As a list is sorted, so that it need not be called unordered.
+// Returns the value of `ring_order` that describes the order of these lasers.
 const char* orderOf(const std::vector<Laser>& lasers) {
   const auto above = [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; };
   const auto below = [](const Laser& a, const Laser& b) { return a.elevation < b.elevation; };
@@ -93,13 +93,13 @@ const char* orderOf(const std::vector<Laser>& lasers) {
   return std::is_sorted(lasers.begin(), lasers.end(), below) ? "bottom_up" : "unordered";
 }
 
-// What a file says of a unit.
+// The contents of a calibration file.
 struct Unit {
   std::vector<Laser> lasers;
-  std::vector<Value::Entry> others;  // keys that a sensor may state otherwise
+  std::vector<Value::Entry> others;  // keys that the sensor map may override
 };
 
-// `window`: the columns are those that the file says are sent, else its whole turn.
+// `window`: take only the columns that the file says are sent; false: those of the whole revolution.
 Unit unitOfOuster(const std::filesystem::path& file, bool window) {
   const OusterMetadata m = readOusterMetadata(file);
   Unit unit;
@@ -137,7 +137,8 @@ bool hasFiring(const Unit& unit) {
   return std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; });
 }
 
-// The firing times of a preset are those of its rings: a file that lists them the other way round would swap them.
+// Throws InputError if the file lists its lasers in the opposite order of the preset's rings, to which the preset's
+// firing times belong.
 void checkFiring(const Value& preset, const Value& own, const Unit& unit, const Location& where) {
   if (preset.find("firing_time_us") == nullptr || own.find("firing_time_us") != nullptr || hasFiring(unit)) return;
   const Value* const order = preset.find("ring_order");

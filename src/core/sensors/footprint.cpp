@@ -19,14 +19,14 @@ struct GridPoint {
   double weight = 1;
 };
 
-// The second moment of both shapes about the axis, in half widths: of exp(-2 r^2) over the plane and of 1 over the
-// disc.
+// The second moment about the axis (in half widths squared) of both beam shapes: of exp(-2 r^2) over the plane and of 1
+// over the disc.
 constexpr double kSecondMoment = 0.5;
 
 std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   int rings = 0;
   while (1 + 3 * rings * (rings + 1) < static_cast<int>(rays)) ++rings;
-  // The outermost corners lie at 2 k / (k + 1) half widths: the more rays there are, the farther out they reach.
+  // The outermost corners of k rings of points lie at 2 k / (k + 1) half widths: more rays reach farther out.
   const double spacing = 2.0 / (rings + 1);
   std::vector<GridPoint> points;
   double sum = 0;
@@ -47,7 +47,7 @@ std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   return points;
 }
 
-// Horizontal and upright, both at right angles to a beam.
+// Two directions at right angles to a beam: one horizontal, one upwards.
 struct Axes {
   Vec3d across;
   Vec3d up;

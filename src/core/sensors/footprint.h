@@ -1,6 +1,6 @@
 #pragma once
 
-// A beam of finite width, as rays that sample it.
+// Samples a beam of finite width with several rays.
 
 #include <cstdint>
 #include <memory>
@@ -11,36 +11,37 @@
 
 namespace scanmill {
 
-// How many rays may sample a beam: one along its axis, or a hexagon of them about it.
+// The numbers of rays that can sample a beam: one along its axis, or a hexagon of them about it.
 constexpr std::uint32_t kFootprintRays[] = {1, 7, 19, 37, 61, 91, 127};
 
 // The speed of light (m/s).
 constexpr double kLightSpeed = 299792458.0;
 
-// The distance between two surfaces whose echoes of a pulse of this width (s) no longer overlap by half: c t / 2 (m).
+// Returns the distance c t / 2 (m) from which the echoes of two surfaces no longer overlap by half, for a pulse of
+// width t (s).
 constexpr double pulseLength(double width) {
   return kLightSpeed * width / 2;
 }
 
-// The area that a beam lights at a range (m^2): of a uniform one all of it, of a Gaussian one that of a uniform beam as
-// bright as its middle, which is half of the area within 1/e^2. 0 where the sensor's file does not say how wide it is.
+// Returns the area that a beam lights at a range (m^2). A uniform beam counts in full. A Gaussian beam counts with half
+// of the area within 1/e^2, which is the area of a uniform beam as bright as its middle. 0 if the sensor file gives no
+// width.
 double beamArea(const BeamTable& beams, double range);
 
 struct Footprint {
-  // A row of the sensor's table has the same ring here, each of its columns as many neighbouring ones as a beam has
-  // rays: BeamTable::raysPerBeam. Methods trace it as any other table.
+  // The rays as a table that methods trace like any other. Each column of the sensor's table becomes
+  // BeamTable::raysPerBeam neighbouring columns; the rings stay the same.
   std::shared_ptr<const BeamTable> rays;
-  std::vector<float> weight;  // of a beam's rays, the power that each stands for; their sum is 1
+  std::vector<float> weight;  // by ray of a beam: its share of the beam's power; their sum is 1
 };
 
-// Rays at the points of a hexagonal grid across the beam, its axis first, with the power that the beam has there. The
-// grid is turned about the axis by an angle of its own for every beam, drawn from a counter, the same in all frames;
-// and it is scaled so that it has the beam's own second moment, by which an echo from a slanted plane is as wide as a
-// real one, whatever the number of rays. Throws Error where `raysPerBeam` is none of kFootprintRays.
+// Returns rays through the points of a hexagonal grid across each beam, its axis first, weighted with the beam's power
+// there. Each beam's grid is turned about the axis by a random angle, which is the same in all frames. The grid is
+// scaled to the beam's second moment, so that the echo of a slanted plane has the right width for any number of rays.
+// Throws Error if `raysPerBeam` is none of kFootprintRays.
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam);
 
-// Turns the hits of the footprint's table, one a ray, into hits of the sensor's: Hits::columns, beamOfRay and
-// weightOfRay.
+// Turns hits of the footprint's rays into hits of the sensor's beams: sets Hits::columns, beamOfRay and weightOfRay.
 void joinRays(const Footprint& footprint, Hits& hits);
 
 }  // namespace scanmill

@@ -11,17 +11,18 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSmooth = 0.3;        // m of way, over which springs and tyres even the ground out
-constexpr double kBareUntilLost = 10;  // m of way without ground, after which it is looked for anew
+constexpr double kSmooth = 0.3;        // m of path to each side, over which springs and tyres smooth the ground
+constexpr double kBareUntilLost = 10;  // m of path without ground, after which it is searched anew
 constexpr double kSpacing = 0.1;       // m, between samples
 constexpr std::size_t kMostSamples = 10'000'000;
-constexpr std::size_t kMostEvened = 20;  // samples before and behind, where the vehicle hardly moves
+constexpr std::size_t kMostEvened = 20;  // samples on each side of a sample: a limit where the vehicle hardly moves
 
 struct Stand {
   double height, along, left;
 };
 
-// The plane nearest to what the four wheels stand on; `height` finds the ground at a place of the world.
+// Returns the plane that best fits the ground under the four wheels; nothing if more than one wheel has no ground.
+// `height` returns the ground's height at a place in the world.
 template <typename Height>
 std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, const Height& height) {
   const Vec3d& at = pose.translation;
@@ -43,14 +44,14 @@ std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, con
       hangs = i;
     }
   }
-  // Three wheels carry; the fourth, over a gap, is where their plane is.
+  // A wheel over a gap is put into the plane of the other three.
   if (hangs) wheel[*hangs] = wheel[*hangs ^ 1] + wheel[*hangs ^ 2] - wheel[*hangs ^ 3];
   return Stand{(wheel[0] + wheel[1] + wheel[2] + wheel[3]) / 4,
                (wheel[0] + wheel[1] - wheel[2] - wheel[3]) / (2 * (*options.wheels)[0]),
                (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
 }
 
-// Heading `yaw` over ground, on a plane of these slopes.
+// Returns the rotation of a vehicle that heads towards `yaw` on a plane with these slopes.
 Quat onSlope(double yaw, double along, double left) {
   const Vec3d x = normalized(Vec3d{1, 0, along});
   const Vec3d z = normalized(Vec3d{-along, -left, 1});
@@ -90,7 +91,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
   std::vector<std::optional<Sample>> found(places_.size());
   std::vector<double> driven(places_.size(), 0.0);  // m
   std::optional<double> last;
-  double lastAt = 0;  // m, where the ground was known last
+  double lastAt = 0;  // m of path, the last place with known ground
   std::size_t bare = 0;
   Vec3d before = way(0).translation;
   for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -120,7 +121,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
                     shortPlace(way(0).translation)));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
-  // Where there is none: as before, or at the start as behind.
+  // Samples without ground copy the one before; those at the start copy the first one with ground.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
   for (const auto& sample : found) {
     if (sample) known = *sample;
@@ -147,24 +148,25 @@ std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<do
   return places;
 }
 
-// Evens out over what is less than kSmooth before and behind each sample.
+// Smooths each sample over its neighbours less than kSmooth before and behind it.
 std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sample>& samples,
                                                          const std::vector<double>& driven) {
   std::vector<Sample> means;
   means.reserve(samples.size());
   const std::size_t last = samples.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
-    // As many on both sides, so that slopes stay what they are, at the ends too.
+    // Take the same number of samples on both sides, so that even slopes are kept, at the ends too.
     std::size_t own = 0;
     while (own < std::min({i, last - i, kMostEvened}) && driven[i] - driven[i - own - 1] <= kSmooth &&
            driven[i + own + 1] - driven[i] <= kSmooth) {
       ++own;
     }
-    // The line nearest to them, at the sample's own place: what is even stays as it is, however they are spaced.
+    // Fit a line by least squares and evaluate it at the sample's own place: even slopes are kept for any spacing of
+    // the samples.
     double sumD = 0;
     double sumDD = 0;
     Sample sum;
-    Sample sumBy;  // times the distance
+    Sample sumBy;  // of the values times their distances
     for (std::size_t k = i - own; k <= i + own; ++k) {
       const Sample& s = samples[k];
       const double d = driven[k] - driven[i];

@@ -1,6 +1,6 @@
 #pragma once
 
-// A vehicle that stands on the ground, whatever the heights that its way was given with.
+// Places a vehicle on the ground, whatever heights its path was given with.
 
 #include <array>
 #include <functional>
@@ -13,47 +13,49 @@
 
 namespace scanmill {
 
-// The surfaces of a scene that vehicles stand on.
+// The surfaces of a scene on which vehicles are placed.
 class Ground {
  public:
   virtual ~Ground() = default;
-  // The height (m) of the highest at this place that is below it, or not more than 0.5 m above; where there is none, of
-  // the lowest that is above. Nothing where there is none at all.
+  // Returns the height (m) of the highest surface at this place that is below it or at most 0.5 m above it; if there is
+  // none, that of the lowest surface above it. Nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& place) const = 0;
-  // The height of that which is nearest to it, at most 1.5 m below or above.
+  // Returns the height (m) of the surface nearest to this place, at most 1.5 m below or above it; nothing if there is
+  // none.
   virtual std::optional<double> near(const Vec3d& place) const = 0;
 };
 
-// From YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
+// Read from YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
   double height = 0;                                        // m, of the vehicle's origin above the ground
   std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: it stays upright
-  std::vector<std::string> classes;                         // that it stands on; empty: all that are no things
+  std::vector<std::string> classes;                         // on which it is placed; empty: all that are not things
   Location where;
 };
 
 // Throws InputError.
 GroundOptions readGround(const Value& value);
 
-// Heights and slopes under a vehicle along its way.
+// Heights and slopes of the ground under a vehicle along its path.
 class GroundProfile {
  public:
-  // The vehicle's pose, as far as the way knows it, at a place on the way, which is counted in m or s.
+  // Returns the vehicle's pose at a place on the path, given in m or s, before it is placed on the ground.
   using Way = std::function<Pose(double)>;
 
-  // At these places of the way, which ascend. The ground at the start is that under the pose; from there on that which
-  // is nearest in height to that before, so that bridges and what lies beneath are told apart: over gaps the vehicle
-  // keeps its height, and only after 10 m without ground it is looked for anew under the pose. Throws InputError at
-  // `options.where` where there is no ground along the whole way.
+  // Samples the ground at these places of the path, in ascending order. At the start it is the ground under the pose,
+  // later the ground nearest in height to the previous sample, so that bridges and what lies beneath are not confused.
+  // Over gaps the vehicle keeps its height; after 10 m without ground, the ground under the pose is taken again. Throws
+  // InputError at `options.where` if the whole path has no ground.
   GroundProfile(const GroundOptions& options, const Way& way, std::vector<double> places, const Ground& ground);
 
-  // Places 0.1 m apart or less between the knots, which ascend and between which the way is about straight and evenly
-  // driven. Throws InputError at `where` for more than ten million.
+  // Returns places at most 0.1 m apart between ascending knots. Between two knots the path must be about straight and
+  // the speed about even. Throws InputError at `where` for more than ten million places.
   static std::vector<double> placesOf(const Way& way, const std::vector<double>& knots, const Location& where);
 
-  // The pose on the ground: position and heading of the pose, height, pitch and roll of the ground.
+  // Places a pose on the ground: it keeps its horizontal position and heading, and gets the ground's height, pitch and
+  // roll.
   Pose place(const Pose& pose, double at) const;
-  // The share of the way that has no ground, where the heights around it are kept.
+  // Returns the share of the path without ground, where the heights around are kept.
   double bare() const { return bare_; }
 
  private:
@@ -68,7 +70,8 @@ class GroundProfile {
   std::vector<Sample> samples_;
 };
 
-// The same of a single pose, which keeps its own pitch and roll on top. Throws InputError where there is no ground.
+// Places a single pose on the ground; its own pitch and roll are added to those of the ground. Throws InputError if
+// there is no ground.
 Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground);
 
 }  // namespace scanmill

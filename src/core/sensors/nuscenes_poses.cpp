@@ -14,7 +14,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr std::string_view kScans = "LIDAR_TOP";  // in the names of the files of scans
+constexpr std::string_view kScans = "LIDAR_TOP";  // part of the file names of scans
 
 // Calls `take` for each row of a table. Rows are dropped as soon as they are taken: the largest table has millions.
 void forEachRow(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {

@@ -19,7 +19,7 @@ namespace {
 constexpr double kMaxRings = 4096;
 constexpr double kMaxColumns = 65536;
 
-// A count as a double, so that 1e12 is read and then refused with the arithmetic.
+// Reads a count as a double, so that 1e12 is read too and refused by a message with the arithmetic.
 double readCount(const Value& value, std::string_view what) {
   const double count = readNumber(value, what);
   if (count != std::floor(count)) {
@@ -51,7 +51,7 @@ void refuseUnlessElevations(const Value& value) {
   }
 }
 
-// Per ring, degrees, in ring order.
+// Returns the elevation of each ring (deg), in ring order.
 std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, const std::string& order,
                                       const Location& orderWhere) {
   Fields fields(value, "elevation_deg");
@@ -90,7 +90,7 @@ std::vector<double> listedElevations(const Value& value, const std::string& orde
   return elevation;
 }
 
-// A pattern that repeats over the rings, degrees.
+// Returns the azimuth offset of each ring (deg), from a pattern that repeats over the rings.
 std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) {
   if (value == nullptr) return std::vector<double>(rings, 0.0);
   std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
@@ -107,7 +107,7 @@ std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) 
   return pattern;
 }
 
-// Per ring, microseconds.
+// Returns the firing time of each ring (us).
 std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) {
   if (value == nullptr) return std::vector<double>(table.rings, 0.0);
   constexpr Range kMicroseconds{0, 1e8};
@@ -147,7 +147,7 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   return times;
 }
 
-// Per ring, metres; one figure is all rings'. Empty where all are zero.
+// Returns the offset of each ring (m), from one per ring or one for all; empty if all are zero.
 std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint32_t rings) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -177,7 +177,7 @@ void readRange(Fields& fields, BeamTable& table) {
   table.maxRange = limits[1];
 }
 
-// One figure, or two: across and up.
+// Reads the widths across and up: two figures, or one for both.
 std::array<double, 2> readWidths(Fields& fields, std::string_view key, double most, double unit) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -203,7 +203,7 @@ void readBeamShape(Fields& fields, BeamTable& table) {
 
 namespace {
 
-// A calibration belongs to the sensor of the preset beside it.
+// Throws InputError if a calibration has more or fewer lasers than the preset beside it has rings.
 void checkSameLasers(const Value& preset, const Value& own) {
   const Value* elevation = preset.find("elevation_deg");
   const Value* calibration = own.find("calibration");
@@ -240,7 +240,7 @@ Value resolveSensor(const Value& value) {
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
                                   [&](const auto& other) { return other.key == entry.key; });
     if (old != merged.entries.end()) {
-      const bool unit = entry.key == "source" && value.find("source") == nullptr;  // of a calibration beside the preset
+      const bool unit = entry.key == "source" && value.find("source") == nullptr;  // a calibration added it
       const std::string before = unit ? old->value.text + "; " : "";
       old->value = entry.value;
       old->value.text = before + old->value.text;
@@ -298,7 +298,7 @@ void refuseBeside(Fields& fields, const char* key, std::initializer_list<const c
   }
 }
 
-// What a pattern that is not made of cones leaves empty, so that it has its length.
+// Fills the per-ring arrays, which patterns without cones do not use, with zeros.
 void clearCones(BeamTable& table) {
   table.field = 2 * kPi;
   table.elevation.assign(table.rings, 0);
@@ -372,7 +372,7 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   table.originUp = readOrigins(fields, "origin_up_m", table.rings);
 }
 
-// The pixels of a flash sensor in place of the cones.
+// Replaces the cones by the pixels of a flash sensor.
 void makeFlash(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "pattern: flash",
                {"azimuth_offset_deg", "firing_time_us", "turns_while_firing", "origin_offset_m", "origin_height_m",

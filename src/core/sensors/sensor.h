@@ -14,17 +14,18 @@
 //   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a pattern that repeats (default 0)
 //   origin_offset_m: 0.0158            # beam origin to the axis of rotation, towards the head's azimuth (default 0)
 //   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
-//   origin_left_m: [0.026, ...]        # beam origin beside that, to the left of the beam: one per ring or one for all
-//   origin_up_m: [0.195, ...]          # and square to the beam, upwards, likewise
-//   calibration: 64e_s2.yaml           # in place of elevations, azimuth offsets and these two: see calibration.h
+//   origin_left_m: [0.026, ...]        # further offset of the beam origin, to the left of the beam: one per ring or
+//                                      # one for all
+//   origin_up_m: [0.195, ...]          # and perpendicular to the beam, upwards, likewise
+//   calibration: 64e_s2.yaml           # in place of elevation_deg, ring_order, azimuth_offset_deg, origin_left_m and
+//                                      # origin_up_m: see calibration.h
 //   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring, or {file:}
 //                                      # see beam_files.h (default 0)
-//   turns_while_firing: true           # a ring looks where the head has turned to when it fires: to be said where the
-//                                      # azimuths are those of a column, as vendors give them (default false)
+//   turns_while_firing: true           # adds the head's turn until a ring fires to the ring's azimuth: required
+//                                      # if azimuths are those of a column, as vendors give them (default false)
 //   range_m: [0.5, 120]                # nearest and farthest report
-//   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); of a
-//   Gaussian
-//                                      # beam to 1/e^2 of the power, which is 1.699 times its width at half the power
+//   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); for a
+//                                      # Gaussian beam to 1/e^2 of the power, 1.699 times its width at half the power
 //   exit_width_mm: [12.7, 9.5]         # the beam's width where it leaves the sensor, likewise (default 0)
 //   beam_shape: gaussian               # or uniform (default gaussian)
 //   pulse_ns: 6                        # emitted pulse, full width at half of its maximum
@@ -40,20 +41,20 @@
 
 namespace scanmill {
 
-// How many beams a sensor file asks for. It is known without making the table, so that a plan of too many beams is
-// refused before memory is taken.
+// The number of beams of a sensor file. It is known without building the table, so that a plan with too many beams is
+// refused before memory is allocated.
 struct SensorSize {
   std::uint64_t rings = 0;
   std::uint64_t columns = 0;
 };
 
 // `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Returns the
-// map of the sensor: the keys of the preset, if there is one, with the pipeline's own keys in place of those of the
-// same name. Each value keeps its place in its file. Throws InputError.
+// map of the sensor: the keys of the preset, if there is one, replaced by the pipeline's own keys of the same names.
+// Each value keeps its location in its file. Throws InputError.
 Value resolveSensor(const Value& value);
 
-// Read a sensor map, be it a file of its own or part of a pipeline. There may be 1 to 4096 rings and 1 to 65536
-// columns. Throw InputError with the place.
+// Read a sensor map, from a file of its own or from a pipeline. A sensor has 1 to 4096 rings and 1 to 65536 columns.
+// Throw InputError with the place.
 SensorSize sensorSize(const Value& description);
 std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// A shot: one revolution of one sensor, at one pose or a moving one, at one time, with the address of its randomness.
+// A shot: one revolution of one sensor at one time, from one pose or several if it moves, with the address of its
+// random numbers.
 
 #include <cstdint>
 #include <memory>
@@ -15,15 +16,16 @@
 namespace scanmill {
 
 struct Shot {
-  std::uint64_t seed = 0;    // with scene, frame and sensor the address of its randomness
+  std::uint64_t seed = 0;    // with scene, frame and sensor the address of its random numbers
   std::uint32_t scene = 0;   // index of the sequence in the pipeline
-  std::uint32_t frame = 0;   // in the sequence
-  std::uint32_t sensor = 0;  // on the vehicle
+  std::uint32_t frame = 0;   // index in the sequence
+  std::uint32_t sensor = 0;  // index on the vehicle
   std::string sensorName;
-  std::string sample;   // key of the sample, which names the files that are kept of the shot
+  std::string sample;   // key of the sample, which names the shot's files
   double time = 0;      // s since the start of the sequence, of column 0
-  double duration = 0;  // s, over which objects of the scene move on; 0: they stand as at `time`
-  // s from `time` to the sequence's next frame; of its last one as long as before, of an only one a revolution.
+  double duration = 0;  // s, during which the scene's objects move; 0: they stay where they are at `time`
+  // s from `time` to the sequence's next frame. The last frame repeats the interval before it; a single frame has the
+  // sensor's period.
   double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
 
@@ -31,8 +33,8 @@ struct Shot {
   // A column belongs to the step column * steps / columns, rounded down, whether or not the steps divide the columns.
   std::vector<Pose> worldFromSensor;
 
-  // Which frame points are given in. False: that of the sensor at the step that fired them, as sensors report them.
-  // True: that of the sensor at the start of the revolution.
+  // The frame in which points are given. False: the sensor's at the step that fired them, as sensors report them. True:
+  // the sensor's at the start of the revolution.
   bool deskew = false;
 
   std::size_t stepOf(std::uint32_t column) const {
@@ -41,12 +43,12 @@ struct Shot {
   }
 };
 
-// How many poses a revolution has: one, one per column, or a number of steps.
+// The number of poses in a revolution: one, one per column, or a number of steps.
 enum class MotionKind { None, PerColumn, Steps };
 
 struct Motion {
   MotionKind kind = MotionKind::None;
-  std::uint32_t steps = 1;  // of MotionKind::Steps
+  std::uint32_t steps = 1;  // for MotionKind::Steps
   bool deskew = false;
   Location where;
 };
@@ -55,9 +57,9 @@ struct Motion {
 // Throws InputError.
 Motion readMotion(const Value* value);
 
-// Makes a shot with its poses, time, beams (those of the table at its time: beamsAt()), frame and deskew; the caller
-// fills in its names and the rest of the address of its randomness. Throws InputError where the motion has more steps
-// than the sensor has columns.
+// Returns a shot with its poses, time, beams (those of the table at its time: beamsAt()), frame and deskew; the caller
+// sets the names and the rest of the address of its random numbers. Throws InputError if the motion has more steps than
+// the sensor has columns.
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion);
 

@@ -8,15 +8,15 @@ namespace scanmill {
 namespace {
 
 constexpr double kStep = 0.25;   // m
-constexpr double kReach = 2;     // m, over which the heading's change tells the curvature
-constexpr double kCrawl = 1e-3;  // m/s: a vehicle between two places at which it rests is not slower
+constexpr double kReach = 2;     // m of path, over which the change of heading gives the curvature
+constexpr double kCrawl = 1e-3;  // m/s, least mean speed between two neighbouring places at which the vehicle stops
 
 }  // namespace
 
 SpeedProfile::SpeedProfile(double length, double speed) : nodes_{{0, 0, speed}, {length / speed, length, speed}} {}
 
 SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops) {
-  // Places along the path, the stops and both ends among them, and how fast it may be there.
+  // Places along the path, including the stops and both ends, and the greatest speed at each.
   std::vector<double> places;
   const auto pieces = static_cast<int>(std::ceil(path.length() / kStep));
   for (int k = 0; k <= pieces; ++k) places.push_back(path.length() * k / pieces);
@@ -82,7 +82,7 @@ double SpeedProfile::timeAt(double distance) const {
   if (next == nodes_.end()) return duration();
   const Node& a = *(next - 1);
   const Node& b = *next;
-  // Of v t + p t^2 / 2 = s the root that is exact for small p too.
+  // The solution of v t + p t^2 / 2 = s, in a form that is exact for small p too.
   const double push = (b.speed - a.speed) / (b.time - a.time);
   const double way = distance - a.distance;
   const double now = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * push * way));

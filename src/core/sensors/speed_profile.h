@@ -1,6 +1,6 @@
 #pragma once
 
-// How far a vehicle has come along its path at each time.
+// The distance that a vehicle has driven along its path at each time.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-// Where a vehicle comes to rest for a while.
+// A place at which a vehicle stops for a while.
 struct DriveStop {
   double at = 0;    // m along the path
   double wait = 0;  // s
@@ -16,23 +16,24 @@ struct DriveStop {
 
 class SpeedProfile {
  public:
-  // At one speed (m/s) all along a path of this length (m).
+  // Drives at one speed (m/s) all along a path of this length (m).
   SpeedProfile(double length, double speed);
-  // From rest at the path's start to rest at its end and at each stop, as fast as the speed (m/s), the acceleration and
-  // braking (m/s^2), and kSideways in bends allow. The stops lie within the path, in their order.
+  // Drives from rest at the path's start to rest at its end and at each stop, as fast as the speed (m/s), the
+  // acceleration and braking (m/s^2), and in bends the lateral acceleration kSideways allow. The stops lie within the
+  // path, in their order.
   SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops);
 
   static constexpr double kSideways = 2;  // m/s^2
 
   double duration() const { return nodes_.back().time; }  // s
-  // m along the path at a time (s): its start before, its end afterwards.
+  // Returns the distance along the path (m) at a time (s): that of the start before, that of the end afterwards.
   double distance(double time) const;
   double speed(double time) const;  // m/s
-  // The first time (s) at which it has come so far (m, at most the path's length).
+  // Returns the first time (s) at which the vehicle has driven this distance (m, at most the path's length).
   double timeAt(double distance) const;
 
  private:
-  // From one to the next the acceleration is constant.
+  // Between two nodes the acceleration is constant.
   struct Node {
     double time, distance, speed;
   };

@@ -15,12 +15,12 @@ namespace scanmill {
 class Sway {
  public:
   Sway() = default;  // none
-  // From YAML: {roll_deg: 0.5, pitch_deg: 0.3, heave_m: 0.01}, standard deviations at the speed of the drive. Throws
+  // Reads {roll_deg: 0.5, pitch_deg: 0.3, heave_m: 0.01} of YAML: standard deviations at the speed of the drive. Throws
   // InputError.
   Sway(const Value& value, std::uint64_t seed);
 
-  // The pose of the swaying vehicle in the frame of one that does not. `part`: of all that sway, which grows with the
-  // speed.
+  // Returns the pose of the swaying vehicle in the frame of one that does not sway. `part`: share of the full sway,
+  // which grows with the speed.
   Pose at(double time, double part) const;
 
  private:

@@ -13,16 +13,17 @@ namespace scanmill {
 
 struct TextLine {
   Location where;
-  std::string_view text;  // of `bytes`, without spaces around it
+  std::string_view text;  // part of `bytes`, without surrounding spaces
 };
 
-// Without those that are empty or begin with #, and without a byte order mark. Throws InputError where there is none.
+// Returns the lines of a file, without empty ones, those that begin with # and a byte order mark. Throws InputError if
+// no line is left.
 std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file);
 
-// Separated by any number of spaces and tabs, or by single commas or semicolons.
+// Splits a line into cells, separated by any number of spaces and tabs, or by single commas or semicolons.
 std::vector<std::string_view> cellsOf(std::string_view text);
 
-// Throws InputError for what is no finite number.
+// Throws InputError if the text is not a finite number.
 double numberOf(std::string_view text, const Location& where);
 
 }  // namespace scanmill

@@ -16,10 +16,10 @@ namespace scanmill {
 namespace {
 
 constexpr Range kInterval{1e-9, 1e9};  // s or m
-constexpr double kLastTurn = 1;        // s after the start of the last frame, in which most revolutions end
-constexpr double kWorthTelling = 0.2;  // m
+constexpr double kLastTurn = 1;        // s after the start of the last frame, by which most revolutions have ended
+constexpr double kWorthTelling = 0.2;  // m; a path that is farther off the straight lines is reported
 
-// How far a path through these points leaves the straight lines between them (m).
+// Returns the greatest distance (m) of a path through these points from the straight lines between them.
 double farthestOffLines(const Path& path, const std::vector<Vec3d>& points) {
   constexpr int kPlaces = 32;  // between two points
   double farthest = 0;
@@ -82,7 +82,7 @@ std::vector<DriveStop> readStops(Fields& fields, double length) {
   return stops;
 }
 
-// Frames from the start of the path to its end, or the limit where that comes first.
+// Returns the number of frames from the path's start to its end, at most `limit`.
 std::uint32_t countFrames(double duration, double interval, double pathLength, double speed, double limit,
                           const Location& where) {
   // A frame that falls on the end of the path counts, whatever the rounding.
@@ -153,7 +153,8 @@ Trajectory Trajectory::along(const std::vector<Vec3d>& way) const {
   return driven;
 }
 
-// On the ground the speed is that over ground, whatever the heights.
+// Returns the path with equal heights if the vehicle is placed on the ground, so that its speed is measured
+// horizontally.
 std::vector<Vec3d> Trajectory::overGround(std::vector<Vec3d> way) const {
   if (!ground_) return way;
   for (Vec3d& p : way) p.z = way.front().z;
@@ -305,7 +306,7 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
   if (const Value* changes = fields.find("lane_changes")) laneChanges_ = readLaneChanges(*changes, length);
   stops_ = readStops(fields, length);
   if (!stops_.empty()) setProfile();
-  // As many frames by metres as at one speed.
+  // A drive with every_m has as many frames as one at constant speed.
   const double duration = acceleration_ > 0 && everyMetres_ <= 0 ? profile_->duration() : length / speed_;
   frames_ = countFrames(duration, interval_, length, speed_, limit,
                         fields.require(fields.has("along") ? "along" : "waypoints").where);

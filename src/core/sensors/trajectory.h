@@ -1,6 +1,7 @@
 #pragma once
 
-// A trajectory: where the vehicle is at each time. It is given by single poses, or by waypoints driven at a speed.
+// A trajectory: the pose of the vehicle at each time. It is given by single poses, by a path driven at a speed, or by a
+// recording.
 
 #include <cstdint>
 #include <memory>
@@ -21,12 +22,12 @@ namespace scanmill {
 class Fields;
 class Path;
 
-// A drive on surfaces of certain classes of the scene, whose way is found when the scene is known.
+// A random drive on surfaces of certain classes. Its path is found when the scene is known.
 struct RandomWay {
   enum class Side { Right, Left, Middle };
   std::vector<std::string> classes;
   Side keep = Side::Right;
-  double length = 0;  // m, at least so long
+  double length = 0;  // m, least length of the path
   Location where;
 };
 
@@ -36,51 +37,52 @@ struct RandomWay {
 //   waypoints: [[x, y, z], ...]                             # driven at `speed` (m/s), heading along the path
 //   path: spline | line                                     # through the waypoints; see base/path.h
 //   rounding: 0.5                                           # m, of the corners of `path: line`
-//   along: lane                                             # in place of waypoints: those of the caller; or turns
-//   on: [road]                                              # likewise: a random drive on surfaces of these classes
-//   keep: right | left | middle                             # of them
-//   drives: 3                                               # so many random drives, each a sequence: name-0, ...
-//   recorded: {file: poses.txt, ...}                        # likewise: see recorded_poses.h
+//   along: lane | turns                                     # in place of waypoints: through the scene's town
+//   on: [road]                                              # in place of waypoints: a random drive on such surfaces
+//   keep: right | left | middle                             # side of the surfaces of `on`
+//   drives: 3                                               # number of random drives, each a sequence: name-0, ...
+//   recorded: {file: poses.txt, ...}                        # in place of waypoints: see recorded_poses.h
 //   speed: 8.0
 //   acceleration: 1.5                                       # m/s^2: from rest to rest, slower in bends; see
 //                                                           # speed_profile.h
-//   stops: [{at: 60, wait: 4}]                              # m along the way, s; needs acceleration
-//   lane_changes: [{at: 80, left: 3, over: 30}]             # m along the way, m to the left by the end of so many m
+//   stops: [{at: 60, wait: 4}]                              # m along the path, s; needs acceleration
+//   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
 //   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see sway.h
 //   ground: drop                                            # see ground_profile.h
-//   every_s: 0.1 | every_m: 1.0                             # a frame each (poses: every_s only, the time between two)
-//   frames: 40                                              # optional limit; waypoints end the path where absent
+//   every_s: 0.1 | every_m: 1.0                             # from frame to frame (poses: every_s only)
+//   frames: 40                                              # optional limit; default: to the end of the path
 //   name: loop                                              # optional
 class Trajectory {
  public:
   static constexpr std::uint32_t kMaxFrames = 10'000'000;
 
-  std::uint32_t frames() const { return frames_; }  // how many there are
+  std::uint32_t frames() const { return frames_; }  // number of frames
   // The time of a frame's start (s since the start of the trajectory).
   double frameTime(std::uint32_t frame) const;
 
-  // The pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame; one on a
-  // path drives to the end of it and stops there. Throws Error for a frame that there is not.
+  // Returns the pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame;
+  // one on a path drives to its end and stops there. Throws Error if there is no such frame.
   Pose pose(std::uint32_t frame, double dt) const;
 
   bool still() const { return !poses_.empty(); }  // the vehicle stands still in each frame
   double pathLength() const;                      // m; 0 for listed poses
   const std::string& name() const { return name_; }
-  // Of a drive along the turns of a town: how many there are.
+  // Returns the number of turns of a drive along the turns of a town; nothing for any other drive.
   std::optional<int> turns() const { return turns_; }
-  // What its way is, in words; empty where there is nothing to say.
+  // Describes the path; empty if there is nothing to report.
   std::string about() const;
-  // What is legal but seldom meant of recorded poses, in words; else empty.
+  // Returns a warning about recorded poses that are possible but seldom meant; else empty.
   std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
 
-  // What it asks of the scene before it has poses; null where it asks for nothing.
+  // Requirements on the scene that must be met before the trajectory has poses: a random path, and ground to be placed
+  // on. Null: none.
   const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
-  // Itself along this way (m), which must be as long as randomWay() asks for.
+  // Returns this trajectory along a path (m), which must be as long as randomWay() asks for.
   Trajectory along(const std::vector<Vec3d>& way) const;
-  // Itself on the ground. Throws InputError where there is none.
+  // Returns this trajectory placed on the ground. Throws InputError if there is no ground.
   Trajectory onGround(const Ground& ground) const;
-  // The share of the way that has no ground, after onGround().
+  // Returns the share of the path without ground, after onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bare() : 0; }
 
  private:
@@ -98,22 +100,22 @@ class Trajectory {
   std::vector<Vec3d> overGround(std::vector<Vec3d> way) const;
   void setPath(Path path);
   void setProfile();
-  // Where the vehicle is on its way at a time: in m, or in s where it was recorded.
+  // Returns the vehicle's place on its path at a time: in m, or in s if the path was recorded.
   double placeAt(double time) const;
-  // The pose there, without ground and sway.
+  // Returns the pose at a place on the path, without ground and sway.
   Pose poseOnWay(double place) const;
 
   std::string name_;
   std::uint32_t frames_ = 0;
   double interval_ = 0;     // s, from frame to frame
-  double lastTurn_ = 0;     // s after the start of the last frame, for which the way must be known
-  double everyMetres_ = 0;  // of a vehicle that accelerates, in place of that; 0: none
+  double lastTurn_ = 0;     // s after the start of the last frame, up to which the path must be known
+  double everyMetres_ = 0;  // m from frame to frame of a vehicle that accelerates, in place of interval_; 0: none
   double speed_ = 0;        // m/s
   std::optional<int> turns_;
   std::vector<Pose> poses_;           // one per frame where the vehicle stands still
-  std::shared_ptr<const Path> path_;  // of a drive, as soon as its way is known
+  std::shared_ptr<const Path> path_;  // of a drive; null until it is known
   std::shared_ptr<const RecordedPoses> recorded_;
-  double offLines_ = 0;  // m, how far the path leaves the straight lines between waypoints
+  double offLines_ = 0;  // m, greatest distance of the path from the straight lines between waypoints
   std::size_t waypoints_ = 0;
   std::optional<RandomWay> random_;
   double acceleration_ = 0;  // m/s^2; 0: at one speed
@@ -125,14 +127,13 @@ class Trajectory {
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 
-// How many trajectories an item of the YAML is: `drives` of a random drive, else 1. Throws InputError.
+// Returns how many trajectories an item of the YAML stands for: `drives` of a random drive, else 1. Throws InputError.
 std::uint32_t countDrives(const Value& value);
 
-// `fallbackPeriod` is the time between frames (s) where the YAML gives none; callers pass the period of the first
-// sensor. Throws InputError.
-// `lanes`: what `along` means; null where the caller knows of none. `seed`: of how the vehicle sways. `drive`: which of
-// several random drives; its number then ends the name. `longestTurn`: the longest revolution of a sensor (s), in which
-// the vehicle drives on after the last frame has begun.
+// Reads a trajectory. `fallbackPeriod`: the time between frames (s) if the YAML gives none; callers pass the period of
+// the first sensor. `lanes`: what `along` refers to; null if the caller has no lanes. `seed`: of the vehicle's sway.
+// `drive`: which of several random drives; its number then ends the name. `longestTurn`: the longest revolution of a
+// sensor (s), during which the vehicle drives on after the last frame has started. Throws InputError.
 Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
                           const SceneLanes* lanes = nullptr, std::uint64_t seed = 0, std::uint32_t drive = 0,
                           double longestTurn = 0);

@@ -37,7 +37,7 @@ Function entry(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Graphics cards come first, then what runs on the processor.
+// Returns the devices to try: graphics cards first, then software.
 std::vector<Candidate> candidates() {
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   std::vector<Candidate> found;
@@ -76,7 +76,8 @@ std::vector<Candidate> chosen(const std::string& device) {
   return list;
 }
 
-// One that tells where a reset of the graphics card has lost it, if the driver can do that.
+// Creates a context that reports if a reset of the graphics card has destroyed it, provided that the driver supports
+// this.
 EGLContext newContext(EGLDisplay display, EGLConfig config) {
   for (const EGLint version : {5, 3}) {
     for (const bool tellsResets : {true, false}) {
@@ -96,7 +97,7 @@ EGLContext newContext(EGLDisplay display, EGLConfig config) {
   return EGL_NO_CONTEXT;
 }
 
-// Makes a context of the candidate and leaves it current. Tells why it cannot; empty where it can.
+// Creates a context of the candidate and leaves it current. Returns why this fails; empty if it succeeds.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";

@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// Throws std::bad_alloc where OpenGL ran out of memory, and std::runtime_error where it has another error: "<doing>:
-// OpenGL error ...".
+// Throws std::bad_alloc if OpenGL ran out of memory, and std::runtime_error for any other error: "<doing>: OpenGL error
+// ...".
 void checkGl(std::string_view doing);
 
 class GlBuffer {
@@ -23,9 +23,9 @@ class GlBuffer {
   GlBuffer& operator=(const GlBuffer&) = delete;
 
   GLuint name() const { return name_; }
-  // Replaces the contents. Where `data` is null they are undefined.
+  // Replaces the contents, which are undefined if `data` is null.
   void fill(const void* data, std::size_t bytes, GLenum usage);
-  // Makes it at least so large. Its contents are lost where it grows.
+  // Makes the buffer at least this large. Its contents are lost if it grows.
   void reserve(std::size_t bytes, GLenum usage);
 
  private:
@@ -33,8 +33,8 @@ class GlBuffer {
   std::size_t bytes_ = 0;
 };
 
-// A vertex attribute is read from a buffer's elements: `components` floats, or as many uint32 where `integer` is set.
-// There is one element per vertex where `divisor` is 0, and one per instance where it is 1.
+// A vertex attribute, read from a buffer's elements: `components` floats, or as many uint32 if `integer` is set. There
+// is one element per vertex if `divisor` is 0, and one per instance if it is 1.
 struct GlAttribute {
   GLuint location;
   const GlBuffer* buffer;
@@ -66,14 +66,14 @@ struct GlShaderText {
 
 class GlProgram {
  public:
-  // Throws std::runtime_error with the compiler's words.
+  // Throws std::runtime_error with the compiler's message.
   GlProgram(std::string_view name, std::initializer_list<GlShaderText> shaders);
   ~GlProgram() { glDeleteProgram(name_); }
   GlProgram(const GlProgram&) = delete;
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { glUseProgram(name_); }
-  const std::string& label() const { return label_; }  // the name that it was given
+  const std::string& label() const { return label_; }  // the constructor's `name`
   GLint uniform(const char* name) const { return glGetUniformLocation(name_, name); }
 
  private:

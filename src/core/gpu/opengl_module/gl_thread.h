@@ -1,6 +1,6 @@
 #pragma once
 
-// The thread on which a module makes its calls of OpenGL and VTK.
+// The thread on which a plug-in calls OpenGL and VTK.
 
 #include <condition_variable>
 #include <exception>
@@ -11,11 +11,11 @@
 
 namespace scanmill {
 
-// Runs pieces of work one after the other. A context that wanders from thread to thread, made current and released each
-// time, corrupts memory in Mesa 22.3's llvmpipe; and VTK's own objects are not made for several threads.
+// Runs pieces of work one after the other. A context that moves from thread to thread, made current and released each
+// time, corrupts memory in Mesa 22.3's llvmpipe; and VTK's own objects are not thread-safe.
 class GlThread {
  public:
-  // The one thread for all devices of a module. It ends with the last of them.
+  // Returns the one thread for all devices of a plug-in. It ends with the last of them.
   static std::shared_ptr<GlThread> shared();
 
   GlThread();
@@ -23,7 +23,8 @@ class GlThread {
   GlThread(const GlThread&) = delete;
   GlThread& operator=(const GlThread&) = delete;
 
-  // Waits until the work is done, and throws what it throws. Called by work on this thread, it is done at once.
+  // Runs the work on this thread, waits until it is done, and throws what it throws. Work that is already on this
+  // thread runs at once.
   void run(const std::function<void()>& work);
 
  private:
@@ -39,7 +40,7 @@ class GlThread {
   std::condition_variable changed_;
   Job* job_ = nullptr;
   bool ended_ = false;
-  std::thread thread_;  // last: it starts when all else is there
+  std::thread thread_;  // last: it starts when all other members exist
 };
 
 }  // namespace scanmill

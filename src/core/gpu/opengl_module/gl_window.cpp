@@ -26,8 +26,8 @@ void GlWindow::start(int width, int height) {
   SetSize(width, height);
 }
 
-// GLEW finds OpenGL's functions, then asks for an X display, finds none and calls that an error. What counts is whether
-// the functions are there.
+// GLEW loads OpenGL's functions, then looks for an X display and reports an error if there is none. That error is
+// ignored: only the functions matter.
 void GlWindow::OpenGLInitContext() {
   if (Initialized) return;
   const int display = GetGlobalWarningDisplay();
@@ -59,7 +59,7 @@ class Quiet::Messages : public vtkOutputWindow {
 vtkStandardNewMacro(Quiet::Messages);
 
 Quiet::Quiet() : before_(vtkOutputWindow::GetInstance()) {
-  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // the messages have them
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // `messages_` gets them instead
   vtkOutputWindow::SetInstance(messages_);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// VTK on an OpenGL context that is not its own.
+// Lets VTK use an OpenGL context that it has not created.
 
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkNew.h>
@@ -11,18 +11,18 @@
 
 namespace scanmill {
 
-// VTK needs a window to hold its state of OpenGL. This one shows nothing.
+// VTK needs a window that stores its OpenGL state. This one shows nothing.
 class GlWindow
     : public vtkGenericOpenGLRenderWindow {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts
  public:
   static GlWindow* New();
 
-  // Takes the context that is current, for pictures of this size (px). Throws NoDevice.
+  // Uses the current context, for images of this size (px). Throws NoDevice.
   void start(int width, int height);
   void OpenGLInitContext() override;
 };
 
-// While it lives, VTK's messages are kept, which otherwise would go to standard error.
+// Collects VTK's messages while it lives; otherwise they would go to standard error.
 class Quiet {
  public:
   Quiet();
@@ -30,7 +30,7 @@ class Quiet {
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
 
-  // Throws std::runtime_error with the errors among them since the last call. The warnings are lost.
+  // Throws std::runtime_error with the errors since the last call, if there are any. Warnings are discarded.
   void check();
 
  private:
@@ -40,7 +40,7 @@ class Quiet {
   vtkNew<Messages> messages_;
 };
 
-// VTK's version, and what the current context draws with.
+// Returns VTK's version and the current context's device.
 std::string describeGl();
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// Blender's Cycles as a renderer: scripts/blender_passes.py draws depth and ids into OpenEXR files, which are read
+// Blender's Cycles as a renderer: scripts/blender_passes.py renders depth and ids into OpenEXR files, which are read
 // here.
 
 #include <fmt/core.h>
@@ -28,16 +28,16 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMaxImages = 8;
-constexpr std::uint32_t kMinSide = 4;         // px, Blender's
-constexpr double kMaxStretch = 200;           // of its pixels, likewise
-constexpr float kBlenderSky = 1e9f;           // m; it writes 1e10 where nothing is seen
-constexpr float kExact = 16777216.0f;         // 2^24: the two parts of an object's number, see the script
+constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
+constexpr double kMaxStretch = 200;           // Blender's largest aspect ratio of a pixel
+constexpr float kBlenderSky = 1e9f;           // m; Blender writes 1e10 where nothing is seen
+constexpr float kExact = 16777216.0f;         // 2^24; an object's number is written in two parts: see the script
 constexpr double kReach = 512;                // m from the origin: float32 steps of 6e-5 m there
 constexpr double kPlaneShare = 1e-3;          // of the depth: how far a drawn depth may be from its triangle's plane
 constexpr std::size_t kFrameGrain = 1 << 14;  // pixels
-constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels: cut-outs alone have depths, and no ids
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels; fewer may be cut-outs, with depths but no ids
 
-// What was drawn, in memory.
+// Rendered images in memory.
 class SeenSource : public PixelSource {
  public:
   SeenSource(std::shared_ptr<const Resolver> resolver, std::vector<Camera> cameras, std::vector<SeenTriangle> seen)
@@ -64,8 +64,8 @@ class SeenSource : public PixelSource {
   std::vector<SeenTriangle> fetched_;  // scratch
 };
 
-// The depth of triangles' planes at the centres of one camera's pixels, in double: Blender's own float32 is off by some
-// 1e-7 of the triangle's size and distance, which is much for a large one that is near.
+// Computes the depth of triangles' planes at the centres of one camera's pixels, in double. Blender's float32 depth has
+// an error of some 1e-7 of the triangle's size and distance, which is much for a large triangle nearby.
 class ExactDepth {
  public:
   ExactDepth(const Scene& scene, const Camera& camera) : scene_(scene), camera_(camera) {
@@ -77,7 +77,7 @@ class ExactDepth {
     }
   }
 
-  // Where it is not near the drawn one, as on a triangle that is seen edge-on, the drawn one.
+  // Returns the exact depth (m), or the drawn one if they are not close, as on a triangle that is seen edge-on.
   float at(std::size_t column, std::size_t row, const SeenTriangle& seen) const {
     const Affine& place = cameraFromMesh_[seen.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[seen.instance - 1].mesh];
@@ -113,7 +113,7 @@ class BlenderRenderer : public PassRenderer {
       if (!cameras.empty()) load(cameras[0].worldFromCamera.translation);
       return std::make_unique<SeenSource>(resolver_, cameras, drawAll(cameras, limits));
     } catch (...) {
-      job_.reset();  // its answers would be those to former questions
+      job_.reset();  // its next answers would be those to earlier requests
       origin_.reset();
       throw;
     }
@@ -149,7 +149,7 @@ class BlenderRenderer : public PassRenderer {
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
   }
 
-  // Hands the scene over, relative to an origin near the cameras.
+  // Hands the scene to Blender, relative to an origin near the cameras.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
     const StageTimer timer(clock_, "upload");
@@ -159,7 +159,7 @@ class BlenderRenderer : public PassRenderer {
     job_->answer();
   }
 
-  // While one image is read, Blender draws the next.
+  // While one image is read, Blender renders the next.
   std::vector<SeenTriangle> drawAll(const std::vector<Camera>& cameras, const DrawLimits& limits) {
     std::size_t pixels = 0;
     for (const Camera& camera : cameras) pixels += camera.pixels();
@@ -243,10 +243,10 @@ class BlenderRenderer : public PassRenderer {
 
   const Scene& scene_;
   std::shared_ptr<const Resolver> resolver_;
-  mutable std::mutex mutex_;  // of all below
+  mutable std::mutex mutex_;  // guards all members below
   ScratchFolder folder_;
   std::optional<BlenderJob> job_;
-  std::optional<Vec3d> origin_;  // world, m, of the scene that Blender has; none: it has none
+  std::optional<Vec3d> origin_;  // world, m, origin of the scene in Blender; none: Blender has no scene yet
   std::vector<BlenderObject> objects_;
   int threads_ = 1;
   std::string device_;

@@ -31,7 +31,7 @@ class Arrays {
     add<double>(std::vector<double>{0}, "f8", {1});  // so that the file of an empty scene is not empty
   }
 
-  // Returns where it lies. `type` as numpy calls it; `columns` numbers make a row.
+  // Appends an array and returns its entry of scene.json: position, type (as numpy names it) and shape.
   template <class T>
   Json add(std::span<const T> values, const char* type, std::vector<std::size_t> shape) {
     static constexpr std::array<char, 8> kZeroes{};
@@ -81,7 +81,7 @@ class SceneWriter {
   }
 
  private:
-  // Null, or which texels of an alpha-tested material are there.
+  // Writes for each material null, or a mask of the texels of an alpha-tested material that are solid.
   void addMaterials() {
     Json& list = index_["materials"] = Json::array();
     std::vector<std::uint8_t> mask;

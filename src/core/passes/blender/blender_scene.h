@@ -17,12 +17,13 @@ struct BlenderObject {
   std::uint32_t firstTriangle = 0;
 };
 
-// Blender writes a triangle's number as float32, which holds whole numbers up to here.
+// Blender writes a triangle's number as float32, which is exact for whole numbers up to this one.
 constexpr std::uint32_t kBlenderTriangles = std::uint32_t{1} << 24;
 
-// Writes scene.json and scene.bin: arrays of numbers, little-endian, and where they lie. All is relative to `origin`,
-// and meshes that are placed once are moved there in double precision, so that float32 loses nothing near it. Returns
-// the objects in the order of their numbers in Blender's images, which count from 1. Throws Error.
+// Writes scene.bin, arrays of little-endian numbers, and scene.json, which lists their positions. Everything is
+// relative to `origin`. Meshes that are placed once are transformed in double precision, so that float32 loses nothing
+// near the origin. Returns the objects in the order of their numbers in Blender's images, which count from 1. Throws
+// Error.
 std::vector<BlenderObject> writeBlenderScene(const Scene& scene, const Vec3d& origin, int threads,
                                              const std::filesystem::path& folder,
                                              std::uint32_t trianglesOfAnObject = kBlenderTriangles);

@@ -25,7 +25,7 @@ ExrMatrix4 rowByRow(const Pose& pose) {
   return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1};
 }
 
-// OpenEXR's standard attribute: row vectors, and a left-handed camera with x right, y up, z forward.
+// Returns OpenEXR's standard attribute: for row vectors, and for a left-handed camera with x right, y up, z forward.
 ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
   const Pose cameraFromWorld = inverse(worldFromCamera);
   const Mat3 r = toMatrix(cameraFromWorld.rotation);
@@ -36,7 +36,7 @@ ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
   return matrix;
 }
 
-// Sum of the differences of all entries: NaN where one of them is.
+// Returns the sum of the absolute differences of all entries; NaN if one of them is NaN.
 double difference(const Mat3& a, const Mat3& b) {
   double sum = 0;
   for (const Vec3d& d : {a.x - b.x, a.y - b.y, a.z - b.z}) sum += std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
@@ -51,7 +51,7 @@ class CameraReader {
     Camera camera;
     camera.name = std::filesystem::path(file_.name()).stem().string();
     if (const auto* name = optional<std::string>("camera", "string")) camera.name = *name;
-    const auto unfit = [](unsigned char c) { return c < ' ' || c == '/'; };  // it becomes part of file names
+    const auto unfit = [](unsigned char c) { return c < ' ' || c == '/'; };  // the name becomes part of file names
     if (std::any_of(camera.name.begin(), camera.name.end(), unfit)) {
       refuse("camera", "must be a name without '/' and control characters");
     }
@@ -110,7 +110,7 @@ class CameraReader {
     const auto& m = require<ExrMatrix4>(kPose, "m44d", kMeaning);
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) refuse(kPose, fmt::format("must be {}", kMeaning));
     const Mat3 matrix{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
-    constexpr double kRotation = 1e-5;  // float32 matrices are welcome
+    constexpr double kRotation = 1e-5;  // wide enough for float32 matrices
     if (determinant(matrix) < 0) {
       refuse(kPose, "mirrors: the camera's axes are right-handed, x right, y down, z forward");
     }
@@ -118,7 +118,7 @@ class CameraReader {
       refuse(kPose, "its left upper 3 x 3 is no rotation: camera poses have no scale and no shear");
     }
     camera.worldFromCamera = {fromMatrix(matrix), {m[3], m[7], m[11]}};
-    // A matrix does not give back every bit of the quaternion that it was made of.
+    // The matrix does not preserve every bit of the quaternion that it was computed from.
     const auto* xyz = optional<Vec3d>(kQuaternionXyz, "v3d");
     const auto* w = optional<double>(kQuaternionW, "double");
     if (xyz == nullptr || w == nullptr) return;
@@ -130,7 +130,7 @@ class CameraReader {
     camera.worldFromCamera.rotation = exact;
   }
 
-  // Whoever scales an image seldom thinks of its camera matrix.
+  // Throws InputError if the stated field does not fit the camera matrix: images are often scaled without their matrix.
   void checkField(const char* attribute, double field) const {
     const auto* claimed = optional<double>(attribute, "double");
     if (claimed == nullptr || std::abs(*claimed - field) < 1e-3) return;

@@ -9,7 +9,7 @@ namespace scanmill {
 
 ExrAttributes cameraAttributes(const Camera& camera);
 
-// The camera of a file's image. Throws InputError that names the file and the attribute.
+// Returns the camera of a file's image. Throws InputError that names the file and the attribute.
 Camera readCamera(const ExrReader& file);
 
 }  // namespace scanmill

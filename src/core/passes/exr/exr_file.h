@@ -21,7 +21,7 @@ namespace scanmill {
 using ExrMatrix3 = std::array<double, 9>;  // row by row
 using ExrMatrix4 = std::array<double, 16>;
 using ExrMatrix4f = std::array<float, 16>;
-// std::monostate: of a type that nobody here reads. Numbers and matrices are read from either precision, as double.
+// std::monostate: an attribute of a type that is not read. Numbers and matrices of either precision are read as double.
 using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4, ExrMatrix4f>;
 using ExrAttributes = std::map<std::string, ExrValue>;
 
@@ -38,12 +38,12 @@ struct ExrPlane {
   std::size_t stride = 4;
 };
 
-// Scan lines, lossless, from the calling thread. The same image gives the same bytes; under its final name the file is
-// whole. Throws Error.
+// Writes scan lines, lossless, on the calling thread. The same image gives the same bytes. The file gets its final name
+// only when it is complete. Throws Error.
 void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
               const ExrAttributes& attributes, std::span<const ExrPlane> planes, ExrCompression compression);
 
-// A channel of a file; its name starts with that of its part where there are several parts.
+// A channel of a file. In a file of several parts its name starts with the name of its part.
 struct ExrChannel {
   std::string name;
   ExrType type = ExrType::Float32;
@@ -51,19 +51,19 @@ struct ExrChannel {
   std::string nameInPart;
 };
 
-// Where a channel's pixels go: uint32 of a Uint32 channel, else float.
+// The memory for a channel's pixels: uint32 for a Uint32 channel, else float.
 struct ExrTarget {
   const ExrChannel* channel = nullptr;
   void* pixels = nullptr;
   std::size_t stride = 4;  // bytes from pixel to pixel
 };
 
-// A file in memory, still encoded. Scan lines or tiles, one part or several of the same size; deep parts are left out.
+// A file in memory, still encoded: scan lines or tiles, one part or several of the same size; deep parts are ignored.
 // All members throw InputError that names the file.
 class ExrReader {
  public:
-  // Refuses what is no EXR, damaged headers, sizes that the file cannot hold, lossy compression, and data windows that
-  // are not the display window: part of an image would be taken for the whole.
+  // Throws for files that are not EXR, damaged headers, sizes that the file is too short for, lossy compression, and
+  // data windows that differ from the display window: part of an image would be taken for the whole.
   explicit ExrReader(const std::filesystem::path& path);
 
   const std::string& name() const { return name_; }  // of the file, for messages
@@ -71,10 +71,10 @@ class ExrReader {
   std::uint32_t height() const { return height_; }
   std::size_t pixels() const { return std::size_t{width_} * height_; }
   const std::vector<ExrChannel>& channels() const { return channels_; }  // by part, then by name
-  // Of the first part that has it; null: there is none.
+  // Returns the attribute of the first part that has it; null if there is none.
   const ExrValue* attribute(const std::string& attributeName) const;
 
-  // On all cores.
+  // Decodes channels into their targets, on all cores.
   void read(std::span<const ExrTarget> targets) const;
 
  private:

@@ -33,11 +33,11 @@ namespace {
 constexpr std::int64_t kMostAcross = 65536;  // pixels
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
-// No lossless method of OpenEXR packs tighter: deflate's longest match gives 258 bytes for 2 bits.
+// The highest compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2 bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // what is worth a task of a thread
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // the least work that is worth a task
 
-// Encoded bytes as OpenEXR reads them; several may look at the same bytes.
+// A stream of encoded bytes for OpenEXR; several streams may share the bytes.
 class MemoryInput : public Imf::IStream {
  public:
   MemoryInput(const char* name, std::string_view bytes) : Imf::IStream(name), bytes_(bytes) {}
@@ -60,7 +60,7 @@ class MemoryInput : public Imf::IStream {
   throw InputError({name}, fmt::format("is damaged or truncated ({}): write it again", what));
 }
 
-// Walks the headers before OpenEXR does, which allocates whatever size an attribute claims.
+// Checks the headers before OpenEXR does, because OpenEXR allocates whatever size an attribute claims.
 class HeaderCheck {
  public:
   HeaderCheck(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
@@ -103,7 +103,7 @@ class HeaderCheck {
     return found;
   }
 
-  // False: the empty name that ends a header.
+  // Skips an attribute. False at the empty name that ends a header.
   bool attribute() {
     const std::string_view attributeName = text();
     if (attributeName.empty()) return false;
@@ -155,7 +155,7 @@ std::string windowText(const Imath::Box2i& box) {
   return fmt::format("({}, {}) to ({}, {})", box.min.x, box.min.y, box.max.x, box.max.y);
 }
 
-// Width and height. Corners are any 32 bit integers here.
+// Returns width and height. The corners are not checked yet and may be any 32 bit integers.
 std::array<std::uint32_t, 2> sizeOf(const std::string& name, const Imath::Box2i& box) {
   const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
@@ -173,7 +173,7 @@ ExrType typeOf(Imf::PixelType type) {
   return type == Imf::HALF ? ExrType::Float16 : ExrType::Float32;
 }
 
-// Rows [first, end) of the targets, all of this part.
+// Reads rows [first, end) of the targets, which are all of this part.
 void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imath::Box2i window = file.header(part).dataWindow();
@@ -189,7 +189,7 @@ void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
 }
 
-// Whether a part's pixels are in the file as they are in memory: line by line, channel by channel, 4 bytes each.
+// True if a part's pixels are stored in the file as in memory: line by line, channel by channel, 4 bytes each.
 bool isPlain(const Imf::Header& header) {
   if (header.hasTileDescription() || header.compression() != Imf::NO_COMPRESSION) return false;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
@@ -198,13 +198,14 @@ bool isPlain(const Imf::Header& header) {
   return std::endian::native == std::endian::little;
 }
 
-// readRows() for such a part: OpenEXR goes pixel by pixel, which takes a third of the time of making scans from hits.
+// Does what readRows() does, for a part of which isPlain() is true: OpenEXR decodes pixel by pixel, which would take a
+// third of the time of making scans from hits.
 void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imf::Header& header = file.header(part);
   const Imath::Box2i window = header.dataWindow();
   const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
-  std::vector<std::string> names;  // in the order of the lines
+  std::vector<std::string> names;  // in their order within a line
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     names.emplace_back(channel.name());
   }
@@ -227,7 +228,7 @@ void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   }
 }
 
-// Everything that OpenEXR throws becomes an InputError that names the file.
+// Runs the work and turns everything that OpenEXR throws into an InputError that names the file.
 template <class Work>
 void guarded(const std::string& name, Work&& work) {
   try {

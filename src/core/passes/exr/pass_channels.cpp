@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-// The channel of this name, or the only one of this name in a layer.
+// Returns the channel of this name, or else the only one of this name in a layer; null if there is none.
 const ExrChannel* findName(const ExrReader& file, const std::string& name) {
   const ExrChannel* found = nullptr;
   for (const ExrChannel& channel : file.channels()) {
@@ -30,7 +30,7 @@ const ExrChannel* findName(const ExrReader& file, const std::string& name) {
   return found;
 }
 
-// "<layer>.Z", unless it is the third part of a vector or lies deeper (Blender's "<layer>.Mist.Z").
+// Returns "<layer>.Z", unless it is the third component of a vector or has more levels (Blender's "<layer>.Mist.Z").
 const ExrChannel* findLayerZ(const ExrReader& file) {
   const auto& all = file.channels();
   const auto isDepth = [&](const ExrChannel& channel) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which channel of an EXR file holds which pass: see pass_exr.h for the names.
+// Finds the channels of an EXR file that hold a pass: see pass_exr.h for the names.
 
 #include <array>
 #include <string_view>
@@ -9,12 +9,13 @@
 
 namespace scanmill {
 
-// "instance", "reflectance" ...; null: the file has none. Throws InputError where several could be meant.
+// Return the channels of a pass ("instance", "reflectance" ...); null if the file has none. Throw InputError if several
+// channels may be meant.
 const ExrChannel* findPass(const ExrReader& file, std::string_view pass);
 const ExrChannel* findDepth(const ExrReader& file);
 std::array<const ExrChannel*, 3> findNormal(const ExrReader& file);  // all or none
 
-// findPass(), or an InputError that says what the file has. Any of the types will do.
+// Do the same, but throw InputError that lists the file's channels if there is none. Any type of channel is returned.
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass);
 const ExrChannel& requireDepth(const ExrReader& file);
 std::array<const ExrChannel*, 3> requireNormal(const ExrReader& file);

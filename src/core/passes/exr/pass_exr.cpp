@@ -21,7 +21,7 @@ namespace scanmill {
 namespace {
 
 constexpr float kWrittenNoDepth = 1e10f;    // m
-constexpr float kNothing = 1e9f;            // m; from here on nothing is seen
+constexpr float kNothing = 1e9f;            // m; a depth of this or more means that nothing is seen
 constexpr float kFloatIds = 16777216;       // 2^24: from here on float32 rounds integers
 constexpr std::size_t kExrGrain = 1 << 16;  // pixels
 
@@ -75,7 +75,7 @@ class PassReader {
   }
 
  private:
-  // Ids as the file has them, where that is not as their plane has them.
+  // Ids in the file's type, if that is not the type of their plane.
   struct RawIds {
     std::string channel;
     std::vector<std::uint32_t> wide;
@@ -139,7 +139,7 @@ class PassReader {
     targets_.push_back({&channel, plane.data(), sizeof(float)});
   }
 
-  // Calls work(pixel) for all pixels; gives the first one for which it is false, or the number of pixels.
+  // Calls work(pixel) for all pixels. Returns the first pixel for which it is false, or the number of pixels.
   template <class Work>
   std::size_t forPixels(const Work& work) const {
     std::atomic<std::size_t> bad = file_.pixels();
@@ -173,8 +173,8 @@ class PassReader {
     }
   }
 
-  // Unit vectors, turned towards the camera. What is written by writePasses() is left as it is: the signs of its
-  // normals are right but for what rounding to float32 leaves open.
+  // Checks that normals are unit vectors and turns them towards the camera. Normals from writePasses() stay as they
+  // are: their signs are right, except for edge-on surfaces, where float32 rounding may change them.
   void finishNormal() {
     constexpr double kEdgeOn = 1e-6;  // cosine
     const Camera& camera = image_.camera;
@@ -210,7 +210,8 @@ class PassReader {
     if (away > 0) refuseMostAway(away);
   }
 
-  // A surface that is modelled inside out is turned without a word; that most are is less likely than an axis that is.
+  // Throws InputError if most normals faced away from the camera: wrong camera axes are then more likely than a scene
+  // whose surfaces are mostly modelled inside out.
   void refuseMostAway(std::size_t away) const {
     const auto& depth = planes_.depth;
     const auto pixels =
@@ -304,7 +305,7 @@ void writePasses(const std::filesystem::path& path, const PassImage& image) {
     constexpr const char* kAxes[] = {"N.X", "N.Y", "N.Z"};
     add(kAxes[axis], ExrType::Float32, from.normal, &from.normal.data()->x + axis, sizeof(Vec3f));
   }
-  std::vector<std::vector<std::uint32_t>> wide;  // OpenEXR knows no narrower integers
+  std::vector<std::vector<std::uint32_t>> wide;  // OpenEXR has no narrower integers
   forIds(from, [&](const char* name, Channel, const auto& plane) {
     if constexpr (sizeof plane[0] == sizeof(std::uint32_t)) {
       add(name, ExrType::Uint32, plane, plane.data(), sizeof(std::uint32_t));

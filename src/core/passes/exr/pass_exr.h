@@ -2,7 +2,7 @@
 
 // Pass images as OpenEXR files.
 //
-// One file per camera, scan lines, lossless (ZIP), row 0 at the top. Channels, those that there are:
+// One file per camera, scan lines, lossless (ZIP), row 0 at the top. Channels, as far as the image has them:
 //
 //   Z                 float32  m, planar depth; 1e10 where nothing is seen (as Blender writes it)
 //   N.X N.Y N.Z       float32  unit normal, world axes, turned towards the camera; 0 where nothing is seen
@@ -21,15 +21,16 @@
 //   horizontalFieldDeg, verticalFieldDeg (double)         between the outer edges of the image
 //   camera, units, writer (string)                        the camera's name, "m", the program
 //
-// Files of others are read too. They need Z and what else is asked for, cameraMatrix and worldFromCamera (m33f and m44f
-// will do); other attributes must agree with these where they are there. Scan lines or tiles, one part or several, any
-// lossless compression. Before a channel's name may stand a layer's ("ViewLayer.Normal.X"), and these names are known:
+// Files of other programs are read too. They need Z, the other requested passes, cameraMatrix and worldFromCamera (m33f
+// and m44f are accepted); the other attributes must agree with these if they are present. They may have scan lines or
+// tiles, one part or several, and any lossless compression. The name of a layer may precede that of a channel
+// ("ViewLayer.Normal.X"), and these names are known:
 //
 //   Z: also Depth.Z and depth.Z     N.X ...: also Normal.X ...     single values: also with .X or .V at the end
 //   instance: also IndexOB          material: also IndexMA
 //
-// Many programs write ids as FLOAT: those are taken where all of them are whole and below 2^24, so that none is rounded
-// and none is blended. Normals and surface parameters may be HALF; depth and ids may not.
+// Many programs write ids as FLOAT: these are accepted if all of them are whole and below 2^24, so that none can be
+// rounded or blended. Normals and surface parameters may be HALF; depth and ids may not.
 
 #include <filesystem>
 #include <string>
@@ -38,19 +39,19 @@
 
 namespace scanmill {
 
-// Under its final name the file is whole (see AtomicFile). Throws Error.
+// Writes an image. The file gets its final name only when it is complete (see AtomicFile). Throws Error.
 void writePasses(const std::filesystem::path& path, const PassImage& image);
 
-// Reads the passes that are asked for; what writePasses() wrote, to the bit. A depth that is infinite or at least 1e9 m
-// means that nothing is seen, whatever the other channels say there. Throws InputError that names the file, the channel
-// or attribute, and what to do: no EXR, truncated, a channel absent or of the wrong type, a depth that is NaN, negative
-// or zero, a normal that is no unit vector, normals most of which face away from the camera (fewer are turned to it:
-// then worldFromCamera is likely to have the axes of OpenGL or Blender), an id that is not whole or too large, a
-// reflectance, roughness or metallic outside of 0 to 1, an attribute absent or senseless, a data window that is not the
-// display window.
+// Reads the requested passes, bit for bit as writePasses() wrote them. A depth that is infinite or at least 1e9 m means
+// that nothing is seen, whatever the other channels contain. Normals that face away from the camera are turned. Throws
+// InputError that names the file, the channel or attribute, and what to do, for files that are not EXR or truncated; a
+// channel that is absent or of the wrong type; a depth that is NaN, negative or zero; a normal that is not a unit
+// vector; normals most of which face away (worldFromCamera then probably has the axes of OpenGL or Blender); an id that
+// is not whole or too large; a reflectance, roughness or metallic outside of 0 to 1; an attribute that is absent or
+// senseless; a data window that differs from the display window.
 PassImage readPasses(const std::filesystem::path& path, PassChoice asked);
 
-// Which passes the file holds.
+// Returns the passes that the file holds.
 PassChoice passesIn(const std::filesystem::path& path);
 
 }  // namespace scanmill

@@ -16,14 +16,14 @@ namespace scanmill {
 
 namespace {
 
-// Chunks of so many triangles or fewer: small enough that few lie outside of an image, large enough that drawing one
-// costs little beside its triangles.
+// The most triangles in a chunk: a compromise between large chunks, of which more lies outside of the image, and small
+// ones, each of which costs a draw.
 constexpr std::size_t kChunk = 1024;
 
-// Depth is interpolated across the whole of a triangle in float32, and corners that are clipped away leave their
-// rounding behind: of a triangle of 20 km llvmpipe's depth is wrong by 1e-4 of itself, below 1 km by 1e-5. Edges longer
-// than this (m, world) are halved, but not those below a kShare-th of the mesh. The depth that is reported is computed
-// otherwise (see DrawnView::seen); this one decides what is seen.
+// Edges longer than this (m, world) are halved, unless they are shorter than kShare of the mesh's size: llvmpipe
+// interpolates depth in float32 across the whole triangle, even if its corners are clipped away. The relative error is
+// 1e-4 for a triangle of 20 km, 1e-5 below 1 km. This depth decides only what is seen; the reported depth is computed
+// in double (see DrawnView::seen).
 constexpr double kLongestEdge = 256;
 constexpr double kShare = 1.0 / 256;
 
@@ -46,21 +46,22 @@ struct MeshPieces {
   ViewBatch cut;
 };
 
-// How much an instance stretches its mesh at least along one axis.
+// Returns the largest factor by which an instance stretches one of its mesh's axes.
 double stretch(const Instance& instance) {
   const Mat3& m = instance.worldFromMesh.linear;
   return std::max({length(m.x), length(m.y), length(m.z)});
 }
 
-// Far from zero float32 steps are coarse: positions are taken from a point in the middle, where the subtraction is
-// exact because both are within a factor of two (Sterbenz).
+// Returns the origin that a mesh's positions are relative to, along one axis. Far from zero float32 steps are coarse,
+// so the origin is then in the middle of the mesh. Subtracting it is exact, because position and origin are within a
+// factor of two (Sterbenz).
 double originOf(double low, double high) {
   const double middle = (low + high) / 2;
   return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
 }
 
-// Halves the longest edge until all are short. Triangles that share an edge cut it at the same points, whatever else
-// they are cut at: no gap opens between them.
+// Halves the longest edge until all edges are short. Triangles that share an edge split it at the same points, whatever
+// their other edges are: no gap opens between them.
 void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const auto squared = [&](std::size_t i) {
     const Vec3f edge = piece.corners[(i + 1) % 3].position - piece.corners[i].position;
@@ -76,7 +77,7 @@ void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const Corner& a = piece.corners[i];
   const Corner& b = piece.corners[j];
   const Corner half{(a.position + b.position) * 0.5f, {(a.uv.x + b.uv.x) * 0.5f, (a.uv.y + b.uv.y) * 0.5f}};
-  if (half.position == a.position || half.position == b.position) {  // as short as float32 goes
+  if (half.position == a.position || half.position == b.position) {  // too short to be halved in float32
     pieces.push_back(piece);
     return;
   }
@@ -109,7 +110,8 @@ void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
   batch.chunks.push_back(chunk);
 }
 
-// Halves the set at the median of its middles along their longest extent until it fits into a chunk.
+// Halves the set of pieces at the median of their middles, along the longest axis of their extent, until each half fits
+// into a chunk.
 void chop(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
   if (pieces.empty()) return;
   if (pieces.size() <= kChunk) {
@@ -165,7 +167,8 @@ MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std:
   return made;
 }
 
-// Which materials are cut out; their bits are added to the geometry.
+// Adds the cut-out bits of all alpha-tested materials to the geometry. Returns, per material, its index into the
+// cut-outs, or kSolid.
 std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry) {
   std::vector<std::uint32_t> cutoutOf(scene.materials.size(), kSolid);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {

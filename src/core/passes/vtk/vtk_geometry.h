@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene's triangles as a graphics card draws them: each mesh once, in chunks that lie close together.
+// A scene's triangles as a graphics card draws them: each mesh once, in chunks of triangles that are close together.
 
 #include <cstdint>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// A run of triangles of one mesh, and where they are (m, mesh axes, relative to ViewMesh::origin).
+// A run of triangles of one mesh, and their bounds (m, mesh axes, relative to ViewMesh::origin).
 struct ViewChunk {
   std::uint32_t firstTriangle = 0;  // in its batch
   std::uint32_t triangles = 0;
@@ -19,11 +19,11 @@ struct ViewChunk {
   Vec3f high;
 };
 
-// Triangles as corners, three after each other. Large ones are drawn in pieces.
+// Triangles as lists of corners, three per triangle. Large triangles are split into pieces.
 struct ViewBatch {
-  std::vector<float> positions;         // 3 a corner: m, mesh axes, relative to ViewMesh::origin
-  std::vector<float> uvs;               // 2 a corner; of what is cut out only
-  std::vector<std::uint32_t> cutouts;   // one a corner; likewise
+  std::vector<float> positions;         // 3 per corner: m, mesh axes, relative to ViewMesh::origin
+  std::vector<float> uvs;               // 2 per corner; empty for solid triangles
+  std::vector<std::uint32_t> cutouts;   // 1 per corner; likewise
   std::vector<std::uint32_t> original;  // per triangle: index into Mesh::triangles
   std::vector<ViewChunk> chunks;
 };
@@ -34,7 +34,7 @@ struct ChunkRange {
 };
 
 struct ViewMesh {
-  Vec3d origin;  // m, mesh axes: exact float32 numbers, and so is every position less it
+  Vec3d origin;  // m, mesh axes: exact in float32, as is every position minus the origin
   Vec3f low;     // of all chunks
   Vec3f high;
   ChunkRange solid;
@@ -44,12 +44,12 @@ struct ViewMesh {
 struct ViewGeometry {
   ViewBatch solid;
   ViewBatch cut;
-  std::vector<ViewMesh> meshes;  // as Scene::meshes; those that no instance places are empty
+  std::vector<ViewMesh> meshes;  // as Scene::meshes; meshes without an instance are empty
   std::vector<VtkCutout> cutouts;
   std::vector<std::uint32_t> cutoutWords;
 };
 
-// Throws Error where a batch holds more than `trianglesPerBatch`.
+// Throws Error if a batch holds more than `trianglesPerBatch`.
 ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBatch);
 
 }  // namespace scanmill

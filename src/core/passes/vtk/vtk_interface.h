@@ -1,6 +1,6 @@
 #pragma once
 
-// The interface of libscanmill_passes.so, in which VTK draws numbers of triangles (base/module.h).
+// The interface of the plug-in libscanmill_passes.so, in which VTK draws images of triangle numbers (base/module.h).
 
 #include <cstdint>
 #include <memory>
@@ -11,22 +11,22 @@
 
 namespace scanmill {
 
-constexpr std::uint32_t kVtkImages = 8;  // that are drawn and kept at once
+constexpr std::uint32_t kVtkImages = 8;  // images that are drawn and stored at once
 
 struct VtkLimits {
   std::uint32_t imageSize = 0;          // px, of an image's longer side
-  std::uint64_t trianglesPerBatch = 0;  // that a call can draw from
+  std::uint64_t trianglesPerBatch = 0;  // from which one call can draw
 };
 
-// Triangles as corners, three after each other, without indices.
+// Triangles as lists of corners, three per triangle, without indices.
 struct VtkTriangles {
-  std::span<const float> positions;        // 3 a corner: m, in the frame of their mesh
-  std::span<const float> uvs;              // 2 a corner; none where nothing is cut out
-  std::span<const std::uint32_t> cutouts;  // one a corner: index into the cut-outs, the same for all three corners
+  std::span<const float> positions;        // 3 per corner: m, in the frame of their mesh
+  std::span<const float> uvs;              // 2 per corner; empty for solid triangles
+  std::span<const std::uint32_t> cutouts;  // 1 per corner: index into the cut-outs, the same for all three corners
 };
 
-// Where a texture lets the view pass: one bit a texel, set where it does. Texel (column, row) is bit
-// 32 * firstWord + row * width + column; row 0 is at v = 0. Shaders read it as four unsigned integers.
+// The texels of a texture that let the view pass: one bit per texel, set if it does. Texel (column, row) is bit 32 *
+// firstWord + row * width + column; row 0 is at v = 0. Shaders read this record as four unsigned integers.
 struct VtkCutout {
   std::uint32_t firstWord;
   std::uint32_t width;
@@ -41,8 +41,8 @@ struct VtkScene {
   std::span<const std::uint32_t> words;  // of the cut-outs' bits
 };
 
-// One placing of a run of triangles. The number of its k-th triangle in the image is firstNumber + k; 0 is kept for
-// pixels in which nothing is seen.
+// One placement of a run of triangles. In the image, the k-th triangle of the batch has the number firstNumber + k; 0
+// means that nothing is seen.
 //
 //   (x, y, w) of clip space = rows * (position, 1); depth grows with nearest / w
 struct VtkPlacement {
@@ -50,7 +50,7 @@ struct VtkPlacement {
   std::uint32_t firstNumber;
 };
 
-// `placements` placings, from firstPlacement on, of the triangles [firstTriangle, firstTriangle + triangles).
+// Draws the triangles [firstTriangle, firstTriangle + triangles) at `placements` placements, from firstPlacement on.
 struct VtkDraw {
   std::uint32_t firstTriangle;
   std::uint32_t triangles;
@@ -63,29 +63,29 @@ struct VtkImage {
   std::uint32_t height = 0;  // px
   float nearest = 0;         // m, of the clipping plane w = nearest
   std::span<const VtkPlacement> placements;
-  std::span<const VtkDraw> solid;  // in the order in which they are drawn: of equal depths the first stays
+  std::span<const VtkDraw> solid;  // drawn in this order: at equal depth the first triangle stays
   std::span<const VtkDraw> cut;
 };
 
-// How pixels are counted: row by row, through the images of slots 0 to 7.
+// The numbering of pixels: row by row, through the images of slots 0 to 7.
 struct VtkPixels {
   std::uint32_t firsts[kVtkImages + 1];  // each image's first pixel, and one past the last
   std::uint32_t widths[kVtkImages];      // px
 };
 
-// A device that draws a scene. Calls may come from any thread, one after the other. They throw std::bad_alloc where
-// memory is out, and std::runtime_error.
+// A device that draws a scene. Calls may come from any thread, but not at the same time. They throw std::bad_alloc if
+// memory is exhausted, and std::runtime_error for other errors.
 class VtkDevice {
  public:
   virtual ~VtkDevice() = default;
   virtual std::string name() const = 0;  // "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)"
   virtual VtkLimits limits() const = 0;
   virtual void upload(const VtkScene& scene) = 0;
-  // Draws image number `slot` (0 to 7) and keeps it in place of the one before. Row 0 is the top one.
+  // Draws an image into `slot` (0 to 7), in place of the one that is there. Row 0 is the top one.
   virtual void draw(std::uint32_t slot, const VtkImage& image) = 0;
-  // Waits until everything asked for is done.
+  // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Reads the numbers at these addresses, which belong to images that were drawn; an address beyond them all gives 0.
+  // Reads the numbers at these addresses, which belong to images that were drawn; an address beyond all images gives 0.
   virtual void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) = 0;
   // Reads whole rows of one image.
   virtual void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) = 0;
@@ -96,8 +96,8 @@ class VtkModule {
   static constexpr ModuleFile kFile{"libscanmill_passes.so", "images cannot be drawn by VTK",
                                     "install VTK and EGL (on Debian the packages libvtk9-dev and libegl-dev)"};
   virtual ~VtkModule() = default;
-  // `device` is as namedDevice() gives it (gpu/device.h). Throws NoDevice, and std::invalid_argument where there is
-  // none of that name.
+  // `device`: as namedDevice() returns it (gpu/device.h). Throws NoDevice, and std::invalid_argument if no device has
+  // that name.
   virtual std::unique_ptr<VtkDevice> open(const std::string& device) const = 0;
 };
 

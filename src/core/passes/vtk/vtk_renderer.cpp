@@ -1,7 +1,7 @@
-// This is the VTK renderer: cameras become views, the module draws them, and pixels that are asked for become passes.
+// The VTK renderer: cameras become views, the plug-in draws them, and requested pixels become passes.
 //
-// An image holds one number a pixel, that of the triangle seen, and stays where it was drawn. Everything else, depth
-// included, follows from the number and the scene, exactly, and only for the pixels that are fetched.
+// An image holds one number per pixel, that of the triangle seen, and stays on the device. Everything else, including
+// the depth, is computed exactly from the number and the scene, and only for the pixels that are fetched.
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ namespace scanmill {
 
 namespace {
 
-// Does the module's work, and throws what fails in the words of this renderer.
+// Runs work of the plug-in, and rethrows its errors as Error in this renderer's words.
 template <class Work>
 decltype(auto) told(const Work& work) {
   try {
@@ -54,7 +54,7 @@ void check(const Camera& camera, const VtkLimits& limits) {
   }
 }
 
-// The module's device with the scene in it.
+// The plug-in's device with the uploaded scene.
 class Device {
  public:
   explicit Device(const Scene& scene) : resolver(scene) {
@@ -108,7 +108,8 @@ class Device {
   std::unique_ptr<VtkDevice> device_;
 };
 
-// Whoever draws holds it until the images are gone. It is not a mutex, which would belong to a thread.
+// Locks the renderer until its images are destroyed. A semaphore, not a mutex: another thread than the one that locked
+// may destroy the images.
 class RendererLock {
  public:
   explicit RendererLock(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
@@ -166,7 +167,7 @@ class VtkSource : public PixelSource {
     return k;
   }
 
-  // One number per address into numbers_.
+  // Reads one number per address into numbers_.
   void readNumbers(std::span<const PixelAddress> addresses) {
     numbers_.assign(addresses.size(), 0);
     if (addresses.empty() || cameras_.empty()) return;
@@ -181,7 +182,7 @@ class VtkSource : public PixelSource {
     }
   }
 
-  // All of numbers_ from consecutive pixels of an image.
+  // Fills numbers_ from consecutive pixels of an image.
   void readRun(std::size_t k, std::uint32_t firstPixel) {
     const std::uint32_t width = cameras_[k].width;
     const std::uint32_t firstRow = firstPixel / width;

@@ -41,7 +41,7 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
     const double middle = dot(space.normal, center) + space.offset;
     const double reach =
         std::abs(space.normal.x) * half.x + std::abs(space.normal.y) * half.y + std::abs(space.normal.z) * half.z;
-    const double slack = 1e-6 * (std::abs(middle) + reach);  // rounding must not take away what touches the edge
+    const double slack = 1e-6 * (std::abs(middle) + reach);  // rounding must not drop boxes that touch the edge
     if (middle + reach < -slack) return Side::Outside;
     if (middle - reach < slack) side = Side::Across;
   }
@@ -57,7 +57,8 @@ int distanceStep(double distance) {
   return static_cast<int>(4 * std::log2(1 + distance));
 }
 
-// At most the distance from the camera to any point of the box (m): that to a box around it along the camera's axes.
+// Returns a lower bound of the distance from the camera to the box (m): the distance to a larger box around it, which
+// has the camera's axes.
 double leastDistance(const Mat3& linear, const Vec3d& translation, const Vec3f& low, const Vec3f& high) {
   const Vec3d middle = linear * ((Vec3d(low) + Vec3d(high)) * 0.5) + translation;
   const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
@@ -86,8 +87,8 @@ DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Cam
   rowsOfFrame_ = {};
 }
 
-// Everything is computed in double, and the difference of the places comes first: far from the world's origin the same
-// numbers result.
+// Everything is computed in double, from the instance's position relative to the camera, so that the numbers are the
+// same far from the world's origin.
 void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
   const Instance& instance = scene_.instances[index];
   const ViewMesh& mesh = geometry_.meshes[instance.mesh];
@@ -205,7 +206,8 @@ SeenTriangle DrawnView::seen(std::uint32_t pixel, std::uint32_t number) const {
   const std::uint32_t row = pixel / camera_.width;
   const Vec3d ray = camera_.ray(column + 0.5, row + 0.5);
   const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
-  // A triangle seen edge on covers pixels whose centre its plane meets somewhere else, or nowhere.
+  // For a triangle seen edge-on, the line of sight may intersect the plane outside of the triangle, or nowhere: keep
+  // the depth between those of the corners.
   const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
   const auto [low, high] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
   const double nearest = std::max(low, limits_.nearest);

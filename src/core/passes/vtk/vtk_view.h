@@ -1,6 +1,7 @@
 #pragma once
 
-// What one camera sees of a scene: which chunks of which instances are drawn, and what the numbers that come back mean.
+// One camera's view of a scene: which chunks of which instances are drawn, and which triangles the numbers in the image
+// stand for.
 
 #include <cstdint>
 #include <vector>
@@ -13,15 +14,15 @@
 
 namespace scanmill {
 
-// An image's pixels hold numbers of drawn triangles. The scene and the geometry must outlive it.
+// The view of an image whose pixels hold numbers of drawn triangles. The scene and the geometry must outlive it.
 class DrawnView {
  public:
   DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
 
-  // The image holds pointers into this view.
+  // Returns the image to draw; it holds pointers into this view.
   VtkImage image() const;
-  // What a pixel of the image that holds a number sees. The depth is that of the triangle's plane at the pixel's
-  // centre, computed in double.
+  // Returns the triangle that a pixel sees if the image holds `number` there. Its depth is that of the triangle's plane
+  // at the pixel's centre, computed in double.
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
 
  private:
@@ -30,7 +31,7 @@ class DrawnView {
     std::uint32_t instance;
     Mat3 meshFromCamera;
     Vec3d cameraInMesh;
-    Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, of points in mesh axes
+    Vec3d depthAxis;  // depth = depthAxis . p + depthOffset, for points p in mesh axes
     double depthOffset;
   };
   struct Run {

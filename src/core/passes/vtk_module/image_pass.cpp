@@ -13,9 +13,9 @@ namespace scanmill {
 
 namespace {
 
-// Depth is nearest / w, which falls with distance: float32 has small numbers in plenty, so its relative precision is
-// the same near and far (Reed, "Depth precision visualized", 2015). Nothing is cut off at the far end. Where clip space
-// has depths from -1 to 1, OpenGL's own mapping to 0 to 1 spoils that.
+// The depth buffer holds nearest / w, which falls with distance. Float32 is as precise, relatively, for small numbers
+// as for large ones, and so is the depth near and far (Reed, "Depth precision visualized", 2015). There is no far
+// clipping plane. If clip space has depths from -1 to 1, OpenGL's own mapping to 0 to 1 loses that precision.
 constexpr const char* kSolidVertex = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 rows[3];
@@ -60,7 +60,7 @@ void main() {
 }
 )";
 
-// The texel is that of Texture::texel: the nearest one, repeated.
+// Selects the texel as Texture::texel does: the nearest one, repeated.
 constexpr const char* kCutFragment = R"(#version 430 core
 flat in uint number;
 flat in uint cutout;
@@ -96,7 +96,7 @@ void ImagePass::Render(const vtkRenderState* state) {
   draw(window);
 }
 
-// Makes programs and textures. Textures are kept from one image to the next of the same size.
+// Creates programs and textures. Textures are reused for the next image of the same size.
 void ImagePass::prepare(vtkOpenGLRenderWindow* window) {
   if (!solid_) {
     zeroToOne_ = GLEW_VERSION_4_5 || GLEW_ARB_clip_control;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The pass that draws an image: for each pixel the number of the triangle that it sees.
+// The render pass that draws an image of triangle numbers: each pixel gets the number of the triangle that it sees.
 
 #include <vtkNew.h>
 #include <vtkOpenGLFramebufferObject.h>
@@ -21,7 +21,7 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
  public:
   static ImagePass* New();
 
-  // What the next Render() draws, and where to.
+  // Sets what the next Render() draws, and into which slot.
   void next(TriangleStore* triangles, const VtkImage* image, std::uint32_t slot);
   void Render(const vtkRenderState* state) override;
 
@@ -39,7 +39,7 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
   TriangleStore* triangles_ = nullptr;
   const VtkImage* image_ = nullptr;
   std::uint32_t slot_ = 0;
-  bool zeroToOne_ = false;  // clip space holds the depths 0 to 1
+  bool zeroToOne_ = false;  // depths in clip space are from 0 to 1
 
   std::unique_ptr<GlProgram> solid_;
   std::unique_ptr<GlProgram> cut_;

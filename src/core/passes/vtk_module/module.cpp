@@ -1,4 +1,5 @@
-// libscanmill_passes.so: VTK on an OpenGL context of our own, behind the interface of passes/vtk/vtk_interface.h.
+// The plug-in libscanmill_passes.so: VTK on an OpenGL context of its own, behind the interface of
+// passes/vtk/vtk_interface.h.
 
 #include <vtkAutoInit.h>
 #include <vtkNew.h>
@@ -25,10 +26,10 @@ namespace scanmill {
 
 namespace {
 
-// What draws in a context, made and used while it is current.
+// A context and what renders in it, created and used while it is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
-    window->start(8, 8);  // nothing is drawn to it
+    window->start(8, 8);  // nothing is drawn to the window itself
     if (!GLEW_VERSION_4_3) throw NoDevice("VTK does not find OpenGL 4.3");
     window->AddRenderer(renderer);
     reader = std::make_unique<GlPixelReader>();
@@ -84,7 +85,7 @@ class GlDevice final : public VtkDevice {
   void draw(std::uint32_t slot, const VtkImage& image) override {
     withContext([&](ContextState& state) {
       state.pass->next(state.triangles.get(), &image, slot);
-      // It goes not by way of the window, which would copy the result to a default framebuffer that there is not.
+      // Render without the window, which would copy the result to a default framebuffer that does not exist.
       const vtkRenderState renderState(state.renderer);
       state.pass->Render(&renderState);
     });
@@ -107,7 +108,7 @@ class GlDevice final : public VtkDevice {
   }
 
  private:
-  // Does the work on the thread of all OpenGL, with the context current and VTK quiet.
+  // Runs the work on the OpenGL thread, with the context current and VTK quiet.
   template <class Work>
   void withContext(const Work& work) {
     thread_->run([&] {

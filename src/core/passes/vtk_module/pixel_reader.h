@@ -1,6 +1,6 @@
 #pragma once
 
-// Gets pixels back: single ones, which a compute shader gathers so that only they travel, or whole rows.
+// Reads pixels back: single ones, which a compute shader gathers so that only they are transferred, or whole rows.
 
 #include <vtkTextureObject.h>
 

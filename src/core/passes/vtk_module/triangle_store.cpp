@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// As glMultiDrawArraysIndirect reads it.
+// The layout of commands that glMultiDrawArraysIndirect reads.
 struct Command {
   GLuint count;
   GLuint instances;

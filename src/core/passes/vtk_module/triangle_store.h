@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene's triangles where OpenGL draws from.
+// The scene's triangles in OpenGL's buffers.
 
 #include <span>
 
@@ -18,7 +18,7 @@ class TriangleStore {
  public:
   explicit TriangleStore(const VtkScene& scene);
 
-  // Sets the placings that the following draws name.
+  // Uploads the placements to which the following draws refer.
   void place(std::span<const VtkPlacement> placements);
   void draw(bool cut, std::span<const VtkDraw> draws);
 
