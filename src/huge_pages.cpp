@@ -1,7 +1,7 @@
-// The program's own operator new: meshes, their planes and other large arrays lie on huge pages, where the kernel gives
-// them to who asks (`madvise` in /sys/kernel/mm/transparent_hugepage/enabled). Handing out small pages one by one took
-// two fifths of the set-up of a million triangles. Everything else, and programs of others that use the library, have
-// the allocator that they have.
+// Replaces the program's operator new: meshes, their planes and other large arrays use huge pages if the kernel gives
+// them on request (`madvise` in /sys/kernel/mm/transparent_hugepage/enabled). Mapping small pages one by one took two
+// fifths of the set-up of a million triangles. Smaller allocations, and other programs that use the library, keep the
+// default allocator.
 
 #include <sys/mman.h>
 
@@ -12,12 +12,12 @@
 namespace {
 
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
-constexpr std::size_t kLarge = 2 * kHugePage;  // whose last page, half empty, does not count
+constexpr std::size_t kLarge = 2 * kHugePage;  // from this size on, the partly empty last page does not matter
 
 void* allocate(std::size_t bytes) {
   if (bytes < kLarge) return std::malloc(bytes == 0 ? 1 : bytes);
   void* memory = std::aligned_alloc(kHugePage, bytes);
-  if (memory != nullptr) ::madvise(memory, bytes, MADV_HUGEPAGE);  // a wish: without it all is as before
+  if (memory != nullptr) ::madvise(memory, bytes, MADV_HUGEPAGE);  // only a hint: without it, small pages are used
   return memory;
 }
 

@@ -1,4 +1,4 @@
-// scanmill: 3D scenes in, labelled LiDAR datasets out. This file finds the subcommand and catches every error.
+// scanmill turns 3D scenes into labelled LiDAR datasets. This file finds the subcommand and catches every error.
 
 #include <fmt/core.h>
 
@@ -27,7 +27,7 @@ void printHelp() {
   printText("scanmill {}: labelled LiDAR datasets from 3D scenes\n\n", kVersion);
   constexpr std::size_t kUsage = 16;
   for (const Command& c : commands()) {
-    // A long usage has a line of its own.
+    // A long usage is followed by a line break.
     const std::string gap = c.usage.size() <= kUsage ? "" : fmt::format("\n{:{}}", "", 21 + kUsage);
     printText("  scanmill {:9} {:{}}{} {}\n", c.name, c.usage, kUsage, gap, c.summary);
   }
@@ -56,12 +56,12 @@ int dispatch(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // Writing to a pipe that nobody reads, or beyond `ulimit -f`, is then an error like any other.
+  // If these are ignored, writing to a pipe without a reader, or beyond `ulimit -f`, is an ordinary error.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     const int code = dispatch({argv + 1, argv + argc});
-    // A reader that has seen enough (`| head`) is no failure; a full disk is one.
+    // A reader that stops early (`| head`) is not a failure; a full disk is.
     if (std::fflush(stdout) != 0 && errno != EPIPE) {
       throw Error(fmt::format("standard output: {}", std::strerror(errno)));
     }
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
         "or smaller images (depth_camera)\n");
     return 1;
   } catch (const std::system_error& e) {
-    if (e.code() == std::errc::broken_pipe) return 0;  // who read the output has seen enough
+    if (e.code() == std::errc::broken_pipe) return 0;  // the reader of the output stopped early
     printError("error: {}\n", indented(e.what()));
     return 1;
   } catch (const std::exception& e) {

@@ -34,7 +34,7 @@ std::filesystem::path Arguments::fileOrName(const std::string& what,
     try {
       return namedResource(given, std::string(folder));
     } catch (const InputError&) {
-      continue;  // whoever opens it says that it is not there
+      continue;  // opening the path will report that it does not exist
     }
   }
   return given;
@@ -87,7 +87,7 @@ int threadOption(const Arguments& arguments) {
   return threads;
 }
 
-// "8G", "500M", "1.5 GiB": multiples of 1024.
+// Reads the memory limit: "8G", "500M", "1.5 GiB", in multiples of 1024.
 std::uint64_t memoryOption(const Arguments& arguments) {
   if (arguments.options.count("memory-limit") == 0) return 0;
   const auto text = arguments.options["memory-limit"].as<std::string>();

@@ -1,10 +1,11 @@
 #pragma once
 
-// Reading a subcommand's options, the same way for all of them.
+// Reads the options of subcommands in a uniform way.
 
-// Values such as --set 'seeds=[1,2]' and file names may hold commas: only a NUL, which no argument holds, parts a list.
+// Values such as --set 'seeds=[1,2]' and file names may hold commas: only NUL, which no argument holds, can separate a
+// list.
 #define CXXOPTS_VECTOR_DELIMITER '\0'
-// std::regex would double the time that every subcommand takes to compile.
+// std::regex would double the compile time of every subcommand.
 #define CXXOPTS_NO_REGEX
 #include <cxxopts.hpp>
 #include <filesystem>
@@ -22,14 +23,14 @@ namespace scanmill {
 
 struct Arguments {
   cxxopts::ParseResult options;
-  bool help = false;  // it was asked for and has been printed
+  bool help = false;  // help was requested and has been printed
 
-  // The one positional argument. Throws InputError that says what is missing.
+  // Returns the only positional argument. Throws InputError that says what is missing.
   std::string positional(const std::string& what) const;
-  // The one positional argument where it may be a file that comes with the program: what is there, else the file of
-  // this name in the first of the program's folders that has one, else what was given.
+  // Returns the only positional argument as a path: the argument itself if it exists, otherwise the file of this name
+  // in the first of the program's folders that has one, otherwise the argument itself.
   std::filesystem::path fileOrName(const std::string& what, std::initializer_list<std::string_view> folders) const;
-  // The one positional argument where it is a pipeline: the file, or one that comes with the program by its name.
+  // Returns the only positional argument as a pipeline: a file, or the name of one that comes with the program.
   std::filesystem::path pipeline() const;
 };
 
@@ -37,16 +38,16 @@ struct Arguments {
 Arguments parseArguments(const Command& command, cxxopts::Options& options, const std::vector<std::string>& arguments,
                          const std::string& examples);
 
-// cxxopts::Options with the command's usage line and one positional argument.
+// Returns cxxopts::Options with the command's usage line and one positional argument.
 cxxopts::Options describe(const Command& command);
 
 const Command& commandNamed(std::string_view name);
 
-// --threads, --memory-limit, --seed and --set, for commands that read a pipeline.
+// Adds --threads, --memory-limit, --seed and --set, for commands that read a pipeline.
 void addPipelineOptions(cxxopts::Options& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 
-// --threads and --memory-limit, where a command has them, for as long as this lives.
+// Applies --threads and --memory-limit, if the command has them, for the lifetime of the object.
 class ResourceLimits {
  public:
   explicit ResourceLimits(const Arguments& arguments);
@@ -56,14 +57,14 @@ class ResourceLimits {
   MemoryLimit memory_;
 };
 
-// --from-hits and --from-passes, for commands that may take a recording in place of scenes.
+// Adds --from-hits and --from-passes, for commands that accept a recording in place of scenes.
 void addRecordingOptions(cxxopts::Options& options);
-// Null where neither is given.
+// Returns the recording; null if neither option is given.
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
-// An option whose value is a whole number from 0. Throws InputError where it is none.
+// Returns the value of an option that is a whole number from 0. Throws InputError for any other value.
 std::uint64_t countOption(const Arguments& arguments, const char* name);
 
-// Empty where the option is not given. Throws InputError where it is given without a name.
+// Returns the value of an option; empty if it is not given. Throws InputError if it is given without a name.
 std::string folderOption(const Arguments& arguments, const std::string& name);
 
 // Throws InputError unless the folder holds a manifest.

@@ -1,6 +1,6 @@
 #pragma once
 
-// A subcommand of the program. Adding one is a new file and a row in commands().
+// A subcommand of the program. To add one, add a file and a row in commands().
 
 #include <span>
 #include <string>

@@ -24,9 +24,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kPlace = 60;  // m: what is as large is shown as a place
+constexpr double kPlace = 60;  // m: a single file at least this large is shown as a place
 
-// Folders stand for the 3D files in them, in the order of their names.
+// Replaces folders by the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
@@ -52,7 +52,7 @@ double longestEdge(const Box& box) {
   return std::max({size.x, size.y, size.z});
 }
 
-// The name of the file without the digits in it: "leaves.*.obj".
+// Returns the name of the file with a star for each number: "leaves.*.obj".
 std::string seriesOf(const std::filesystem::path& file) {
   std::string series;
   for (const char c : file.filename().string()) {
@@ -62,7 +62,7 @@ std::string seriesOf(const std::filesystem::path& file) {
   return (file.parent_path() / series).string();
 }
 
-// A line for each file; files that differ by a number and are guessed alike have one together.
+// Prints a line for each file; files whose names differ by a number and whose guesses are the same share a line.
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   constexpr std::size_t kSeries = 4;
   std::map<std::pair<std::string, std::string>, std::vector<const draft::DraftedFile*>> series;

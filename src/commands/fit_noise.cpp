@@ -96,7 +96,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const Value sensor = parseYaml(text, preset.string());
   expectKind(sensor, FileKind::Sensor);
   const auto beams = makeBeams(sensor);
-  withEffects(text, preset.string(), "effects: []\n");  // whether it can be written, before the work
+  withEffects(text, preset.string(), "effects: []\n");  // fails before the work if the file cannot be written
   std::vector<RecordedScan> scans;
   forEachScan(files, [&](const Scan& scan, const std::string& name) {
     scans.push_back(rangesAlong(scan, *beams, name));

@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-// "11 to 26 s": the unit stands once where both have the same.
+// Returns "11 to 26 s": the unit is written once if both have the same.
 std::string rangeText(const std::string& least, const std::string& most) {
   const std::size_t unit = least.find(' ');
   const bool same =

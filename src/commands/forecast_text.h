@@ -1,6 +1,6 @@
 #pragma once
 
-// How long a dataset takes and how large it becomes, in words.
+// Forecasts the time and the size of a dataset, in words.
 
 #include <optional>
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace scanmill {
 
-// Measures what the scenes and frames of the command's pipeline cost on this machine; `overrides`: all arguments of
-// --set. Null if the small town cannot stand for the pipeline's scenes; `why` then says why not.
+// Measures the costs of the scenes and frames of the command's pipeline on this machine; `overrides`: all arguments of
+// --set. Returns nothing if the small town cannot represent the pipeline's scenes; `why` then gives the reason.
 std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
                                        std::string* why = nullptr);
 
-// "17 s (11 to 26 s) on 2 threads".
+// Returns "17 s (11 to 26 s) on 2 threads".
 std::string timeText(const Forecast& forecast);
-// "410 MiB (342 to 492 MiB)".
+// Returns "410 MiB (342 to 492 MiB)".
 std::string sizeText(const Forecast& forecast);
 
 }  // namespace scanmill

@@ -29,7 +29,7 @@ namespace scanmill {
 
 namespace {
 
-// A forecast takes most of a second, which is longer than making fewer rays.
+// A forecast takes most of a second: for fewer rays it takes longer than the dataset itself.
 constexpr double kRaysWorthAForecast = 1e7;
 
 std::string warningsText() {
@@ -62,7 +62,7 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
   }
   printText("{}\n", formatTable(rows));
   printMade(s, options);
-  // Of all samples that are counted: others may have made some of them.
+  // The share of the counted samples that this process made; other processes may have made the rest.
   const double made = static_cast<double>(s.samplesMade) / static_cast<double>(std::max<std::size_t>(s.samples, 1));
   printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
             shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * made / s.seconds),
@@ -79,7 +79,7 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
   }
 }
 
-// What was chosen for the dataset in the folder, unfinished or whole.
+// Returns the method that was chosen for the dataset in the folder, complete or not.
 std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (isUnfinished(folder)) return DatasetFolder::planned(folder).chosen;
@@ -87,14 +87,15 @@ std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
   return std::nullopt;
 }
 
-// `method: auto` becomes the setting that is the cheapest here, or that was so when the dataset was begun.
+// Replaces `method: auto` by the cheapest setting on this machine, or by the setting chosen when the dataset was
+// started.
 Plan withMethod(const Plan& plan, const GenerateOptions& options) {
   checkAutoChoice(plan.pipeline);
   const bool shared = options.shards.kind != ShardChoice::Kind::All;
   if (options.resume || shared) {
     if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chosenAgain(plan, *chosen);
   }
-  // Refused now, not after minutes.
+  // Fail now, not after minutes.
   if (shared) {
     throw InputError(
         "parts of a dataset need a method that does not change: `method: auto` measures anew in each process; name "
@@ -152,7 +153,7 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
                   keeps ? recordedChannels() : Channels{});
 }
 
-// Makes one dataset. `overrides`: besides those of --set.
+// Makes one dataset. `overrides`: in addition to those of --set.
 void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
                  const std::filesystem::path& folder) {
   GenerateOptions generateOptions;
@@ -175,7 +176,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline.method.automatic) plan = withMethod(plan, generateOptions);
-  // So that scripts can always say --resume.
+  // Not an error, so that scripts can always pass --resume.
   if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
     printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
     return;
@@ -240,7 +241,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
                      "--sweep 'sensors.0.preset=[hdl_64e, os1_128, vlp_16]'\n"
                      "  scanmill generate quickstart -o out/fog --set 'corruption={fog: heavy}'\n");
   if (parsed.help) return 0;
-  parsed.positional("PIPELINE");  // a missing one is told before all else
+  parsed.positional("PIPELINE");  // report a missing pipeline before all else
   if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
     throw InputError("-o DIR is missing: where should the dataset go?");
   const ResourceLimits limits(parsed);
@@ -259,7 +260,7 @@ int runGenerate(const std::vector<std::string>& arguments) {
         "sweep effects with --from-hits");
   }
   const std::vector<SweepSet> sets = sweepSets(sweeps);
-  for (const SweepSet& set : sets) planOf(parsed, set.overrides);  // all are sound before the first is made
+  for (const SweepSet& set : sets) planOf(parsed, set.overrides);  // check all before the first is made
   for (std::size_t i = 0; i < sets.size(); ++i) {
     printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());
     generateOne(parsed, sets[i].overrides, folder / sets[i].folder);

@@ -151,7 +151,8 @@ std::string sizeText(const Box& box) {
   return fmt::format("{:.5g} x {:.5g} x {:.5g}", size.x, size.y, size.z);
 }
 
-// The first of the placed objects, so that a wrong unit or axis shows. Copies of a mesh are one row: the first of them.
+// Prints the first placed objects, to reveal a wrong unit or axis. Copies of a mesh share one row, which shows the
+// first.
 void printObjects(const Scene& scene) {
   constexpr std::size_t kMostObjects = 30;
   std::map<std::uint32_t, std::uint64_t> placed;
@@ -173,7 +174,8 @@ void printObjects(const Scene& scene) {
   if (firsts.size() > kMostObjects) printText("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
 }
 
-// Of what stands still, where anything does: those who are still to come may be anywhere.
+// Returns the bounds of the static instances, or of all if none is static: moving ones may be anywhere before they
+// appear.
 Box boundsAtRest(const Scene& scene) {
   Box box;
   for (const Instance& instance : scene.instances) {
@@ -270,10 +272,10 @@ void printClips(const std::filesystem::path& file) {
   printText("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
 }
 
-// The colours of triangles that rules of a scene can match, material by material; those near a commoner one are counted
-// with it.
+// Prints the colours of triangles that rules of a scene can match, by material; a colour near a more frequent one is
+// counted with it.
 void printColors(const Asset& asset) {
-  constexpr std::size_t kMostColors = 12;  // of a material
+  constexpr std::size_t kMostColors = 12;  // per material
   using Counts = std::map<Rgb, std::uint64_t>;
   std::map<std::pair<std::string, std::string>, Counts> byMaterial;
   const auto count = [&](const AssetPart& part) {
@@ -390,7 +392,7 @@ void printOntology(const std::filesystem::path& file) {
 }
 
 void printMaterials(const std::filesystem::path& file) {
-  constexpr int kWavelength = 905;  // nm, the commonest
+  constexpr int kWavelength = 905;  // nm, the most common
   Rows rows{{"material", fmt::format("reflectance at {} nm", kWavelength), "roughness", "metallic", "source"}};
   for (const Material& m : readMaterials(file, kWavelength).materials) {
     rows.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
@@ -481,7 +483,7 @@ int runInfo(const std::vector<std::string>& arguments) {
       printScanFolder(file, *recorded);
       return 0;
     }
-    if (!dataset) const ScanStore refused(file);  // says what may be there
+    if (!dataset) const ScanStore refused(file);  // throws: the message says what a folder may hold
     printDataset(file);
   } else if (file.filename() == "manifest.json") {
     printDataset(file.parent_path());

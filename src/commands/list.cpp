@@ -43,7 +43,7 @@ Rows columnRows() {
   return rows;
 }
 
-// What stands behind each name in a pipeline: its keys, a line each.
+// Prints the keys of each entry in a pipeline, a line each.
 template <class Entries>
 void printKeys(const Entries& entries) {
   printText("\nkeys, with their defaults (more in docs/keys.md):\n");
@@ -58,7 +58,7 @@ void printKeys(const Entries& entries) {
   }
 }
 
-// What a pipeline may ask of each method.
+// Prints the features that each method supports.
 void printCapabilities() {
   printText("\nwhat they can do:\n");
   for (const MethodEntry& method : methods()) {
@@ -125,7 +125,7 @@ Rows exampleRows(const char* folder) {
   return rows;
 }
 
-// Each is opened for a moment.
+// Opens each device for a moment.
 void printDevices() {
   Rows rows;
   bool any = false;
@@ -170,7 +170,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"scenes", [] { return exampleRows("scenes"); }},
       {"pipelines", [] { return exampleRows("pipelines"); }},
   };
-  constexpr const char* kDevices = "devices";  // only where it is asked for: opening them takes time
+  constexpr const char* kDevices = "devices";  // only on request: opening devices takes time
   std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {

@@ -28,7 +28,7 @@ namespace {
 constexpr double kFarthestPlace = 1e5;  // m, from the sensor
 constexpr double kMostFactor = 100;
 
-// X,Y,Z.
+// Reads X,Y,Z.
 Vec3d readPlace(const std::string& text) {
   const auto place = readNumbers<double, 3>(text);
   if (place && std::ranges::all_of(*place, [](double value) { return std::abs(value) <= kFarthestPlace; })) {
@@ -57,7 +57,7 @@ std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
   return CloseUp{readPlace(parsed.options["at"].as<std::string>()), within};
 }
 
-// The folder's or the file's name: "ray_tracing" of out/ray_tracing/.
+// Returns the folder's or the file's name: "ray_tracing" for out/ray_tracing/.
 std::string shortName(const std::filesystem::path& path) {
   const std::filesystem::path normal = path.lexically_normal();
   return normal.has_filename() ? normal.stem().string() : normal.parent_path().filename().string();

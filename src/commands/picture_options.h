@@ -1,6 +1,6 @@
 #pragma once
 
-// Options that commands which make pictures have in common.
+// Options that commands which make pictures share.
 
 #include <array>
 #include <charconv>
@@ -17,19 +17,19 @@
 
 namespace scanmill {
 
-// The place of a word among `names`. Throws InputError that names the option.
+// Returns the index of a word in `names`. Throws InputError that names the option.
 std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names);
 
-// Of --color: one of colorNames(), or a column of a recorded file that the table of columns does not have. Throws
-// InputError for a word that is nearly one of the names.
+// Reads the value of --color: one of colorNames(), or the name of a column of a recorded file that the table of columns
+// lacks. Throws InputError for a word that is nearly one of the names.
 ColorBy readColor(const std::string& word);
 
-// Empty where the option is not given.
+// Empty if the option is not given.
 std::string textOption(const Arguments& parsed, const std::string& option);
 std::vector<std::string> listOption(const Arguments& parsed, const std::string& option);
 bool hasOption(const Arguments& parsed, const std::string& option);
 
-// Numbers with a separator between them: "8,-3.5,-1". None where the text is anything else.
+// Reads numbers with a separator between them: "8,-3.5,-1". Absent if the text is anything else.
 template <class T, std::size_t kCount>
 std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char separator = ',') {
   std::array<T, kCount> values{};
@@ -44,10 +44,10 @@ std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char sep
   return values;
 }
 
-// Of an option that has a value: a number within bounds, both included. Throws InputError.
+// Returns the value of an option, a number within bounds (inclusive). Throws InputError.
 double numberWithin(const Arguments& parsed, const std::string& option, double least, double most);
 
-// Pixels, of --size WxH.
+// The size of --size WxH (pixels).
 struct PictureSize {
   int width = 0;
   int height = 0;
@@ -55,9 +55,9 @@ struct PictureSize {
 PictureSize readPictureSize(const std::string& text);
 
 bool isExr(const std::filesystem::path& file);
-// Of --ontology: a file, or a name of `scanmill list ontologies`. Empty where it is not given.
+// Returns the value of --ontology: a file, or a name from `scanmill list ontologies`. Empty if the option is not given.
 std::filesystem::path ontologyOption(const Arguments& parsed);
-// The EXR images of a file or of a recording's folder: --sample says which is first, --ontology what classes mean.
+// Opens the EXR images of a file or of a recording's folder, with --sample as the first and --ontology for the classes.
 ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed);
 
 }  // namespace scanmill

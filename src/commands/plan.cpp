@@ -29,7 +29,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSequences = 40;  // that are listed
+constexpr std::size_t kMostSequences = 40;  // listed sequences
 
 void printSensors(const Plan& plan) {
   std::vector<std::vector<std::string>> rows{
@@ -93,7 +93,7 @@ void printFeatures(const FeatureCosts& costs) {
             lost);
 }
 
-// With a bar on a terminal, which ends before anything else is printed.
+// Shows a progress bar on a terminal; the bar ends before anything else is printed.
 FeatureCosts measured(const Pipeline& pipeline) {
   FeatureEffort effort;
   effort.seconds = 20;
@@ -107,7 +107,7 @@ FeatureCosts measured(const Pipeline& pipeline) {
   return costs;
 }
 
-// "6 shards: train 4, val 1, test 1".
+// Returns "6 shards: train 4, val 1, test 1".
 std::string shardsText(const Plan& plan) {
   std::vector<std::pair<std::string, std::size_t>> splits;
   const std::vector<ShardJob> jobs = shardJobs(plan);
@@ -122,7 +122,7 @@ std::string shardsText(const Plan& plan) {
   return text;
 }
 
-// Prints how many seeds a dataset of so many frames wants, and what it then takes.
+// Prints the number of seeds recommended for a dataset with this number of frames, and its resulting cost.
 void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<SampleCosts>& costs) {
   const Pipeline& pipeline = plan.pipeline;
   std::set<std::filesystem::path> files;
@@ -158,7 +158,7 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
   }
 }
 
-// The first lines: frames, shards, time and size.
+// Prints the first lines: frames, shards, time and size.
 void printForecast(const Arguments& parsed, const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;

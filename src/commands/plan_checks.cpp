@@ -21,7 +21,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostScenes = 20;  // that are loaded: others of the same pipeline differ by their seeds
+constexpr std::size_t kMostScenes = 20;  // loaded scenes; further scenes of a pipeline differ by their seeds
 
 // Prints the triangles without a class by file, material and texture, the largest group first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
@@ -56,7 +56,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
 }
 
-// Returns the kind of place that the seed has drawn, in words.
+// Returns in words the kind of place that the seed selects at random.
 std::string placeOf(const Scene& scene) {
   std::string words = scene.about;
   for (const DrawnValue& draw : scene.draws) {
@@ -74,11 +74,11 @@ SceneFindings checkScenes(ShotSource& source) {
   std::vector<std::vector<std::string>> scenes{
       {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<UnlabeledPart, std::uint64_t> unlabeled;
-  std::set<std::string> rules;  // what is said of them, once for all seeds
-  std::uint64_t more = 0;       // scenes
+  std::set<std::string> rules;  // warnings about rules, once for all seeds
+  std::uint64_t more = 0;       // scenes that are not loaded
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];
-    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // its ways were looked at with those of the first
+    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // the first sequence of a scene covers its paths
     if (scenes.size() > kMostScenes) {
       ++more;
       continue;
@@ -107,7 +107,7 @@ SceneFindings checkScenes(ShotSource& source) {
     }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     if (method == nullptr) continue;
-    // Counts differ from scene to scene: what is said of one feature is said once, of the first that has it.
+    // Counts differ from scene to scene: report each feature once, for the first scene that has it.
     for (const std::string& line : method->modelled()) {
       const auto feature = [](const std::string& text) { return text.substr(0, text.find(':')); };
       const auto isSame = [&](const std::string& known) {
@@ -120,7 +120,7 @@ SceneFindings checkScenes(ShotSource& source) {
     found.bytes = std::max(found.bytes, method->memoryBytes());
   }
   for (const std::string& line : rules) warn(line);
-  // Procedural towns alone are some kind of place.
+  // Only procedural towns have a kind of place.
   const bool places =
       std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
   for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);

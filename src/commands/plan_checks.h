@@ -1,6 +1,6 @@
 #pragma once
 
-// Loads the scenes of a pipeline for `scanmill plan --check` and reports what is amiss in them.
+// Loads the scenes of a pipeline for `scanmill plan --check` and reports faults in them.
 
 #include <cstdint>
 #include <string>
@@ -11,12 +11,12 @@
 namespace scanmill {
 
 struct SceneFindings {
-  std::vector<std::string> modelled;  // lines of modelled(), and those of the method in these scenes
-  std::uint64_t bytes = 0;            // of the largest scene, in the form that the method has made of it
+  std::vector<std::string> modelled;  // from modelled(), and from the method for these scenes
+  std::uint64_t bytes = 0;            // size of the largest scene, as the method has prepared it
 };
 
-// Prints a table of the scenes and their unlabelled geometry, and warns of what is legal, but seldom meant: ways
-// through walls, things of odd sizes, rules that match nothing. Loads each scene, the first twenty of them.
+// Prints a table of the scenes and their unlabelled geometry, and warns of legal but rarely intended contents: paths
+// through walls, objects of odd sizes, rules that match nothing. Loads only the first twenty scenes.
 SceneFindings checkScenes(ShotSource& source);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// What commands that read recorded scans share.
+// Functions that commands share to read recorded scans.
 
 #include <filesystem>
 #include <functional>
@@ -12,15 +12,16 @@
 
 namespace scanmill {
 
-// Calls visit(scan, name) for the scans of what is given: files, and folders of recorded scans, datasets and shards, of
-// which the first sensor and at most 100 scans are taken, evenly. Throws InputError.
+// Calls visit(scan, name) for the given scans: files, and folders of recorded scans, datasets and shards. Folders,
+// datasets and shards give the scans of their first sensor, at most 100, taken evenly. Throws InputError.
 void forEachScan(const std::vector<std::string>& given,
                  const std::function<void(const Scan&, const std::string&)>& visit);
 
-// The text of an option; throws InputError, which says what it is for, where it is missing.
+// Returns the text of an option; throws InputError if it is missing, with `what` it is for.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what);
 
-// The file of the option `out`. Throws InputError where it is a folder, or there already and --overwrite is not said.
+// Returns the file of the option `out`. Throws InputError if it is a folder, or if it exists and --overwrite is not
+// given.
 std::filesystem::path requiredFile(const Arguments& parsed, const std::string& what);
 
 }  // namespace scanmill

@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-// "depth" for the range, which images hold along the camera's axis; else the channel's name.
+// Returns "depth" for the range, which images store along the camera's axis; otherwise the channel's name.
 std::string_view passName(const ChannelRow& row) {
   return row.channel == Channel::Range ? "depth" : row.name;
 }

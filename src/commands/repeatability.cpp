@@ -28,10 +28,10 @@ namespace {
 
 constexpr const char* kResultFile = "repeatability.json";
 
-// A fitness (m²) in cm², with as many decimals as `like` needs for three digits.
+// Formats a fitness (m²) in cm², with as many decimals as `like` needs for three digits.
 std::string squareCentimetres(double fitness, double like) {
-  constexpr double kSquareCentimetres = 1e4;  // a square metre
-  constexpr int kMostDecimals = 4;            // less is rounding
+  constexpr double kSquareCentimetres = 1e4;  // per square metre
+  constexpr int kMostDecimals = 4;            // further ones are rounding errors
   const double size = std::log10(std::max(like * kSquareCentimetres, 1e-9));
   return fmt::format("{:.{}f}", fitness * kSquareCentimetres,
                      std::clamp(2 - static_cast<int>(std::floor(size)), 0, kMostDecimals));
@@ -63,7 +63,7 @@ void printResult(const Repeatability& result, const std::string& date) {
   printText("{}\n", formatTable(rows));
 }
 
-// The figures last: where they stand, all the rest does.
+// Writes the figures last: if they exist, the report is complete.
 void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
   std::vector<Chart> charts = repeatabilityCharts(result, 0);
   if (result.levels.size() > 1) {
@@ -89,7 +89,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
                      "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
                      "  scanmill repeatability pipelines/street.yaml -o out/nearest --set trajectories.0.frames=3\n");
   if (parsed.help) return 0;
-  parsed.positional("PIPELINE");  // a missing one is told before all else
+  parsed.positional("PIPELINE");  // report a missing pipeline before all else
   const std::filesystem::path folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
   const ResourceLimits limits(parsed);

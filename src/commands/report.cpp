@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostSamples = 64;  // pictures and points make the file large
 
-// "small_report.html" of a dataset of that name: never a path, whatever the name holds.
+// Returns "small_report.html" for a dataset named "small": never a path, whatever the name holds.
 std::string defaultName(const std::filesystem::path& folder) {
   std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   if (!whole.has_filename()) whole = whole.parent_path();

@@ -9,7 +9,7 @@ namespace {
 
 std::atomic<bool> stopRequested = false;
 std::atomic<int> signalNumber = 0;
-static_assert(std::atomic<bool>::is_always_lock_free);  // or a signal handler may not touch it
+static_assert(std::atomic<bool>::is_always_lock_free);  // otherwise a signal handler may not access it
 static_assert(std::atomic<int>::is_always_lock_free);
 
 void request(int number) {

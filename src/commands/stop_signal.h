@@ -4,11 +4,11 @@
 
 namespace scanmill {
 
-// From the first call on, SIGINT, SIGTERM and SIGHUP set the flag, for work to end at the next frame; a second one ends
-// the program at once. One that is ignored from the beginning, as by nohup, stays so.
+// Returns a flag that, from the first call on, SIGINT, SIGTERM and SIGHUP set, so that work ends at the next frame; a
+// second signal ends the program at once. A signal that is ignored from the start, as under nohup, stays ignored.
 const std::atomic<bool>& stopSignal();
 
-// The number of the signal that has set the flag; 0: none has.
+// Returns the number of the signal that has set the flag; 0: none.
 int stoppedBy();
 
 }  // namespace scanmill

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostSets = 1000;
 
-// What folders may be called everywhere: letters, digits, dots, plus, minus and underscores.
+// Returns a name that is valid for folders everywhere: letters, digits, dots, plus, minus and underscores.
 std::string plainName(const std::string& text) {
   constexpr std::size_t kLongest = 40;
   std::string name;
@@ -33,7 +33,7 @@ std::string plainName(const std::string& text) {
   return name.empty() ? "none" : name.substr(0, kLongest);
 }
 
-// "preset" of sensors.0.preset; "effects.2" of effects.2.
+// Returns "preset" for sensors.0.preset, and "effects.2" for effects.2.
 std::string shortKey(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   if (dot == std::string::npos) return key;

@@ -5,18 +5,18 @@
 
 namespace scanmill {
 
-// A dataset of a sweep.
+// One dataset of a sweep.
 struct SweepSet {
-  std::string folder;                  // its name within the sweep's: "preset=os1_128,severity=heavy"
-  std::vector<std::string> overrides;  // as --set takes them
+  std::string folder;                  // its name within the sweep's folder: "preset=os1_128,severity=heavy"
+  std::vector<std::string> overrides;  // in the form of --set
 };
 
-// The datasets of `--sweep KEY=[A, B, ...]`, given once or several times: one for each combination of values, the last
-// key's changing fastest. Throws InputError for what is no list, an empty one, a key that is swept twice, or more than
-// 1000 combinations.
+// Returns the datasets of `--sweep KEY=[A, B, ...]`, given once or several times: one for each combination of values,
+// where the values of the last key change fastest. Throws InputError for a value that is not a list, an empty list, a
+// key that is swept twice, or more than 1000 combinations.
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps);
 
-// The sweep over no corruption and all that come with the program, see pipeline/read/corruption.h.
+// Returns the sweep over no corruption and all corruptions that come with the program, see pipeline/read/corruption.h.
 std::string corruptionSweep();
 
 }  // namespace scanmill

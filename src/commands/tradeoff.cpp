@@ -30,7 +30,7 @@ namespace {
 
 constexpr const char* kStudyFile = "tradeoff.json";
 
-// p99 away from edges.
+// Returns the p99 away from edges.
 std::string awayText(const BeamErrors& errors) {
   const GroupErrors* away = awayFromEdges(errors);
   return away == nullptr ? "" : metresText(away->range.p99);
@@ -141,7 +141,7 @@ std::string pictureFile(std::size_t index) {
   return fmt::format("errors-{}.png", index + 1);
 }
 
-// A study that was measured before: its report is made anew, without the pictures that are not beside it.
+// Reads a study that was measured before, to write its report again. Pictures missing beside it are left out.
 Study readStudy(const std::filesystem::path& file) {
   Study study = parseStudy(readFile(file), file.string());
   std::vector<ErrorPicture> found;
@@ -160,7 +160,7 @@ Study readStudy(const std::filesystem::path& file) {
   return study;
 }
 
-// The figures last: where they stand, all the rest does.
+// Writes the figures last: if they exist, the report is complete.
 void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);

@@ -24,7 +24,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
 constexpr int kTickMs = 15;
 
-// What is made in place of a window; all may be empty.
+// Outputs that replace the window; all may be empty.
 struct Outputs {
   std::filesystem::path screenshot;
   std::filesystem::path turntable;
@@ -139,7 +139,7 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   return view;
 }
 
-// The pictures that a turntable in this folder replaces. Throws InputError where it may not be made there.
+// Returns the pictures that a turntable in this folder replaces. Throws InputError if it may not be written there.
 std::vector<std::filesystem::path> turntableBefore(const std::filesystem::path& folder, bool overwrite) {
   std::vector<std::filesystem::path> old;
   if (folder.empty() || !std::filesystem::exists(folder)) return old;
@@ -168,7 +168,7 @@ std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const Pict
   return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
 }
 
-// Like a click of the left button.
+// Acts like a click of the left button.
 void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
   CanvasEvent event;
   event.x = pixel.first;
@@ -187,7 +187,7 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
-// An EXR image, or the folder of a recording.
+// Shows an EXR image, or the folder of a recording.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
   for (const char* option : {"sensor", "over", "reference", "scene", "seed", "color", "scale", "layout", "camera",
@@ -235,7 +235,7 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   const std::vector<std::filesystem::path> old = turntableBefore(outputs.turntable, overwrite);
   auto loader = std::make_unique<FrameLoader>(source);
-  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);  // while the canvas is opened
+  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);  // loads while the canvas opens
   const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
   ViewSession session(source, std::move(loader), *canvas, view);
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });

@@ -11,7 +11,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kMarks[]{"dots", "line", "line and dots", "bars"};
 
-// Six digits: more than a screen shows.
+// Rounds to six digits, which is finer than a screen can show.
 OrderedJson numberJson(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0;

@@ -1,4 +1,4 @@
-// Charts as SVG files: text stays text, and rules without variables are known to viewers other than browsers.
+// Draws charts as SVG files. Text stays text elements, and styles avoid CSS variables, which only browsers support.
 
 #include <fmt/core.h>
 
@@ -15,14 +15,14 @@ namespace scanmill {
 namespace {
 
 constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;  // pixels
-constexpr double kBand = 0.1;                                                  // of an axis: the zeros beside it
+constexpr double kBand = 0.1;                                                  // share of an axis for the band of zeros
 
 bool isDrawn(const Vec2d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-// M. Okabe and K. Ito, Color Universal Design, 2008, as charts.js has them: black is the ink, yellow, which a white
-// page swallows, is last. On a dark page blue is lifted.
+// M. Okabe and K. Ito, Color Universal Design, 2008, in the order of charts.js: black is the ink colour; yellow, hardly
+// visible on a white page, is last. On a dark page blue is lighter.
 struct ChartPalette {
   const char *page, *ink, *muted, *grid, *axis, *band;
   std::array<const char*, kChartColors> colors;
@@ -42,7 +42,7 @@ constexpr ChartPalette kDark{"#12161c",
                              "#1a2029",
                              {"#3D9BDC", "#E8762B", "#12B886", "#E69F00", "#CC79A7", "#7CC8F2", "#e6edf3", "#F0E442"}};
 constexpr std::array kDashes{"", "7 3", "2.5 3", "10 3 2 3", "5 2 2 2 2 2", "12 4", "", "4 4"};
-// Around the origin, about as large as the circle of radius 1 that comes first.
+// Shapes around the origin, about as large as the first one, the circle of radius 1.
 constexpr std::array kShapes{"M-1,0A1,1 0 1 1 1,0A1,1 0 1 1 -1,0Z",
                              "M-.9-.9H.9V.9H-.9Z",
                              "M0-1.25L1.25,0L0,1.25L-1.25,0Z",
@@ -84,7 +84,7 @@ std::string plain(double value) {
   return text;
 }
 
-// 1, 2, 5 or 10 times a power of ten, not below `least`.
+// Returns 1, 2, 5 or 10 times a power of ten, the first that is not below `least`.
 double niceStep(double least) {
   const double power = std::pow(10, std::floor(std::log10(least)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -93,7 +93,7 @@ double niceStep(double least) {
   return 10 * power;
 }
 
-// The next logarithm of 1, 2 or 5 times a power of ten below.
+// Returns the largest logarithm of 1, 2 or 5 times a power of ten that is not above `log`.
 double niceLog(double log) {
   double nice = std::floor(log + 1e-9);
   for (const double stop : {std::log10(2), std::log10(5)}) {
@@ -102,7 +102,7 @@ double niceLog(double log) {
   return nice;
 }
 
-// Where values lie, from 0 to 1.
+// Maps values to positions along an axis, from 0 to 1.
 class ChartScale {
  public:
   struct Tick {
@@ -246,7 +246,7 @@ class SvgDrawing {
                        emphasised_ && !s.emphasised ? " dim" : "");
   }
 
-  // Series of one name and colour share an entry. Returns where it ends.
+  // Draws the legend, in which series of the same name and colour share an entry. Returns its lower end.
   double legend(double top) {
     double x = kMargin, y = top + kFont;
     std::vector<const ChartSeries*> done;
@@ -351,7 +351,7 @@ class SvgDrawing {
         }
       }
     }
-    // Those that must be read have their place first.
+    // Series whose labels must be readable place them first.
     for (const int rank : {0, 1, 2}) {
       for (const ChartSeries& s : chart_.series) {
         if (rank == (s.labelsFirst ? 0 : s.emphasised ? 1 : 2)) labels(s);
@@ -387,7 +387,7 @@ class SvgDrawing {
     for (const Vec2d& point : s.points) {
       if (isDrawn(point)) {
         const Vec2d p = pixel(point);
-        // The emphasised lines are staircases: boxes of no width.
+        // Emphasised lines are staircases: boxes of no width.
         if (open && s.emphasised) {
           lines_.push_back(
               {std::min(p.x, before.x), std::min(p.y, before.y), std::max(p.x, before.x), std::max(p.y, before.y)});
@@ -400,7 +400,8 @@ class SvgDrawing {
     if (!d.empty()) path(kindOf("line", s), d);
   }
 
-  // Beside their points, where nothing is yet; the first ones rather farther away than not at all.
+  // Draws labels beside their points in free space; the labels of labelsFirst series rather farther away than not at
+  // all.
   void labels(const ChartSeries& s) {
     constexpr std::array<Vec2d, 8> kSides{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
     for (std::size_t i = 0; i < std::min(s.labels.size(), s.points.size()); ++i) {
@@ -439,8 +440,8 @@ class SvgDrawing {
   bool emphasised_ = false;  // any series
   ChartBox area_;            // of the plot
   const ChartScale *x_ = nullptr, *y_ = nullptr;
-  std::vector<ChartBox> taken_;  // by marks and labels
-  std::vector<ChartBox> lines_;  // that labels rather do not cover
+  std::vector<ChartBox> taken_;  // boxes of marks and labels
+  std::vector<ChartBox> lines_;  // boxes of lines, which labels avoid if possible
   std::string out_;
 };
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Of the characters 32 to 126, in thousandths of the font size (Adobe's metrics of Helvetica, 1997).
+// Widths of the characters 32 to 126, in thousandths of the font size (Adobe's metrics of Helvetica, 1997).
 constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278,
                                       556,  556, 556, 556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556,
                                       1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833, 722, 778,
@@ -23,10 +23,10 @@ constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
 struct Character {
   std::size_t bytes = 1;
-  std::uint32_t code = 0;  // 0: none that XML can hold
+  std::uint32_t code = 0;  // 0: not a character that XML can hold
 };
 
-// The character at `at`. Overlong forms, surrogates and what lies beyond Unicode are none.
+// Returns the character at `at`. Overlong forms, surrogates and codes beyond Unicode are not characters.
 Character characterAt(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(at);

@@ -7,7 +7,7 @@
 
 namespace scanmill {
 
-// The median, of an even number of values the upper one of the middle two; `none` of no values.
+// Returns the median, the upper of the middle two for an even number of values; `none` if there are no values.
 template <class T>
 double medianOf(std::vector<T> values, double none = 0) {
   if (values.empty()) return none;
@@ -16,7 +16,7 @@ double medianOf(std::vector<T> values, double none = 0) {
   return static_cast<double>(*middle);
 }
 
-// NaN where there are no values.
+// Returns the mean; NaN if there are no values.
 template <class T>
 double meanOf(const std::vector<T>& values) {
   double sum = 0;

@@ -18,7 +18,7 @@ namespace {
 
 using kainjow::mustache::data;
 
-// Numbers become text that reads back to the same bits; formats come when they are asked for.
+// Numbers become text that reads back to the same bits; they are formatted only on request.
 data dataOf(const Json& json) {
   if (json.is_object()) {
     data object(data::type::object);
@@ -113,7 +113,7 @@ class FormatContext : public kainjow::mustache::context<std::string> {
   const data* keep(data value) const { return &kept_.emplace_back(std::move(value)); }
   const data* keepText(const std::string& text) const { return keep(text.empty() ? data(false) : data(text)); }
 
-  mutable std::deque<data> kept_;  // what get() has given away
+  mutable std::deque<data> kept_;  // data that get() has returned
 };
 
 }  // namespace

@@ -10,10 +10,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kReal = 0, kSimulated = 1;  // places in the charts' palette
-constexpr std::size_t kMostNamed = 3;             // features that tell a group apart
+constexpr std::size_t kReal = 0, kSimulated = 1;  // indices in the charts' palette
+constexpr std::size_t kMostNamed = 3;             // features named for a group
 
-// The words that the file has no need of.
+// Adds the words for people, which the file does not need.
 template <class Rows>
 void addWords(Json& list, const char* key, const Rows& rows) {
   for (Json& item : list) {
@@ -47,7 +47,7 @@ Chart featureChart(const SetComparison& comparison) {
   return chart;
 }
 
-// Two bars for each name, of some rows of the comparison.
+// Returns a chart with two bars for each name, from some rows of the comparison.
 Chart pairChart(Chart chart, const Json& rows, const char* name, const char* real, const char* simulated,
                 double factor) {
   chart.x.low = 0;

@@ -23,7 +23,7 @@ Sides sidesOf(const SeenSize& size) {
   return {size.length, size.width, size.height};
 }
 
-// Between the values of a sorted list, linearly.
+// Interpolates linearly between the values of a sorted list.
 double quantileOf(const std::vector<double>& sorted, double share) {
   const double place = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -31,7 +31,7 @@ double quantileOf(const std::vector<double>& sorted, double share) {
   return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-// The usual sizes of a class. Its extremes do not count: some of them may be other mistakes.
+// The usual sizes of a class, without its extremes, some of which may be mistakes themselves.
 struct UsualSides {
   Sides low{}, middle{}, high{};
 
@@ -47,7 +47,7 @@ struct UsualSides {
     }
   }
 
-  // Beyond the range by a factor and by metres.
+  // True if a side lies beyond the range by a factor and by a length (m).
   bool isBeyond(const Sides& sides, std::size_t side, double factor, double metres) const {
     return sides[side] < std::min(low[side] / factor, low[side] - metres) ||
            sides[side] > std::max(high[side] * factor, high[side] + metres);
@@ -57,7 +57,7 @@ struct UsualSides {
     for (std::size_t side = 0; side < 3; ++side) count += isBeyond(sides, side, factor, metres) ? 1 : 0;
     return count;
   }
-  // Whether a size tells the class: not that of boxes and barrows, all called objects, nor that of all that is thin.
+  // True if the size is characteristic: not for a class of varied objects such as boxes and barrows, nor for tiny ones.
   bool tell() const {
     constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // m
     if (middle[0] < kLeastLength) return false;
@@ -67,7 +67,7 @@ struct UsualSides {
     return true;
   }
   double distanceTo(const Sides& sides) const {
-    constexpr double kLeast = 0.05;  // m: below, lengths are as good as the same
+    constexpr double kLeast = 0.05;  // m: smaller lengths count as equal
     double sum = 0;
     for (std::size_t side = 0; side < 3; ++side) {
       sum += std::abs(std::log(std::max(sides[side], kLeast) / std::max(middle[side], kLeast)));
@@ -106,7 +106,7 @@ class AnomalySearch {
  private:
   bool isPlain(const ThingSummary& thing) const { return !mixed_.contains({thing.sequence, thing.id}); }
 
-  // A class whose points have no ids, but for those of a few things. Parts of things are no such class.
+  // True if the points of a class have no ids, except for a few objects. Classes of parts of objects do not count.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
     constexpr double kFewShare = 0.02;  // of all instances
@@ -116,21 +116,21 @@ class AnomalySearch {
     if (own->second.size() > std::max(kFew, share)) return false;
     std::uint64_t points = 0;
     for (const std::size_t i : own->second) points += sum_.things[i].points;
-    // Where the ontology counts other classes, it says that this one is not meant to be.
+    // If the ontology marks classes as things, a class without the mark is not meant to have ids.
     return c.pointsWithoutId > points || (counts_ && c.known && !c.thing);
   }
 
   void sizes() {
-    constexpr std::size_t kFewestAlike = 5;  // that tell a size
-    // Of a class's usual range, which a thing must leave in two of its three sides: parts of it may be hidden.
+    constexpr std::size_t kFewestAlike = 5;  // objects that define a size
+    // An object must leave its own class's usual range in two of its three sides, since parts of it may be hidden.
     constexpr double kOwnSpared = 0.1, kBeyondFactor = 1.3, kBeyondMetres = 0.3;
     constexpr int kSidesBeyond = 2;
-    constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;  // of the other class's
+    constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;  // of the other class's range
     std::map<std::uint16_t, std::vector<std::size_t>> wellSeen;
     for (const auto& [id, things] : thingsOf_) {
       if (id == 0 || uncounted_.contains(id)) continue;
       for (const std::size_t i : things) {
-        // Of a tree and its trunk now this is seen, now that.
+        // Only objects of one class: of a tree with its trunk, scans show sometimes one, sometimes the other.
         if (sum_.things[i].size && sum_.things[i].pointsOfClass.size() == 1) wellSeen[id].push_back(i);
       }
     }
@@ -161,7 +161,7 @@ class AnomalySearch {
     }
   }
 
-  // All but the k-th.
+  // Returns the sizes of all objects but the k-th.
   std::vector<Sides> sidesWithout(const std::vector<std::size_t>& things, std::size_t k) const {
     std::vector<Sides> sides;
     for (std::size_t i = 0; i < things.size(); ++i) {
@@ -171,15 +171,15 @@ class AnomalySearch {
   }
 
   const DatasetSummary& sum_;
-  std::set<std::pair<std::string, std::uint32_t>> mixed_;  // warned of elsewhere
-  std::set<std::uint16_t> parts_;                          // classes that belong to things of others
+  std::set<std::pair<std::string, std::uint32_t>> mixed_;  // reported by another warning
+  std::set<std::uint16_t> parts_;                          // classes of parts of other classes' objects
   std::map<std::uint16_t, std::vector<std::size_t>> thingsOf_;
-  bool counts_ = false;  // the ontology says what is a thing
+  bool counts_ = false;  // the ontology marks classes as things
   std::set<std::uint16_t> uncounted_;
   std::vector<Anomaly> anomalies_;
 };
 
-// From where the sensor stands, a little above, and near enough to fill a good part of the picture.
+// Returns a camera on the sensor's side of the box, a little above, and near enough for it to fill much of the picture.
 OrbitCamera cameraOn(const Box& box) {
   constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;  // deg, m
   const auto tenths = [](double v) { return std::round(v * 10) / 10 + 0.0; };

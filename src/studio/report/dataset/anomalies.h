@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds things whose class is likely to be wrong, although every one of their points has it.
+// Finds objects whose class is likely to be wrong although all of their points have the same class.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,17 +15,18 @@ namespace scanmill {
 
 struct Anomaly {
   std::size_t thing = 0;  // index into DatasetSummary::things
-  // The class whose size the thing has; absent where it is found because other things of its class have no ids.
+  // The class whose size the object has; absent if the object was found because other objects of its class have no ids.
   std::optional<std::uint16_t> like{};
-  std::uint64_t alike = 0;  // how many well seen things tell the size of that class
+  std::uint64_t alike = 0;  // number of well seen objects that define the size of that class
 };
 
-// Finds, first, things with an id of a class that otherwise has none; then well seen things whose size lies clearly
-// outside the sizes of their class and within those of another class. Instances with labels of several classes are left
-// to MixedInstance.
+// Finds, first, objects with an id in a class that otherwise has no ids; then well seen objects whose size lies clearly
+// outside the sizes of their class and within the sizes of another class. Instances with labels of several classes are
+// reported as MixedInstance instead.
 std::vector<Anomaly> findAnomalies(const DatasetSummary& summary);
 
-// A line for a shell that shows the thing where most of it is seen: "scanmill view FOLDER --sample KEY ...".
+// Returns a shell command that shows the object in the scan with most of its points: "scanmill view FOLDER --sample KEY
+// ...".
 std::string viewCommand(const std::filesystem::path& folder, const ThingSummary& thing, bool severalSensors);
 
 }  // namespace scanmill

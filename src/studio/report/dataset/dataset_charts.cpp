@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kHalfWidth = 575, kWholeWidth = 1150;  // pixels of charts, side by side and alone in a row
+constexpr int kHalfWidth = 575, kWholeWidth = 1150;  // pixels: charts that share a row, and charts alone in a row
 constexpr int kBarHeight = 21, kAround = 120;
 constexpr std::size_t kMostClasses = 12;  // of a stacked bar
 constexpr const char* kOtherFill = "#8b949e";
@@ -23,7 +23,7 @@ double perScan(std::uint64_t points, std::uint64_t scans) {
   return scans == 0 ? 0 : static_cast<double>(points) / static_cast<double>(scans);
 }
 
-// The most frequent first.
+// Returns the classes with a count, the most frequent first.
 std::vector<const ClassSummary*> classesWith(const DatasetSummary& summary,
                                              const std::function<std::uint64_t(const ClassSummary&)>& count) {
   std::vector<const ClassSummary*> classes;
@@ -43,7 +43,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t k = 0; k < std::min(sum.size(), part.size()); ++k) sum[k] += part[k];
 }
 
-// Bars of distance rings, stacked by class: points a scan, or shares of the ring.
+// Returns bars of distance rings, stacked by class: points a scan, or shares of the ring.
 Chart ringsChart(const DatasetSummary& summary, bool shares) {
   const std::vector<DistanceRing> rings = distanceRings(summary);
   Chart chart{.name = shares ? "ring_shares" : "ring_points",
@@ -90,7 +90,7 @@ Chart ringsChart(const DatasetSummary& summary, bool shares) {
   return chart;
 }
 
-// Bars of the classes that have some, the most frequent first, lying or standing.
+// Returns bars of the classes with a count, the most frequent first, horizontal (`lying`) or vertical.
 Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::uint64_t ClassSummary::*count) {
   const auto classes = classesWith(summary, [&](const ClassSummary& c) { return c.*count; });
   ChartSeries bars{.mark = ChartMark::Bars};
@@ -102,7 +102,7 @@ Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::ui
     bars.fills.push_back(htmlColor(c->color));
     (lying ? chart.y : chart.x).names.push_back(c->name);
   }
-  // With room for the labels of the longest bars.
+  // Leaves room for the labels of the longest bars.
   if (lying && !classes.empty()) chart.x.high = 4 * static_cast<double>(classes.front()->*count);
   if (lying) chart.height = kAround + kBarHeight * static_cast<int>(classes.size());
   chart.series.push_back(std::move(bars));
@@ -136,7 +136,7 @@ Chart splitChart(const DatasetSummary& summary) {
   return chart;
 }
 
-// Points a scan of each sensor in steps of `step`.
+// Returns the points a scan of each sensor in steps of `step`.
 Chart stepsChart(const DatasetSummary& summary, Chart chart, double step,
                  const std::function<std::vector<std::uint64_t>(const SensorSummary&)>& counts) {
   chart.note = fmt::format("points per {:g} {}; a scan's mean, {}", step, chart.note, ofScans(summary));
@@ -162,7 +162,7 @@ Chart intensitiesChart(const DatasetSummary& summary) {
   for (const SensorSummary& s : summary.sensors) {
     if (!s.intensities.empty()) most = std::max(most, intensityOfKey(s.intensities.rbegin()->first));
   }
-  // A power of two: its bins' ends are ends of keys too, so that each key lies in one bin.
+  // A power of two: the ends of its bins are also ends of keys, so that each key lies in one bin.
   const double high = most > 0 ? std::exp2(std::floor(std::log2(double{most})) + 1) : 1;
   return stepsChart(
       summary, {.name = "intensities", .title = "Intensities", .note = "of intensity", .x = {.title = "intensity"}},
@@ -222,7 +222,7 @@ std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
       if (s.ranges[i] > 0) last = std::max(last, i + 1);
     }
   }
-  // Narrow ones near the sensor, where most points are; the last step has no end.
+  // Narrow rings near the sensor, where most points are; the last step is open.
   std::vector<std::size_t> ends;
   for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
     if (end < count - 1) ends.push_back(end);

@@ -11,20 +11,20 @@
 
 namespace scanmill {
 
-// All of them, by name; those without anything to show have no points.
+// Returns all charts of the report; a chart without data has no points.
 std::vector<Chart> datasetCharts(const Manifest& manifest, const DatasetSummary& summary);
 
-// A colour as "#rrggbb".
+// Returns a colour as "#rrggbb".
 std::string htmlColor(const Rgb& color);
 
-// A ring of distance around the sensor: a whole number of the summary's steps. There are as few rings as a table or a
-// chart with bars can show, up to the last one that holds points.
+// A ring of distance around the sensor: a whole number of the summary's steps. The rings are few enough for a table or
+// a bar chart, and reach to the last step that holds points.
 struct DistanceRing {
   std::string name;                 // "20 to 30 m"
   std::size_t first = 0, last = 0;  // steps, [first, last)
 };
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary);
-// Of points per step.
+// Returns the number of points in a ring, from the numbers per step.
 std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceRing& ring);
 
 }  // namespace scanmill

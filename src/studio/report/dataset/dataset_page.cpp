@@ -30,8 +30,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FormatRecord, name, suffix, maxErrorMetres)
 
 namespace {
 
-constexpr std::size_t kMostRows = 2000;   // a browser shows more of them slowly
-constexpr std::size_t kMostPlaces = 200;  // are enough to find a cause
+constexpr std::size_t kMostRows = 2000;   // a browser is slow with more
+constexpr std::size_t kMostPlaces = 200;  // enough to find a cause
 
 std::string meaningOf(const std::string& name) {
   const std::size_t axis = std::string_view("xyz").find(name);
@@ -44,7 +44,7 @@ std::string meaningOf(const std::string& name) {
   return fmt::format("{}{}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning);
 }
 
-// The values of the template dataset.html.
+// Computes the values for the template dataset.html.
 class DatasetPage {
  public:
   explicit DatasetPage(const DatasetReport& report) : report_(report), m_(report.manifest), s_(report.summary) {}
@@ -105,10 +105,10 @@ class DatasetPage {
     }
   }
 
-  // The scenes in the order in which they are met from the first shard to the last; none where that is not known.
+  // Returns the scenes in the order of their first shards; empty if the order is unknown.
   std::vector<std::string> scenesOfShards() const {
-    if (m_.pipelineText.find("shuffle") != std::string::npos) return {};  // the manifest has the order before that
-    std::map<std::string, std::uint32_t> first;                           // shards of sequences
+    if (m_.pipelineText.find("shuffle") != std::string::npos) return {};  // the manifest has the order before shuffling
+    std::map<std::string, std::uint32_t> first;                           // first shard of each sequence
     for (const SampleRecord& sample : m_.samples) {
       std::uint32_t& shard = first.try_emplace(partsOfKey(sample.key).sequence, sample.shard).first->second;
       shard = std::min(shard, sample.shard);
@@ -125,7 +125,8 @@ class DatasetPage {
     return scenes;
   }
 
-  // What methods say of every scene, and of which. The manifest has equal lines once: it is known where all differ.
+  // Returns the methods' lines about scenes, each with its scene. The manifest keeps equal lines only once, so that
+  // lines can be assigned to scenes only if all of them differ.
   std::vector<std::string> sceneLines() const {
     const std::vector<std::string> scenes = scenesOfShards();
     std::vector<std::string> found;
@@ -157,7 +158,7 @@ class DatasetPage {
     }
   }
 
-  // What decides which commands help; the template has the commands.
+  // Sets the conditions for the commands that the template suggests.
   void next() {
     const auto holds = [&](const char* split) {
       return std::any_of(s_.splits.begin(), s_.splits.end(),

@@ -17,9 +17,9 @@
 namespace scanmill {
 
 struct DatasetReportOptions {
-  std::uint64_t seed = 0;       // decides which samples are pictured
-  std::size_t samples = 4;      // so many samples are pictured
-  std::size_t mostScans = 400;  // at most so many scans are read for figures
+  std::uint64_t seed = 0;       // seed of the choice of pictured samples
+  std::size_t samples = 4;      // number of pictured samples
+  std::size_t mostScans = 400;  // number of scans that are read for figures, at most
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
 };
@@ -27,30 +27,29 @@ struct DatasetReportOptions {
 // A scan as the page shows it.
 struct PicturedScan {
   std::string title, split;
-  std::vector<std::pair<std::string, std::string>> pictures;  // each: what the colours mean, and the bytes of the PNG
+  std::vector<std::pair<std::string, std::string>> pictures;  // each: meaning of the colours, bytes of the PNG
 };
 
 struct DatasetReport {
   std::string folder;  // the name of the dataset's folder
-  std::string path;    // the folder as it was named
+  std::string path;    // as given by the user
   Manifest manifest;
   DatasetSummary summary;
-  std::vector<std::string> shardFaults;  // one per shard of the manifest; empty where the shard is sound
-  bool hashed = false;                   // shards were compared by SHA-256, too
+  std::vector<std::string> shardFaults;  // one per shard of the manifest; empty if the shard is sound
+  bool hashed = false;                   // the SHA-256 of shards was compared, too
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
-  std::vector<PicturedScan> reasonImages;  // of the same scans, as far as they have them
-  ObjectCounts objects;                    // of the samples whose scans were read for figures
+  std::vector<PicturedScan> reasonImages;  // of the same scans, if they have reasons
+  ObjectCounts objects;                    // in the samples whose scans were read for figures
   std::string view;                        // the scans in 3D, as scanView() writes them
   std::uint64_t seed = 0;
 };
 
-// Reads a dataset and finds out what its report says. Throws InputError where the manifest cannot be read, and Error
-// where none of the scans can be. Everything else that is wrong is a warning.
+// Reads a dataset and gathers what its report shows. Throws InputError if the manifest cannot be read, and Error if no
+// scan can be read. All other faults become warnings.
 DatasetReport examineDataset(const std::filesystem::path& folder, const DatasetReportOptions& options);
 
-// The report as one HTML file. The same dataset, under the same name, with the same seed and options gives the same
-// bytes.
+// Returns the report as one HTML file. The same dataset with the same name, seed and options gives the same bytes.
 std::string datasetPage(const DatasetReport& report);
 
 }  // namespace scanmill

@@ -35,7 +35,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
 }
 
-// "street-s1-lane" is seed 1 of the scene street, driven along the trajectory lane.
+// Splits the name: "street-s1-lane" is seed 1 of the scene street, driven along the trajectory lane.
 SequenceSummary sequenceNamed(const std::string& name) {
   SequenceSummary sequence{name, {}, {}, {}, {}, 0, 0, 0, 0};
   for (std::size_t at = name.find("-s"); at != std::string::npos; at = name.find("-s", at + 1)) {
@@ -65,7 +65,7 @@ class Summing {
     for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
   }
 
-  // All scans.
+  // Adds the figures of all scans.
   void addManifest() {
     const auto has = [&](const char* column) {
       return std::find(manifest_.columns.begin(), manifest_.columns.end(), column) != manifest_.columns.end();
@@ -249,10 +249,10 @@ class Summing {
     }
   }
 
-  // Things may have parts of different classes; then most things of one of the classes have the other too. Where few
-  // have, labels are likely to be wrong.
+  // Finds instances of several classes. Objects may have parts of different classes; then most objects with one of the
+  // classes have the other, too. If few have, labels are likely to be wrong.
   void findMixed() {
-    constexpr std::uint64_t kFewest = 3;  // so many such things tell that this is meant
+    constexpr std::uint64_t kFewest = 3;  // with this many such objects, the combination counts as intended
     std::map<std::uint16_t, std::uint64_t> holders;
     std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> together;
     for (const auto& [key, points] : objects_) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a dataset holds, in figures. Some of them are of all scans, as far as the manifest knows; others are of the
-// scans that were read, since only points tell them.
+// Summarises a dataset in figures. Some figures come from the manifest and cover all scans; others need points and
+// cover only the scans that were read.
 
 #include <array>
 #include <cstddef>
@@ -24,16 +24,16 @@ struct ClassSummary {
   Rgb color{};
   bool thing = false;
   bool known = true;  // the ontology has the class
-  // Of all scans.
+  // Figures of all scans:
   std::uint64_t points = 0;
   std::uint64_t scans = 0;                               // scans that hold the class
   std::map<std::string, std::uint64_t> pointsOfSplit{};  // only of splits that hold the class
-  // Of the scans that were read.
+  // Figures of the scans that were read:
   std::vector<std::uint64_t> ranges{};  // points per step
   // Instances with points of the class, each counted once: the same id in a sequence is the same instance.
   std::uint64_t objects = 0;
   std::uint64_t views = 0;  // the same instances, counted in every scan that shows them
-  double medianPoints = 0;  // the median number of points of the class that an instance has in a scan
+  double medianPoints = 0;  // median number of points of the class per instance and scan
   std::uint64_t pointsWithoutId = 0;
 };
 
@@ -44,15 +44,15 @@ struct SensorSummary {
   std::uint64_t scansRead = 0;
   std::vector<std::uint64_t> ranges;  // points per step, of the scans that were read
   std::map<std::uint16_t, std::uint64_t> intensities{};
-  ReasonCounts beamsPerReason{};  // of the scans that have them
+  ReasonCounts beamsPerReason{};  // of the scans that have reasons
 };
 
 struct SequenceSummary {
-  std::string name;                     // what the samples' keys begin with: scene, seed and trajectory
-  std::string scene, seed, trajectory;  // the parts of the name, where it has them
+  std::string name;                     // prefix of the samples' keys: scene, seed and trajectory
+  std::string scene, seed, trajectory;  // parts of the name, if it has them
   std::string split;                    // one split or several: "train, val"
   std::uint64_t samples = 0, scans = 0, points = 0;
-  double seconds = 0;  // from its first to its last scan
+  double seconds = 0;  // from the first to the last scan of the sequence
 };
 
 struct SplitSummary {
@@ -60,23 +60,23 @@ struct SplitSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, shards = 0, bytes = 0;
 };
 
-// A thing is an instance id of a sequence; the figures are of the scans that were read.
+// An object: an instance id of a sequence. The figures are of the scans that were read.
 struct ThingSummary {
   std::string sequence;
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
   std::uint64_t points = 0, scans = 0;
-  std::uint16_t mostClass = 0;  // the class that most of its points have
-  // Its largest length, width and height over the scans that show it well, which see it from different sides; absent
-  // where none does.
+  std::uint16_t mostClass = 0;  // the class of most of its points
+  // Its largest length, width and height over the scans that show the object well, which see it from different sides;
+  // absent if no scan does.
   std::optional<SeenSize> size{};
-  // The scan that has the most of its points.
+  // The scan with the most of its points.
   std::string bestSample{}, bestSensor{};
   std::uint64_t bestPoints = 0;
   Box bestBox{};  // the box of its points in that scan's level frame
 };
 
-// A scan shows a thing well with so many points of it.
+// A scan shows an object well if it holds at least this number of its points.
 inline constexpr std::uint64_t kWellSeenPoints = 100;
 
 // An instance with points of several classes.
@@ -85,17 +85,17 @@ struct MixedInstance {
   std::string sample;  // a sample that shows the class with the fewest points
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  bool usual = false;  // every two of its classes often make one thing, as trunk and tree do
+  bool usual = false;  // any two of its classes often form one object, as trunk and tree do
 };
 
-// Names of scans with what is remarkable about each: "street-s1-lane-000010, top: 12 points".
+// Names of remarkable scans, each with the reason: "street-s1-lane-000010, top: 12 points".
 using ScanRemarks = std::vector<std::string>;
 
 struct DatasetSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, beams = 0, unresolved = 0;
   bool labelled = false;              // scans have classes
   bool instanced = false;             // scans have instances
-  std::vector<ClassSummary> classes;  // those of the ontology in its order, then those that it does not know
+  std::vector<ClassSummary> classes;  // the classes of the ontology in its order, then classes that it lacks
   std::vector<SensorSummary> sensors;
   std::vector<SequenceSummary> sequences;
   std::vector<SplitSummary> splits;  // in the order of the samples
@@ -103,15 +103,15 @@ struct DatasetSummary {
 
   std::uint64_t scansChosen = 0, scansRead = 0, pointsRead = 0;
   RangeSteps steps;
-  std::vector<ThingSummary> things;  // in the order of sequence and id; only where scans have classes
+  std::vector<ThingSummary> things;  // in the order of sequence and id; empty if scans have no classes
   std::vector<MixedInstance> mixed;
 };
 
-// Adds up a dataset. `counts` belong to `places`; they are absent where a scan could not be read.
+// Adds up a dataset. `counts` belong to `places`; a count is absent if its scan could not be read.
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps);
 
-// A scan with less than this share of its sensor's median has few points.
+// A scan has few points if it has less than this share of its sensor's median.
 inline constexpr double kFewPointsShare = 0.5;
 
 }  // namespace scanmill

@@ -92,7 +92,7 @@ class Warnings {
                                        [](const ClassSummary& c) { return c.id != 0 && c.known; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known,
                       fmt::join(alikeLines(none), ", ")));
-      list_.back().note = true;  // few scenes have all of them
+      list_.back().note = true;  // few scenes have all classes
     }
     const auto few = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
@@ -107,7 +107,7 @@ class Warnings {
     }
   }
 
-  // Returns that have no class since they come from no surface, as far as the dataset says.
+  // Returns the number of returns that have no class because they come from no surface, as far as the dataset shows.
   std::uint64_t fromNothing() const {
     std::uint64_t beams = 0;
     for (const SensorSummary& sensor : sum_.sensors) {
@@ -119,7 +119,7 @@ class Warnings {
     return beams;
   }
 
-  // What is learned against what it is tested on.
+  // Compares the split "train" with the other splits.
   void splits() {
     const auto train = std::find_if(sum_.splits.begin(), sum_.splits.end(),
                                     [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
@@ -167,8 +167,8 @@ class Warnings {
     return *std::find_if(sum_.classes.begin(), sum_.classes.end(), [&](const ClassSummary& c) { return c.id == id; });
   }
 
-  // Things of one class that are found for one reason are one warning, with the others below the first: a tree may have
-  // fifty baubles.
+  // Reports objects of one class that are found for the same reason as one warning, and lists the others below the
+  // first: a tree may have fifty baubles.
   void things() {
     if (!sum_.instanced || !sum_.labelled) return;
     const std::vector<Anomaly> anomalies = findAnomalies(sum_);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What is remarkable about a dataset, in plain words.
+// Writes warnings about a dataset, in plain words.
 
 #include <filesystem>
 #include <string>
@@ -11,20 +11,20 @@
 namespace scanmill {
 
 struct DatasetWarning {
-  std::string text;                   // one sentence or two, complete in themselves
-  std::vector<std::string> places{};  // the samples, instances or shards that it is about, one line each
-  std::string command{};              // a line for a shell that shows it
-  bool note = false;                  // it is worth knowing, and no sign of a fault
+  std::string text;                   // one or two sentences that need no context
+  std::vector<std::string> places{};  // the samples, instances or shards concerned, one line each
+  std::string command{};              // a shell command that shows it
+  bool note = false;                  // worth knowing, but not a sign of a fault
 };
 
-// What could not be read as it should be, one line for each fault.
+// Faults met while reading the dataset, one line each.
 struct ReadingFaults {
   std::vector<std::string> shards;    // missing or damaged shards
   std::vector<std::string> scans;     // scans that could not be read
   std::vector<std::string> mistaken;  // scans that disagree with the manifest
 };
 
-// Writes the warnings. `folder` is the dataset's, as it was named to the command.
+// Writes the warnings. `folder` is the dataset's folder as given on the command line.
 std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
                                        const std::filesystem::path& folder);
 

@@ -11,8 +11,8 @@ namespace scanmill {
 
 namespace {
 
-// Philox's key holds the seed, its counter the sample: a place of its own among random numbers, none of which a
-// dataset's noise has (those have a purpose in the counter's last word).
+// Returns a random number per seed and sample. Philox's key holds the seed and its counter the sample; kPictures in the
+// last word, where the numbers of a dataset's noise have their purpose, keeps the two apart.
 std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
   constexpr std::uint32_t kPictures = 0xFFFF0000u;
   const RandomBlock block = philox4x32(
@@ -21,7 +21,7 @@ std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
   return std::uint64_t{block[0]} << 32 | block[1];
 }
 
-// In the order in which they come.
+// The samples of a split, in their order.
 struct SplitSamples {
   std::string split;
   std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // random number, sample

@@ -1,6 +1,6 @@
 #pragma once
 
-// Chooses which of a dataset's scans a report reads, and which it shows.
+// Chooses the scans of a dataset that a report reads, and the scans that it shows.
 
 #include <compare>
 #include <cstddef>
@@ -18,11 +18,11 @@ struct ScanPlace {
   auto operator<=>(const ScanPlace&) const = default;
 };
 
-// All scans, or `most` of them spread evenly over the dataset, ascending.
+// Returns all scans, or `most` of them spread evenly over the dataset, ascending.
 std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most);
 
-// One scan from each of `count` random samples. Splits take turns, and so do sensors, so that a few samples show all of
-// them. Empty scans, and those in shards that are not `sound`, are passed over. The same seed chooses the same scans.
+// Returns one scan from each of `count` random samples. Splits and sensors take turns, so that a few samples show all
+// of them. Empty scans, and scans in shards that are not `sound`, are skipped. The same seed chooses the same scans.
 std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
                                    std::uint64_t seed);
 

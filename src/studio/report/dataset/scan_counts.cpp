@@ -12,10 +12,11 @@ namespace scanmill {
 
 namespace {
 
-// Principal axes of points on two or three sides lie across those; the smallest base lies along them or, where two are
-// all that is seen, perhaps along the line between their ends, which is little longer.
+// Returns the size of the box with the smallest base. Principal axes would not do: for points on two or three sides
+// they lie diagonally. The smallest base lies along the sides or, if only two are seen, perhaps along the line between
+// their ends, which makes it little longer.
 SeenSize sizeOf(const std::vector<Vec3d>& points, const Box& box) {
-  constexpr int kDirections = 30;  // of a quarter turn: the base is found to 1.5 degrees
+  constexpr int kDirections = 30;  // in a quarter turn, which finds the base to 1.5 degrees
   constexpr double kNothing = std::numeric_limits<double>::infinity();
   SeenSize best;
   double smallest = kNothing;
@@ -42,7 +43,8 @@ bool isElsewhere(std::uint8_t cause) {
          cause == static_cast<std::uint8_t>(Cause::FalsePositive) || cause == static_cast<std::uint8_t>(Cause::Weather);
 }
 
-// Mirror images, stray light and the like are elsewhere than the thing; they count where there is nothing else.
+// Measures instances. Points of mirror images, stray light and the like lie elsewhere; they count if there are no
+// others.
 void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
   if (instances.empty()) return;
   struct Places {
@@ -90,7 +92,7 @@ Mat3 levelFromSensor(const Quat& worldFromSensor) {
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor) {
   ScanCounts counts;
-  std::vector<std::uint64_t>* ranges = nullptr;  // of the last point's class: neighbours mostly share it
+  std::vector<std::uint64_t>* ranges = nullptr;  // of the last point's class, which neighbours mostly share
   std::uint16_t lastClass = 0;
   std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // id and class
   std::uint64_t lastPair = 0;

@@ -11,9 +11,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewPoints = 1000;  // of an instance or a class that stays whole
+constexpr std::size_t kFewPoints = 1000;  // an instance or a class with at most this number stays complete
 
-// The points of each value that few have.
+// Adds the points of each rare value.
 template <class Value>
 void addRare(const Scan& scan, const std::vector<Value>& values, const std::vector<std::size_t>& finite,
              bool zeroIsNone, std::vector<std::pair<std::size_t, std::vector<std::size_t>>>& groups) {
@@ -28,12 +28,12 @@ void addRare(const Scan& scan, const std::vector<Value>& values, const std::vect
 }
 
 double weightOf(const Vec3f& position) {
-  constexpr double kLeast = 1e-3;  // m2: also a point at the sensor has some
+  constexpr double kLeast = 1e-3;  // m2: also a point at the sensor has a weight
   const Vec3d p(position);
   return std::max(dot(p, p), kLeast);
 }
 
-// The factor of weights with which, where none is kept more than whole, so many are kept.
+// Returns the factor of the weights that keeps `kept` points in total, where a point's share is at most 1.
 double factorFor(std::vector<double> weights, double kept) {
   std::sort(weights.begin(), weights.end(), std::greater<>());
   double rest = 0;
@@ -74,7 +74,7 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
     if (!whole[i]) weights.push_back(weightOf(scan.position[i]));
   }
   const double factor = factorFor(std::move(weights), static_cast<double>(most - wholeCount));
-  // What is due grows with every point; one is kept when another whole one is due.
+  // The debt grows with every point; a point is kept whenever the debt reaches one.
   std::vector<std::size_t> kept;
   double due = 0.5;
   for (const std::size_t i : finite) {
@@ -87,7 +87,7 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
     due -= 1;
     kept.push_back(i);
   }
-  if (kept.size() > most) kept.resize(most);  // by a rounded last one
+  if (kept.size() > most) kept.resize(most);  // rounding may have added one
   return kept;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Little-endian, whatever this machine is.
+// Encodes numbers in little-endian order on any machine.
 template <class Number>
 OrderedJson column(const std::vector<std::uint32_t>& numbers) {
   std::string bytes;
@@ -31,7 +31,7 @@ OrderedJson column(const std::vector<std::uint32_t>& numbers) {
   return {{"type", fmt::format("u{}", 8 * sizeof(Number))}, {"data", base64(bytes)}};
 }
 
-// As narrow as they allow.
+// Encodes numbers in the narrowest type that holds them.
 OrderedJson narrowColumn(const std::vector<std::uint32_t>& numbers) {
   const std::uint32_t most = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
   return most < 1u << 8    ? column<std::uint8_t>(numbers)
@@ -126,7 +126,7 @@ class ViewData {
     json_["instance"] = narrowColumn(indices);
   }
 
-  // Whole numbers stay what they are; others are kept in 65534 steps, and one more for what is no number.
+  // Whole numbers are stored exactly; others in 65534 steps, with one more code for values that are not numbers.
   template <class Number>
   void numbers(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
     if (values.empty()) return;

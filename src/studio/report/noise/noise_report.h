@@ -1,6 +1,6 @@
 #pragma once
 
-// The report of the noise that was measured on recorded scans.
+// The report on the noise measured in recorded scans.
 
 #include <string>
 #include <string_view>
@@ -12,11 +12,11 @@
 
 namespace scanmill {
 
-// The charts of the report that are files of their own, too.
+// Returns the charts of the report that are also written as separate files.
 std::vector<Chart> noiseCharts(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison);
 
-// The page index.html, which needs no other file: what was measured, the fitted model, and the recording beside its
-// simulation. `sensor` is the sensor's model, `effects` the text of effectsYaml().
+// Returns the page index.html, which needs no other file: the measurements, the fitted model, and a comparison of the
+// recording with its simulation. `sensor` is the sensor's model, `effects` the text of effectsYaml().
 std::string noiseReport(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison,
                         const std::string& sensor, const std::string& effects, const std::string& date);
 

@@ -1,8 +1,9 @@
 'use strict';
-// Draws a page's charts with Chart.js, by the JSON that charts/chart_json.cpp writes. All axes are linear to Chart.js: logarithms
-// are taken here, so that zeros have a place beside a logarithmic axis, and ticks of any axis follow one rule when it is zoomed.
+// Draws a page's charts with Chart.js, from the JSON that charts/chart_json.cpp writes. All axes are linear to
+// Chart.js: logarithms are taken here, so that a logarithmic axis has room for zeros beside it, and ticks follow one
+// rule when any axis is zoomed.
 (() => {
-  // M. Okabe and K. Ito, Color Universal Design, 2008, as charts/chart_svg.cpp has them.
+  // M. Okabe and K. Ito, Color Universal Design, 2008, as in charts/chart_svg.cpp.
   const LIGHT = ['#0072B2', '#D55E00', '#009E73', '#E69F00', '#CC79A7', '#56B4E9', '#1f2328', '#F0E442'];
   const DARK = ['#3D9BDC', '#E8762B', '#12B886', '#E69F00', '#CC79A7', '#7CC8F2', '#e6edf3', '#F0E442'];
   const DASHES = [[], [7, 3], [2.5, 3], [10, 3, 2, 3], [5, 2, 2, 2, 2, 2], [12, 4], [], [4, 4]];
@@ -14,7 +15,7 @@
     : {palette: LIGHT, ink: '#1f2328', muted: '#59636e', page: '#ffffff', grid: '#e8ebef', axis: '#8b949e', band: '#f3f5f8'};
 
   const plain = value => String(Number(value.toPrecision(6)));
-  // 10 µm, 1 ms, 45 k; 0.1 % of the share 0.001.
+  // Returns 10 µm, 1 ms, 45 k; 0.1 % for the share 0.001.
   function numberText(value, unit) {
     if (unit === '%') return plain(value * 100) + ' %';
     const size = Math.abs(value), space = unit ? ' ' + unit : '';
@@ -24,7 +25,7 @@
     return plain(value / prefix[0]) + (prefix[1] + unit ? ' ' + prefix[1] + unit : '');
   }
 
-  // Lines of so many letters at most.
+  // Wraps text into lines of at most `most` letters.
   const wrapped = (text, most) => text.split(' ').reduce((lines, word) => {
     const last = lines.at(-1);
     return last && last.length + word.length < most ? [...lines.slice(0, -1), `${last} ${word}`] : [...lines, word];
@@ -35,13 +36,14 @@
     return power * [1, 2, 5, 10].find(factor => factor * power >= least * (1 - 1e-9));
   };
 
-  // The next of 1, 2 and 5 times a power of ten below a logarithm; of -log, above.
+  // Returns the logarithm of the largest of 1, 2 and 5 times a power of ten that is not above `log`. Use -niceLog(-log)
+  // for the smallest that is not below.
   const niceLog = log => {
     const power = Math.floor(log + 1e-9), stops = [0, Math.log10(2), Math.log10(5)];
     return power + Math.max(...stops.filter(stop => power + stop <= log + 1e-9));
   };
 
-  // An axis with all that it must hold: places on it, its ends, and its ticks.
+  // An axis with everything that it needs: the positions of values, its ends, and its ticks.
   class Axis {
     constructor(axis, values, fromZero) {
       Object.assign(this, axis);
@@ -102,7 +104,7 @@
   const marksOf = chart => chart.data.datasets.flatMap((set, s) => !chart.isDatasetVisible(s) ? [] :
     chart.getDatasetMeta(s).data.map((element, i) => ({set, element, i})).filter(m => !m.element.skip && Number.isFinite(m.element.x) && Number.isFinite(m.element.y)));
 
-  // The band of zeros, error bars, labels beside points where there is room, and the frame that is being zoomed to.
+  // Draws the band of zeros, error bars, labels beside points if there is room, and the frame of a zoom in progress.
   const extras = {
     id: 'extras',
     beforeDatasetsDraw(chart) {
@@ -138,7 +140,7 @@
       const rank = set => set.first ? 0 : set.strong ? 1 : 2;
       const taken = marks.filter(m => m.set.type !== 'bar' && m.element.options.radius > 0)
         .map(({element: e}) => [e.x - e.options.radius, e.y - e.options.radius, e.x + e.options.radius, e.y + e.options.radius]);
-      // The boxes of the parts of the lines that are emphasised, staircases: rather not under text.
+      // The boxes of the parts of emphasised lines, which are staircases: text avoids them if possible.
       const lines = chart.data.datasets.flatMap((set, s) => !set.strong || !set.showLine || !chart.isDatasetVisible(s) ? [] :
         chart.getDatasetMeta(s).data.slice(1).map((e, i) => [e, chart.getDatasetMeta(s).data[i]])
           .map(([a, b]) => [Math.min(a.x, b.x), Math.min(a.y, b.y), Math.max(a.x, b.x) + 1, Math.max(a.y, b.y) + 1]));
@@ -209,7 +211,7 @@
       pointHitRadius: 6, pointBackgroundColor: colour, pointBorderColor: c.page, pointBorderWidth: radius ? 1 : 0};
   }
 
-  // A button per name hides and shows its series.
+  // A button per name hides and shows the series of this name.
   function legend(figure, chart, series) {
     let box = figure.querySelector('.legend');
     if (!box) figure.querySelector('figcaption').after(box = document.createElement('div'));
@@ -239,7 +241,8 @@
     }));
   }
 
-  // Dragging zooms to a frame, the wheel about the pointer once the chart was clicked, a double click shows all again.
+  // Dragging zooms to a frame; after a click on the chart the wheel zooms about the pointer; a double click shows all
+  // again.
   function zoom(canvas, chart) {
     const set = (x, y) => {
       Object.assign(chart.options.scales.x, {min: x[0], max: x[1]});
@@ -296,21 +299,21 @@
       ...(k === 1 ? chart.series.flatMap(s => s.spans?.flat() ?? []) : [])];
     const axes = {x: new Axis(chart.x, values(0), bars && lying), y: new Axis(chart.y, values(1), bars && !lying)};
     const someStrong = chart.series.some(s => s.strong);
-    const letters = (canvas.parentElement.clientWidth - (lying ? 130 : 60)) / 7;  // that an axis' title has room for
+    const letters = (canvas.parentElement.clientWidth - (lying ? 130 : 60)) / 7;  // that fit beside an axis, for its title
     const scale = (axis, pixelsPerTick) => ({
       type: 'linear', bounds: 'data', offset: false, min: axis.min, max: axis.max, reverse: axis === axes.y && lying, stacked: chart.stacked,
       title: {display: axis === axes.x && Boolean(axis.title), text: wrapped(axis.title ?? '', letters), color: c.muted, font: {...FONT, size: 12}},
       grid: {color: axis.names && axis === axes.x ? 'transparent' : c.grid, borderColor: c.axis, tickColor: c.axis, offset: false},
       ticks: {color: c.ink, font: FONT, autoSkip: axis === axes.x && !axis.names, maxRotation: axis.names ? 40 : 0, includeBounds: false,
         callback(value) {
-          // What names differ in often stands at their end.
+          // Names often differ only at their end.
           const text = axis.text(value), room = this.chart.width < 450 ? 22 : this.chart.width < 700 ? 30 : 40;
           return text.length > room ? text.slice(0, room - 11) + '…' + text.slice(-10) : text;
         }},
       afterBuildTicks: own => {
         const length = axis === axes.x ? own.chart.width - 60 : own.chart.height - 40;
         const places = axis.ticks(own.min, own.max, Math.max(2, length / pixelsPerTick));
-        // The word for zero hides no number beside it.
+        // The word for zero must not hide a number beside it.
         const pixels = (length - (axis === axes.x && lying ? 110 : 0)) / (own.max - own.min), room = axis === axes.x ? 45 : 14;
         const hides = v => places[0] < axis.band && v > places[0] && (v - places[0]) * pixels < room;
         own.ticks = places.filter(v => !hides(v)).map(value => ({value}));

@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kHalfRow = 870;  // pixels: a chart that is no wider stands beside another
+constexpr int kHalfRow = 870;  // pixels: charts up to this width share a row
 constexpr int kAround = 60;    // pixels of a chart's height: its title, note and legend
 
 std::string trimmed(const std::string& text) {
@@ -22,7 +22,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
 }
 
-// Between " | ".
+// Splits a line at " | ".
 std::vector<std::string> partsOf(const std::string& line) {
   std::vector<std::string> parts;
   for (std::size_t at = 0; at != std::string::npos;) {
@@ -38,14 +38,14 @@ std::string attribute(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, value);
 }
 
-// Figures are sorted by their value, not by its text.
+// Returns the attribute by which a cell is sorted: the value of its figure, not the text.
 std::string orderOf(const std::string& cell) {
   static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
   std::smatch found;
   return std::regex_search(cell, found, figure) ? fmt::format(" data-v=\"{{{{{}:.9g}}}}\"", found[1].str()) : "";
 }
 
-// The Mustache of a table.
+// Returns the Mustache template of a table.
 std::string tableTemplate(const std::string& text) {
   std::istringstream lines(text);
   std::string line, rows, groups, heads, cells, repeated, group;
@@ -101,7 +101,8 @@ std::string figuresTemplate(const std::string& text) {
   return "<div class=\"figures\">" + figures + "</div>";
 }
 
-// As a Content-Security-Policy names a script that may run: its SHA-256, in base64 (W3C, CSP level 3, 2.3.1).
+// Returns the name of a script that may run in a Content-Security-Policy: its SHA-256, in base64 (W3C, CSP level 3,
+// 2.3.1).
 std::string scriptSource(const std::string& script) {
   const std::string hex = sha256(script);
   std::string bytes;
@@ -124,7 +125,7 @@ std::string withoutPartials(std::string body, Json& values) {
   return body;
 }
 
-// Links to the headings that a page has.
+// Returns links to the headings of a page.
 std::string navigation(const std::string& body) {
   constexpr std::string_view kHeading = "<h2 id=\"";
   std::string links;
@@ -181,7 +182,7 @@ std::string shellWord(const std::string& word, bool quote) {
   return "'" + quoted + "'";
 }
 
-// "<" stands in strings alone, where an escape says the same.
+// "<" occurs only in strings, where the escape means the same.
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());

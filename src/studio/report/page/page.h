@@ -11,43 +11,42 @@
 
 namespace scanmill {
 
-// What a page has besides its template: style rules, and scripts that run in this order after the page's own.
+// Additions to a page's template: style rules, and scripts that run in this order after the page's own.
 struct PageExtras {
   std::string css{};
   std::vector<std::string> scripts{};
 };
 
-// Fills a template of a page's body (see study/text_template.h; all values are escaped) and puts the page together; its
-// title is the value `title`. Its Content-Security-Policy forbids every connection, and every script but its own and
-// those of `extras`. Besides what Mustache has, a body may hold
+// Fills a template of a page's body (see study/text_template.h; all values are escaped) and builds the page; its title
+// is the value `title`. Its Content-Security-Policy forbids all connections, and all scripts except its own and those
+// of `extras`. Besides Mustache, a body may hold
 //
-//   <template id="name">     a piece that {{>name}} stands for
+//   <template id="name">     a part that {{>name}} inserts
 //   <nav></nav>              links to all headings <h2 id="...">
-//   {{#charts.x}}{{>chart}}{{/charts.x}}    a chart, of what chartValues() made
-//   {{#figures}}a b{{/figures}}             the charts `charts.a` and `charts.b`, those of them that are there
-//   {{#table}}                              a table that a click on a heading sorts; nothing where it has no rows
-//   rows                                    its rows: the path of a list. A row's `strong` marks it, its `failure` says
-//                                           why it has no figures
-//   == title                                a heading over the columns that follow
-//   + path                                  the columns up to the line "-" are there for each item of this list; the
-//   row
-//                                           has a list of the same path
-//   title | cell | hint | cell's hint       a column: templates all; "< title": of words, which begin at the left
+//   {{#charts.x}}{{>chart}}{{/charts.x}}    a chart, from the value of chartValues()
+//   {{#figures}}a b{{/figures}}             the charts `charts.a` and `charts.b`, without those that do not exist
+//   {{#table}}                              a table that a click on a heading sorts; omitted if it has no rows
+//   rows                                    the path of the list of its rows. A row's `strong` marks the row, its
+//                                           `failure` is the reason why the row has no figures
+//   == title                                a heading above the columns that follow
+//   + path                                  repeats the columns up to the line "-" for each item of this list; each
+//                                           row has a list at the same path
+//   title | cell | hint | cell's hint       a column of four templates; "< title": a column of words, left-aligned
 //   {{/table}}
 std::string fillPage(std::string_view body, Json values, const PageExtras& extras = {});
 
-// A chart as the templates want it; null where it has no points.
+// Returns a chart as the templates need it; null if it has no points.
 Json chartValues(const Chart& chart);
-// The same of several, by their names.
+// Returns several charts in the same form, by their names.
 Json chartValues(const std::vector<Chart>& charts);
 
-// A word of a command for a shell, in quotes where it needs them; `quote`: always.
+// Quotes a word of a command for a shell if necessary; `quote`: always.
 std::string shellWord(const std::string& word, bool quote = false);
 
-// JSON that a <script> element can hold.
+// Escapes JSON for a <script> element.
 std::string scriptJson(const std::string& json);
 
-// The texts of files that CMake puts into the program: those of this folder, and Chart.js.
+// The texts of files that CMake embeds in the program: the files of this folder, and Chart.js.
 extern const std::string_view kPageLayout, kPageStyle, kPageScript, kChartFigure, kChartScript, kChartLibrary;
 
 }  // namespace scanmill

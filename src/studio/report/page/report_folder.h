@@ -6,12 +6,12 @@
 
 namespace scanmill {
 
-// Creates `folder` before the work begins. Throws InputError where it holds files, unless `overwrite` is set and one of
-// them is `result`, the file by which a study of the kind is known. Removes nothing: what is there stays until there is
-// something new.
+// Creates `folder` before the work begins. Throws InputError if the folder holds files, unless `overwrite` is set and
+// one of the files is `result`, which marks the results of this kind of study. Removes nothing: old files stay until
+// new ones replace them.
 void prepareReportFolder(const std::filesystem::path& folder, const std::string& result, bool overwrite);
 
-// Removes `result` where it is there, so that nothing looks finished while the folder's other files are written anew.
+// Removes the file `result` if it exists: the folder must not look finished while its other files are being rewritten.
 void beginReport(const std::filesystem::path& folder, const std::string& result);
 
 }  // namespace scanmill

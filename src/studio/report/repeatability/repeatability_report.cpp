@@ -6,9 +6,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSquareCentimetres = 1e4;  // a square metre
+constexpr double kSquareCentimetres = 1e4;  // per square metre
 
-// From m² to cm², in place. Two pairs are one there and back, and tell no deviation.
+// Converts m² to cm² in place. Two pairs are the same two scans in both directions, and have no meaningful deviation.
 void scale(Json& spread) {
   if (spread.is_null()) return;
   for (const char* key : {"mean", "deviation", "min", "max"}) {
@@ -17,7 +17,7 @@ void scale(Json& spread) {
   if (spread["pairs"] < 3) spread.erase("deviation");
 }
 
-// The figures of one pose as its row in the table, and with the rows of all levels.
+// Rearranges the figures of one pose into its row of the table, and the rows of all levels.
 void arrange(Json& place, const Repeatability& result) {
   const std::size_t count = result.levels.size(), reference = result.reference;
   const Json points = place["points"][reference];
@@ -69,7 +69,7 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
     }
     if (view.method == 0) page["method_charts"].push_back(chartValues(repeatabilityMethods(result, view.name)));
   }
-  // With one noise alone there is nothing to compare it with.
+  // A single noise level has no others to be compared with.
   if (result.levels.size() < 2) page["views"] = Json::array();
   return fillPage(kRepeatabilityTemplate, std::move(page));
 }

@@ -10,8 +10,8 @@
 namespace scanmill {
 
 // Draws the truth's points, coloured by the tested method's range error: the colour map viridis spans 1 mm to 1 m by
-// the logarithm of the error. False negatives, false positives (drawn where the tested method hits) and beams with
-// another label have colours of their own. The result is a PNG file's bytes.
+// the logarithm of the error. False negatives, false positives (drawn at the hit of the tested method) and beams with a
+// wrong label have colours of their own. Returns the bytes of a PNG file.
 std::string drawErrors(const TrueShot& truth, const Hits& tested);
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;
 
-// The figures of the file with what follows from them; spreads of nothing are left out.
+// Returns the figures of the file with derived ones; spreads without values are left out.
 Json errorsJson(Json errors, const GroupErrors& e) {
   for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
     if (errors.at(spread).at("count") == 0) errors.erase(spread);
@@ -36,7 +36,7 @@ Json errorsJson(Json errors, const GroupErrors& e) {
   return errors;
 }
 
-// Of the group with this name; empty where it has no beams.
+// Returns the figures of the group with this name; empty if it has no beams.
 Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std::string& name) {
   for (std::size_t i = 0; i < own.size(); ++i) {
     if (own[i].name == name && own[i].errors.beams > 0) return errorsJson(groups[i].at("errors"), own[i].errors);
@@ -44,7 +44,7 @@ Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std
   return Json::object();
 }
 
-// The rows of the tables, of what the file says of each setting.
+// Builds the rows of the tables from the file's figures for each setting.
 class StudyPage {
  public:
   explicit StudyPage(const Study& study)
@@ -157,7 +157,7 @@ class StudyPage {
     }
   }
 
-  // Methods have different stages.
+  // Builds the stages of each method separately, because methods have different stages.
   void stages() {
     const auto timed = [&](double seconds) {
       if (seconds <= 0) return Json::object();
@@ -221,7 +221,7 @@ class StudyPage {
     }
   }
 
-  // What is advised, and how to take it.
+  // Adds the advice, and the arguments that apply it.
   void use() {
     for (const Advice& a : advise(study_)) {
       std::string argument;

@@ -9,10 +9,10 @@
 
 namespace scanmill {
 
-// The page index.html, with charts, tables and pictures; it needs no other file and no network.
+// Returns the page index.html, with charts, tables and pictures; it needs no other file and no network.
 std::string studyReport(const Study& study);
 
-// "--set 'method={particle: {refine: none}}'", quoted for a shell.
+// Returns "--set 'method={particle: {refine: none}}'", quoted for a shell.
 std::string setArgument(const Setting& setting);
 
 extern const std::string_view kTradeoffTemplate;  // tradeoff.html

@@ -17,12 +17,12 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostLines = 6, kMostClasses = 30;
-constexpr int kWide = 1160, kHalf = 575;  // pixels of charts that stand alone and side by side
+constexpr int kWide = 1160, kHalf = 575;  // pixels: charts alone in a row, and side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSmallStage = 0.03;  // of a scan's time: less joins the rest
+constexpr double kSmallStage = 0.03;  // of a scan's time; smaller stages join the rest
 const std::string kRest = "the rest";
 
-// An error that charts show, on a logarithmic axis.
+// An error that charts show on a logarithmic axis.
 struct Measure {
   const char* title;
   const char* unit;  // "m" or "%"
@@ -51,13 +51,13 @@ const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
   return study.settings[setting].measured.errors;
 }
 
-// Of the group with this name.
+// Returns the error of the group with this name; NaN if there is no such group.
 double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, const Measure& measure) {
   const auto found = std::find_if(groups.begin(), groups.end(), [&](const ErrorGroup& g) { return g.name == name; });
   return found == groups.end() ? kNone : measure.of(found->errors);
 }
 
-// So that equal values do not cover each other: where the k-th of `count` series lies beside its place.
+// Returns the shift of the k-th of `count` series along an axis, so that equal values do not cover each other.
 double beside(std::size_t k, std::size_t count, double step) {
   return (static_cast<double>(k) - (static_cast<double>(count) - 1) / 2) * step;
 }
@@ -70,7 +70,7 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
       metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()), shareText(e.missRate()));
 }
 
-// Without the method's name, which colour and shape give.
+// Returns the setting's name without the method's name, which colour and shape show.
 std::string shortName(const Setting& setting) {
   return setting.name.starts_with(setting.method + " ") ? setting.name.substr(setting.method.size() + 1)
                                                         : wordsOf(setting.name);
@@ -82,7 +82,7 @@ std::string sceneNote(const Study& study) {
                      pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
 }
 
-// The staircase that no setting gets past, but for steps too small to tell from the noise of time.
+// The staircase of the best settings, without steps too small to distinguish from the scatter of times.
 ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>& all) {
   ChartSeries line{.name = "Pareto front: nothing is both faster and better",
                    .color = 6,
@@ -135,7 +135,7 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// Some settings and their colours.
+// The shown settings and their colours.
 struct Shown {
   explicit Shown(const Study& study) : settings(shownSettings(study, kMostLines)) {
     std::vector<std::string> methods;
@@ -145,10 +145,10 @@ struct Shown {
   std::vector<std::size_t> settings, colors;
 };
 
-// What a setting has at a name, and what its mark says; NaN where there is nothing.
+// The value of a setting at a name, and the text of its mark; NaN if there is no value.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
-// A series per shown setting over the names of the x axis, or of the y axis where that has some.
+// Returns a chart with a series per shown setting over the names of the x axis, or of the y axis if it has names.
 Chart settingsChart(const Study& study, const Shown& shown, Chart chart, ChartMark mark, double step,
                     const Figure& figure) {
   const bool lying = !chart.y.names.empty();
@@ -204,7 +204,7 @@ Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vecto
       });
 }
 
-// A row per setting, a dot per place.
+// Returns a chart with a row per setting and a dot per place.
 Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   const std::vector<std::size_t> rows = settingsByMethod(study, kReportRows);
   const std::vector<std::string> places = groupNames(study, rows, &BeamErrors::byPlace);
@@ -213,7 +213,7 @@ Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   chart.height = 130 + 20 * static_cast<int>(rows.size());
   for (const std::size_t i : rows) chart.y.names.push_back(study.settings[i].setting.name);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // not those of methods
+    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // no method has these colours
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double value = errorOf(errorsOf(study, rows[row]).byPlace, places[k], measure);
       series.points.push_back({value, static_cast<double>(row) + beside(k, places.size(), 0.2)});
@@ -224,7 +224,7 @@ Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   return chart;
 }
 
-// A row per class, the most frequent first, a dot per shown setting.
+// Returns a chart with a row per class, the most frequent first, and a dot per shown setting.
 Chart classChart(const Study& study, Chart chart, const Measure& measure) {
   const Shown shown(study);
   std::vector<std::string> names = groupNames(study, shown.settings, &BeamErrors::byClass);
@@ -254,7 +254,7 @@ Chart classChart(const Study& study, Chart chart, const Measure& measure) {
   return chart;
 }
 
-// By stage, of a scan's time.
+// Returns the shares of a scan's time by stage.
 std::map<std::string, double> sharesOfStages(const Cost& cost) {
   if (cost.stages.empty() || cost.scanSeconds <= 0) return {{"trace", 1}};
   double sum = 0;
@@ -276,7 +276,7 @@ Chart stagesChart(const Study& study) {
               .stacked = true,
               .width = kWide,
               .height = 130 + 22 * static_cast<int>(rows.size())};
-  std::vector<std::string> stages;  // those that matter to any of the settings, and the rest
+  std::vector<std::string> stages;  // stages that matter to any of the settings, and the rest
   for (const std::size_t i : rows) {
     chart.y.names.push_back(study.settings[i].setting.name);
     for (const auto& [stage, share] : sharesOfStages(study.settings[i].measured.cost)) {
@@ -345,7 +345,7 @@ Chart ringsChart(const Study& study) {
       .width = kWide,
       .height = 420};
   const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study);
-  // What has no method is not a method's colour.
+  // A fit without a method (the display of a scan) must not have a method's colour.
   std::vector<std::string> methods;
   methods.reserve(fits.size());
   for (const auto& entry : fits) methods.push_back(entry.second->setting.method);

@@ -13,14 +13,14 @@
 
 namespace scanmill {
 
-inline constexpr std::size_t kReportRows = 40;  // a chart has rows for at most so many settings
+inline constexpr std::size_t kReportRows = 40;  // rows of settings in a chart, at most
 
-// All of them; those without anything to show have no points.
+// Returns all charts of the report; a chart without data has no points.
 std::vector<Chart> studyCharts(const Study& study);
-// The names of those that are files, too: speed against error, error by range and by incidence, encodings, rings.
+// Names of the charts that are also files: speed against error, error by range and by incidence, encodings, rings.
 inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings", "rings"};
 
-// What was timed against rings, with its name.
+// Returns the timings by number of rings, each with its name.
 std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study);
 
 }  // namespace scanmill

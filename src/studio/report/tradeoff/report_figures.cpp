@@ -11,10 +11,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMethodColors = 3;  // the chart's first ones are those of the first rows of methods()
+constexpr std::size_t kMethodColors = 3;  // the palette's first colours, for the first rows of methods()
 constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
 
-// Which of kMethodColors a method has; none where it has none of them.
+// Returns the method's own colour; nothing if it is not one of the first kMethodColors methods.
 std::optional<std::size_t> ownColor(const std::string& method) {
   const MethodEntry* entry = findMethod(method);
   if (entry == nullptr || entry - methods().data() >= static_cast<std::ptrdiff_t>(kMethodColors)) return std::nullopt;

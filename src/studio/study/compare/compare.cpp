@@ -18,10 +18,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestInGroup = 50;  // patches of a group in a band, in either set
+constexpr std::size_t kFewestInGroup = 50;  // patches of a group in a band, in each of the sets
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
-// The group of each patch, by a number that means the same in both sets.
+// The group of each patch, by a number with the same meaning in both sets.
 using Groups = std::vector<std::uint16_t>;
 
 Groups groupsByKind(const Patches& patches) {
@@ -112,7 +112,7 @@ void addRanges(SetComparison& result) {
   }
 }
 
-// `bandOf`: the row of a patch; beyond the last one where it has none.
+// Returns the medians per row. `bandOf` gives the row of a patch; an index beyond the last row if it has none.
 template <class BandOf>
 std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
                                         const BandOf& bandOf) {
@@ -151,7 +151,7 @@ void addIntensities(SetComparison& result) {
       });
 }
 
-// The groups of both sets by the classes of one of them, and the other one's classes that it does not have.
+// The groups of both sets by the classes of one set, and the classes of the other set that this set lacks.
 struct ClassGroups {
   Groups own, other;
   std::vector<std::string> unknown;
@@ -161,7 +161,7 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   const ClassMap map(*other.ontology, *owner.ontology);
   ClassGroups groups;
   std::set<std::uint16_t> lost;
-  // What moves is compared with what stands: whether it does is no property of a patch.
+  // Moving classes count as their standing ones, since a patch alone does not show motion.
   for (const std::uint16_t label : other.patches.label) {
     const SemanticClass& mapped = map.classOf(label);
     groups.other.push_back(mapped.movingOf.value_or(mapped.id));
@@ -178,7 +178,8 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   return groups;
 }
 
-// The share of patches that have a counterpart of their class: 1 where both sets have each class as often.
+// Returns the share of patches that have a counterpart of their class: 1 if each class is equally frequent in both
+// sets.
 double overlapOf(const ClassGroups& groups) {
   std::map<std::uint16_t, std::pair<double, double>> shares;
   for (const std::uint16_t g : groups.own) shares[g].first += 1.0 / static_cast<double>(groups.own.size());
@@ -188,7 +189,7 @@ double overlapOf(const ClassGroups& groups) {
   return overlap;
 }
 
-// Gives the groups of the real and of the simulated set.
+// Returns the groups of the real and of the simulated set.
 std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
   ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);
@@ -246,7 +247,7 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
   result.withinReal.fill(kUnmeasured);
   parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      // What has no class, or none that both sets know, may be anything.
+      // Patches without a class, or with a class that only one set has, cannot be compared.
       const auto known = [&](const Groups& own, std::size_t i) { return !result.byClass || own[i] != 0; };
       separated[f] = separate(strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i); }),
                               strataOf(b, groupsB, f, [&](std::size_t i) { return known(groupsB, i); }));

@@ -1,5 +1,5 @@
-// compare.json. Shares and areas are parts of 1, angles and lengths as kPatchFeatures and kSetFigures show them; what
-// cannot be told is null.
+// Writes compare.json. Shares and areas are parts of 1, angles and lengths as kPatchFeatures and kSetFigures show them;
+// unknown figures are null.
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -18,14 +18,14 @@
 namespace scanmill {
 namespace {
 
-// A figure that grows as a power of a key's value, as far as the key alone makes it.
+// A figure that grows as a power of a key's value, apart from other influences.
 struct Mover {
   std::string_view figure;  // a name of kPatchFeatures, of kSetFigures or of both
-  double least;             // of the figure, as it is shown: what is lower in both sets is chance
+  double least;             // of the shown figure: if both sets are below, their difference is due to chance
   std::string_view effect, key;
   double power;
-  double low, high;    // values that the effect takes
-  bool whole = false;  // it takes whole numbers alone
+  double low, high;    // bounds of the key's value
+  bool whole = false;  // only whole numbers
 };
 
 constexpr Mover kMovers[] = {
@@ -71,8 +71,8 @@ std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view na
   return {};
 }
 
-// The figure of the sets, which chance is taken out of; that of patches where they have none. None where both are there
-// and one of them asks for more, the other for less: then something else moves them.
+// Returns the figure of the sets, from which chance has been removed, or the figure of patches if the sets have none.
+// Returns nothing if both exist and suggest opposite changes: then something other than the key causes the difference.
 std::optional<Shown> shown(const SetComparison& comparison, const Mover& mover) {
   const std::optional<Shown> sets = ofSets(comparison, mover.figure);
   const std::optional<Shown> patches = ofPatches(comparison, mover.figure);
@@ -132,7 +132,7 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
     const auto item = std::find_if(list.items.begin(), list.items.end(),
                                    [&](const Value& v) { return readNamed(v, "an effect").name == a.effect; });
     if (item == list.items.end()) {
-      // The sensor's own: an item beside `sensor` changes the key that it names.
+      // The effect is in the sensor's own file: an item beside `sensor` overrides the key that it names.
       list.items.push_back(map(std::string(a.effect), map(std::string(a.key), std::move(number))));
       continue;
     }

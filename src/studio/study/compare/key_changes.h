@@ -1,6 +1,6 @@
 #pragma once
 
-// Which values of a simulated dataset's pipeline to try, so that it comes nearer to the other set.
+// Suggests values for a simulated dataset's pipeline that bring it nearer to the other set.
 
 #include <filesystem>
 #include <string>
@@ -11,17 +11,17 @@
 
 namespace scanmill {
 
-// `own`: the effects that the simulated sensor has, as sensorEffectItems() gives them. Of effects that it lacks, of
-// keys that are lists or drawn at random, and of figures that differ by less than a tenth, nothing is said.
+// Returns the advice. `own`: the effects of the simulated sensor, as sensorEffectItems() gives them. There is no advice
+// on effects that the sensor lacks, on keys that are lists or random, or for figures that differ by less than a tenth.
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
 
-// An argument of --set that follows all of the advice: "effects=[sensor, ring_bias: {gain_sigma: 0.07}]". `items`: the
-// pipeline's list as its file has it.
+// Returns an argument of --set that applies all of the advice: "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".
+// `items`: the list of effects as the pipeline's file has it.
 std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& items);
 
-// Fills the comparison's `advice` and `assignment` by the pipeline of the simulated set, or `unadvised` by why not.
-// `simulated`: its folder; `sensor`: the one that was compared, empty: the first; `pipeline`: where its file lies,
-// empty: it is looked for.
+// Fills the comparison's `advice` and `assignment` from the pipeline of the simulated set, or `unadvised` with the
+// reason why there is none. `simulated`: the folder of the set; `sensor`: the compared sensor, empty: the first;
+// `pipeline`: the path of the pipeline's file, empty: search for it.
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline);
 

@@ -12,17 +12,17 @@ namespace scanmill {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kFewestInPatch = 12;  // points of a patch's plane
-constexpr double kPlanar = 0.35;            // thickness over width: less is a plane
-constexpr double kLevel = 25;               // deg, of a plane that is level
-constexpr double kUpright = 65;             // deg, of one that is upright
-constexpr double kSteep = 0.5;  // cosine of 60 deg: offsets along the beam are told from what is met as steeply
-constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and part of the range: points so near in range are of one thing
+constexpr std::size_t kFewestInPatch = 12;  // points, to fit a patch's plane
+constexpr double kPlanar = 0.35;            // thickness over width: below it, the patch is a plane
+constexpr double kLevel = 25;               // deg, steepest level plane
+constexpr double kUpright = 65;             // deg, least steep upright plane
+constexpr double kSteep = 0.5;  // cosine of 60 deg: offsets along the beam are measured only at steeper incidence
+constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and share of the range: ranges this close are of one surface
 
 struct Plane {
   Vec3d middle, normal;  // the normal is a unit vector
   double thickness = 0;  // m, standard deviation along the normal
-  double width = 0;      // m, the lesser of the two others
+  double width = 0;      // m, the smaller of the two other standard deviations
 };
 
 Plane planeOf(std::span<const Vec3d> points) {
@@ -80,7 +80,7 @@ class PatchReader {
   }
   Vec3d pointAt(std::uint32_t pixel) const { return Vec3d(scan_.position[grid_.point[pixel]]); }
 
-  // The pixels around, row by row; kNone beyond the grid's edges.
+  // Gathers the pixels around, row by row; kNone beyond the grid's edges.
   void gatherWindow() {
     for (int dr = -kPatchRowReach; dr <= kPatchRowReach; ++dr) {
       for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
@@ -119,7 +119,7 @@ class PatchReader {
                                              : PatchKind::Slanted;
   }
 
-  // Of the point's own ring.
+  // Adds the features that need only the point's own ring.
   void addRing(Patches& out) const {
     constexpr int kFit = 3;
     const auto rangeAt = [&](int dc) {
@@ -139,7 +139,7 @@ class PatchReader {
       jumps += step > kJump ? 1 : 0;
     }
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
-    // Between two surfaces: leaves and twigs beside one another are none.
+    // Mixed pixels lie between two surfaces; leaves and twigs side by side do not count.
     const double edge = rangeAt(1) - rangeAt(-1);
     const bool surfaces = std::fabs(rangeAt(-2) - rangeAt(-1)) < kJump && std::fabs(rangeAt(2) - rangeAt(1)) < kJump;
     if (std::fabs(edge) >= kEdge && surfaces) {
@@ -150,7 +150,7 @@ class PatchReader {
       }
     }
     if (!smooth) return;
-    // Orthogonal polynomials over -3 to 3: 1, k and k^2 - 4, of the squares 7, 28 and 84.
+    // Orthogonal polynomials over -3 to 3: 1, k and k^2 - 4, whose sums of squares are 7, 28 and 84.
     double mean = 0, slope = 0, bend = 0;
     for (int k = -kFit; k <= kFit; ++k) {
       const double r = rangeAt(k) - range_;
@@ -198,7 +198,7 @@ class PatchReader {
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // The mean intensity of the returns at one range in a row; none where there are fewer than 4, or some is dark.
+  // Returns the mean intensity of the nearby returns in a row; nothing if they are fewer than 4, or one is dark.
   std::optional<double> meanIntensity(int dr) const {
     constexpr int kOwn = 2;
     double sum = 0;

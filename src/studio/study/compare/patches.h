@@ -1,6 +1,6 @@
 #pragma once
 
-// What a network sees first: figures of the patch of neighbouring returns about a point.
+// Figures of the patch of neighbouring returns around a point: the scale at which a network first sees a scan.
 
 #include <array>
 #include <cstddef>
@@ -15,17 +15,17 @@ namespace scanmill {
 
 constexpr int kPatchReach = 4;     // columns to either side
 constexpr int kPatchRowReach = 2;  // rows above and below
-constexpr double kJump = 0.3;      // m, between neighbours: more is an edge
-constexpr double kEdge = 1.5;      // m, that mixed pixels are looked for at
+constexpr double kJump = 0.3;      // m, difference in range between neighbours; a larger one is an edge
+constexpr double kEdge = 1.5;      // m, smallest edge at which mixed pixels are searched
 
 struct PatchFeature {
-  std::string_view name;   // of figures, in JSON
+  std::string_view name;   // in JSON
   std::string_view title;  // for people
-  std::string_view unit;   // of shown values, `factor` times the stored ones
+  std::string_view unit;   // of shown values, which are the stored values times `factor`
   double factor;
-  bool mostlyZero;           // shown as a mean; others as a median
+  bool mostlyZero;           // shown as a mean; otherwise as a median
   std::string_view meaning;  // a phrase
-  std::string_view keys;     // which of a pipeline's keys move it
+  std::string_view keys;     // the keys of a pipeline that change it
 };
 
 enum class Feature : std::size_t {
@@ -90,19 +90,19 @@ inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
 });
 inline constexpr std::size_t kFeatureCount = kPatchFeatures.size();
 
-// What a patch looks like, by its shape alone: for scans without labels.
+// The shape of a patch, which groups the patches of scans without labels.
 enum class PatchKind : std::uint8_t { Level, Upright, Slanted, Rough, Sparse };
 inline constexpr std::array<std::string_view, 5> kPatchKinds{"level", "upright", "slanted", "rough", "sparse"};
 
-// A row per patch.
+// Columns of figures; each patch is a row.
 struct Patches {
-  std::array<std::vector<float>, kFeatureCount> value;  // NaN where a patch does not tell
+  std::array<std::vector<float>, kFeatureCount> value;  // NaN if the patch does not give the value
   std::vector<float> range;                             // m
-  std::vector<float> incidence;                         // rad, by the patch's plane; NaN without one
+  std::vector<float> incidence;                         // rad, to the patch's plane; NaN without a plane
   std::vector<float> ringOffset;     // m, along the beam: positive is farther away; NaN on grazing views
   std::vector<float> ringGain;       // RingGain with its sign
-  std::vector<std::uint16_t> row;    // of the grid
-  std::vector<std::uint16_t> label;  // class id; 0 of scans without labels
+  std::vector<std::uint16_t> row;    // row of the grid
+  std::vector<std::uint16_t> label;  // class id; 0 in scans without labels
   std::vector<PatchKind> kind;
   std::vector<std::uint32_t> scan;  // number of the scan in its set
 
@@ -112,7 +112,7 @@ struct Patches {
   void append(const Patches& more);
 };
 
-// The patches about at most so many of a scan's points, evenly taken; the same for the same scan.
+// Returns the patches around at most `most` points of a scan, taken evenly; the same scan gives the same patches.
 Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number, std::size_t most);
 
 }  // namespace scanmill

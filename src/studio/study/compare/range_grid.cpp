@@ -60,8 +60,8 @@ class GridMaker {
     grid_.range[pixel] = range;
   }
 
-  // The row of each ring, by the median elevation of its points from the top; rings without a point stay where their
-  // numbers put them.
+  // Returns the row of each ring, by the median elevation of its points from the top; rings without points keep the row
+  // of their number.
   std::vector<std::uint32_t> rowsOfRings(const std::vector<std::vector<std::uint32_t>>& pointsOfRing) const {
     std::vector<double> elevation(pointsOfRing.size(), std::numeric_limits<double>::quiet_NaN());
     std::vector<double> own;
@@ -81,7 +81,7 @@ class GridMaker {
     for (std::uint32_t r = 0; r < row.size(); ++r) {
       row[r] = upwards ? static_cast<std::uint32_t>(row.size()) - 1 - r : r;
     }
-    std::vector<std::uint32_t> places;  // of the rings that have points, from the top
+    std::vector<std::uint32_t> places;  // rows of the rings that have points, from the top
     places.reserve(filled.size());
     for (const std::uint32_t r : filled) places.push_back(row[r]);
     std::sort(places.begin(), places.end());
@@ -95,7 +95,7 @@ class GridMaker {
     const std::uint32_t columns = std::max(scan_.columns, extent.column);
     std::vector<std::vector<std::uint32_t>> ofRing(rings);
     for (const std::uint32_t i : points_) ofRing[keyOf(scan_, i).ring].push_back(i);
-    // The azimuth from column to column, by neighbours of one ring.
+    // The azimuth from column to column, from neighbouring points of one ring.
     std::vector<double> steps;
     for (const auto& points : ofRing) {
       for (std::size_t k = 1; k < points.size(); ++k) {
@@ -154,7 +154,7 @@ class GridMaker {
     const double about = steps.empty() ? kTurn / 1024 : medianOf(steps);
     const auto columns = static_cast<std::uint32_t>(std::max(1.0, std::round(kTurn / about)));
     const double step = kTurn / columns;
-    // Where the steps lie: the circular mean of what is left of the azimuths.
+    // The phase of the steps: the circular mean of the azimuths modulo a step.
     double sine = 0, cosine = 0;
     for (const std::uint32_t i : points_) {
       sine += std::sin(azimuthOf(scan_.position[i]) * columns);
@@ -165,9 +165,9 @@ class GridMaker {
     grid_.knowsRings = grid_.knowsMisses = grid_.wraps = true;
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
     for (std::uint32_t r = 0; r < rings; ++r) {
-      // Azimuths jitter about the steps: a point follows the one before at the next column unless there is room for
-      // another between them, and may be up to a column beside its place.
-      std::int64_t last = -2;  // before the first column there is
+      // Azimuths jitter about the steps: a point takes the column after the previous point's unless there is room for
+      // another point between them, and may be up to a column off.
+      std::int64_t last = -2;  // before the first column
       double before = 0;
       for (const std::uint32_t i : ofRing[r]) {
         const double azimuth = azimuthOf(scan_.position[i]) + kPi - phase;
@@ -190,7 +190,7 @@ class GridMaker {
 
   void byAngles() {
     constexpr std::uint32_t kRows = 64, kColumns = 1024;
-    constexpr double kBeyond = 0.005;  // of the points, at either end
+    constexpr double kBeyond = 0.005;  // share of the points, at each end
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
     std::vector<double> sorted = elevations;
@@ -210,7 +210,7 @@ class GridMaker {
   }
 
   const Scan& scan_;
-  std::vector<std::uint32_t> points_;  // that are there
+  std::vector<std::uint32_t> points_;  // finite points
   RangeGrid grid_;
 };
 

@@ -25,7 +25,7 @@ constexpr double kHorizon = -1;  // deg
 constexpr std::size_t kLongRun = 10;
 constexpr double kGroundReach = 40;  // m
 constexpr double kCell = 0.5;        // m
-constexpr double kStep = 0.25;       // m: where heights within a cell differ by more, something stands there
+constexpr double kStep = 0.25;       // m: if heights within a cell differ by more, the cell holds an object
 constexpr double kNearPoint = 5;     // m
 
 template <class T>
@@ -36,13 +36,13 @@ double percentileOf(std::vector<T> values, double share) {
   return static_cast<double>(values[static_cast<std::size_t>(index)]);
 }
 
-// What is counted on one scan.
+// Counts and figures of one scan.
 struct ScanCounts {
   std::uint64_t points = 0, near = 0;
   std::uint64_t beams = 0, returns = 0;
   std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
-  double slope = kNaN, residual = kNaN;  // of the ground
-  std::vector<double> relief;            // m, of each cell
+  double slope = kNaN, residual = kNaN;  // slope and residual of the ground
+  std::vector<double> relief;            // m, per cell
   std::uint32_t rows = 0;
   bool knowsRings = false, knowsMisses = false, labelled = false;
   Patches patches;
@@ -65,7 +65,7 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
     counts.points += filled;
     if (filled == 0 || degrees(elevation / filled) > kHorizon) continue;
     counts.below += grid.columns;
-    // Runs, from the first return on, round to it again where the grid wraps.
+    // Runs start at the first return; if the grid wraps, they continue around to it.
     std::uint32_t first = 0;
     while (grid.point[grid.at(row, first)] == RangeGrid::kNone) ++first;
     std::size_t run = 0;
@@ -109,11 +109,12 @@ double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& poi
   return std::sqrt(squares / (static_cast<double>(points.size()) - freedom));
 }
 
-// The ground is what lies level below the sensor. A second plane goes through what is within half a metre of the first.
+// Measures the ground: the level surface below the sensor. A second plane is fitted to the points within half a metre
+// of the first.
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
   constexpr double kBelow = 0.3, kOff = 0.5;  // m
   constexpr std::size_t kFewest = 200, kFewestInCell = 6;
-  constexpr double kFewestSpread = 0.05;  // m, of a cell's points in both directions
+  constexpr double kFewestSpread = 0.05;  // m, smallest standard deviation of a cell's points in both directions
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] == RangeGrid::kNone) continue;
@@ -121,7 +122,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
     if (p.z < -kBelow && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
   if (points.size() < kFewest) return;
-  // The first plane: what lies lowest in cells of 4 m.
+  // The first plane goes through the lowest points in cells of 4 m.
   std::map<std::pair<int, int>, Vec3d> lowest;
   for (const Vec3d& p : points) {
     const std::pair cell{static_cast<int>(std::floor(p.x / 4)), static_cast<int>(std::floor(p.y / 4))};
@@ -164,7 +165,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
       p = p - middle;
       spread += Vec3d{p.x * p.x, p.y * p.y, 0} * (1 / static_cast<double>(own.size()));
     }
-    if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;  // on one ring: no plane
+    if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;  // all on one ring: no plane
     counts.relief.push_back(deviationFrom(levelPlane(own), own, 3));
   }
 }
@@ -182,11 +183,12 @@ ScanCounts countScan(const Scan& scan, std::uint32_t number, const ScanSetOption
   return counts;
 }
 
-// The deviation over rows of their median value on flat patches, without what chance gives: the rows' standard errors.
-// Both by medians, as where ground ends at a wall or a step, a row lies off for that reason.
+// Returns the deviation over rows of their median value on flat patches, without the part due to chance, which is the
+// rows' standard errors. Both use medians, because a row where ground ends at a wall or a step is off for that reason
+// alone.
 double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
   constexpr std::size_t kFewest = 30, kFewestRows = 4;
-  constexpr double kNormal = 1.4826;     // standard deviation over the median of distances from the median
+  constexpr double kNormal = 1.4826;     // standard deviation over the median absolute deviation
   constexpr double kOfMedian = kPi / 2;  // variance of a median over that of a mean
   std::map<std::uint16_t, std::vector<float>> rows;
   for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -252,7 +254,7 @@ void addPatchFigures(ScanSet& set) {
   figure(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
 }
 
-// Adds up what was counted on the scans, in their order.
+// Adds up the counts of the scans, in their order.
 ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontology> ontology) {
   ScanSet set;
   set.name = std::move(name);
@@ -338,7 +340,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
                                  [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
   const std::string sensor = found || sensors.size() > 1 ? options.sensor : std::string();
   std::vector<ScanCounts> all(count);
-  // A few scans at a time, so that progress shows and memory stays bounded.
+  // A few scans at a time, to show progress and limit memory.
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
   for (std::size_t start = 0; start < count; start += batch) {
     const std::size_t size = std::min(batch, count - start);

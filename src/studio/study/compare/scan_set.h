@@ -1,6 +1,6 @@
 #pragma once
 
-// What is measured on a set of scans by itself.
+// Measures a set of scans by itself, without reference to another set.
 
 #include <array>
 #include <atomic>
@@ -18,14 +18,14 @@
 
 namespace scanmill {
 
-// Figures of a whole set.
+// A figure of a complete set.
 struct SetFigure {
   std::string_view name;   // in JSON
   std::string_view title;  // for people
-  std::string_view unit;   // of shown values, `factor` times the stored ones
+  std::string_view unit;   // of shown values, which are the stored values times `factor`
   double factor;
   std::string_view meaning;
-  std::string_view keys;  // which of a pipeline's keys move it
+  std::string_view keys;  // the keys of a pipeline that change it
 };
 
 inline constexpr auto kSetFigures = std::to_array<SetFigure>({
@@ -71,7 +71,7 @@ inline constexpr auto kSetFigures = std::to_array<SetFigure>({
 });
 inline constexpr std::size_t kSetFigureCount = kSetFigures.size();
 
-// Upper ends of the bands of range (m); the last one has none.
+// Upper ends of the bands of range (m); one more band, the last, is open.
 inline constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
 inline constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
 std::size_t comparedBandOf(double range);
@@ -79,29 +79,29 @@ std::string comparedBandName(std::size_t band);
 
 struct ScanSet {
   std::string name;          // the path's last part
-  std::uint32_t scans = 0;   // that were read
-  std::uint64_t stored = 0;  // that there are
-  std::uint64_t points = 0;  // of those that were read
-  std::uint32_t rows = 0;    // of the last scan's grid: the sensor's rings, where they are known
-  bool foundSensor = false;  // there is a sensor of the name that was asked for
-  bool knowsRings = true;    // of all scans
-  bool knowsMisses = true;   // of all scans
+  std::uint32_t scans = 0;   // scans read
+  std::uint64_t stored = 0;  // scans in the set
+  std::uint64_t points = 0;  // in the scans read
+  std::uint32_t rows = 0;    // of the last scan's grid: the sensor's rings if they are known
+  bool foundSensor = false;  // the set has a sensor of the requested name
+  bool knowsRings = true;    // in all scans
+  bool knowsMisses = true;   // in all scans
   bool labelled = false;     // all scans have labels, and their classes are known
   std::optional<Ontology> ontology{};
-  std::array<double, kSetFigureCount> figures{};  // NaN where the scans do not tell
+  std::array<double, kSetFigureCount> figures{};  // NaN if the scans do not give the figure
   Patches patches;                                // intensities in units of the set's median
 };
 
 struct ScanSetOptions {
-  std::string sensor;                  // its name; sets with one sensor alone may call it otherwise; empty: the first
-  std::size_t scans = 20;              // at most, evenly taken
+  std::string sensor;                  // name of the sensor; ignored if a set has only one; empty: the first sensor
+  std::size_t scans = 20;              // at most so many, taken evenly
   std::size_t patchesPerScan = 20000;  // at most
   const std::atomic<bool>* stop = nullptr;
 };
 
-// Reads a set: whatever ScanStore opens (dataset/scan_store.h). Throws InputError, and Error where it is stopped.
+// Reads a set: anything that ScanStore opens (dataset/scan_store.h). Throws InputError, and Error if stopped.
 ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress);
-// The same of scans in memory.
+// Measures scans that are already in memory, as readScanSet() does.
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
                      const ScanSetOptions& options);
 

@@ -17,11 +17,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestPatches = 50;  // of a band that the fit uses
-constexpr double kMostUneven = 2.5;         // likewise
+constexpr std::size_t kFewestPatches = 50;  // in a band that the fit uses
+constexpr double kMostUneven = 2.5;         // largest unevenness of a band that the fit uses
 constexpr int kResamples = 200;
 constexpr double kGoodChiSquare = 3;  // per degree of freedom
-constexpr double kGoodMisfit = 0.1;   // relative: a line so near to all bands will do, however small their errors are
+constexpr double kGoodMisfit = 0.1;  // relative: a line this close to all bands will do, however small their errors are
 
 using Patches = std::vector<const FlatPatch*>;
 
@@ -36,8 +36,8 @@ double withoutStep(double deviation, double step) {
   return std::sqrt(std::max(0.0, deviation * deviation - step * step / 12));
 }
 
-// Standard deviation of what `measure` says of as many patches, drawn with replacement: Efron, "Bootstrap methods:
-// another look at the jackknife", 1979. A patch is the unit, since its points share a surface.
+// Returns the standard deviation of `measure` over sets of as many patches, sampled with replacement: Efron, "Bootstrap
+// methods: another look at the jackknife", 1979. A patch is the unit of sampling, since its points share a surface.
 double bootstrapError(const Patches& patches, std::uint32_t stream,
                       const std::function<double(const Patches&)>& measure) {
   if (patches.size() < 2) return 0;
@@ -69,7 +69,7 @@ MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
   };
   MeasuredShare all = count(patches);
   if (all.of == 0) return all;
-  // Where none or few are lost, resampling sees no spread: one more loss is always possible.
+  // If no return is lost, resampling shows no spread, although one more loss is always possible.
   const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
   const double spread = bootstrapError(patches, stream, [&](const Patches& chosen) { return count(chosen).share(); });
   all.error = std::max(all.lost == 0 ? least : 0.0, spread);
@@ -110,14 +110,14 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   return group;
 }
 
-// Why a band of ranges says nothing of the noise; empty where it does.
+// Returns why a band of ranges gives no information about the noise; empty if it does.
 std::string unfit(const PatchGroup& band) {
   if (band.patches < kFewestPatches) return fmt::format("fewer than {} patches", kFewestPatches);
   if (band.unevenness > kMostUneven) return "not flat: the patches scatter too differently";
   return {};
 }
 
-// Neither part is negative: the model's are not.
+// Fits the line. Neither coefficient may be negative, because the model's coefficients are not.
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   const auto solve = [&](bool constant, bool slope) {
     std::vector<double> design;
@@ -149,7 +149,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   }
   fit.linear = fit.freedom <= 0 || fit.chiSquare <= kGoodChiSquare * fit.freedom || fit.largestMisfit <= kGoodMisfit;
 
-  // Errors of the two: the inverse of the normal matrix.
+  // Standard errors of the two coefficients: the inverse of the normal matrix.
   double s = 0, sr = 0, srr = 0;
   for (const PatchGroup* band : used) {
     const double weight = 1 / std::pow(std::max(band->error, 1e-6), 2);
@@ -168,7 +168,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   }
 }
 
-// "a, b and 3 more".
+// Returns "a, b and 3 more".
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;
   if (names.size() <= kShown) return fmt::format("{}", fmt::join(names, ", "));
@@ -318,7 +318,7 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
 
 namespace {
 
-// Only what belongs to the sensor; empty where nothing does.
+// Writes only errors that belong to the sensor; empty if there are none.
 std::string ringBiasYaml(const RingErrors& rings) {
   std::string keys;
   const auto add = [&](const RingSpread& spread, const char* key) {
@@ -361,7 +361,7 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   text += ringBiasYaml(fit.rings);
   for (const std::string& line : beyondMeasured(fit)) text += fmt::format("  # {}\n", line);
   if (fit.linear) {
-    // As many bands as unknowns: the line goes through them whatever they are.
+    // A line through as many bands as unknowns always fits, which tests nothing.
     std::string agreement = fmt::format("chi^2 {:.3g} for {:.0f} degrees of freedom", fit.chiSquare, fit.freedom);
     if (fit.freedom <= 0) {
       agreement = first == last ? "one band of ranges tells nothing of growth" : "two bands of ranges test no line";

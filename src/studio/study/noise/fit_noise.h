@@ -25,22 +25,22 @@ struct MeasuredShare {
   double share() const { return of > 0 ? static_cast<double>(lost) / static_cast<double>(of) : 0; }
 };
 
-// The noise on patches of a band of range, incidence or intensity. The step is that in which the sensor rounds ranges;
-// sigma is the standard deviation of the ranges about a smooth surface.
+// The noise on patches of a band of range, incidence or intensity. The step is the sensor's rounding of ranges; sigma
+// is the standard deviation of the ranges about a smooth surface.
 struct PatchGroup {
   std::string name;  // "7.5-10 m", "60-75 deg"
-  double low = 0;    // the ends of the band; `high` is infinite where it is open
+  double low = 0;    // ends of the band; `high` is infinite if the band is open
   double high = 0;
   double range = 0;  // m, mean
   std::size_t patches = 0;
   std::uint64_t points = 0;  // of the measured halves of the patches
-  double sigma = 0;          // m, the rounding to the step taken out
+  double sigma = 0;          // m, without the rounding to the step
   double error = 0;          // m, standard error of sigma, by bootstrap over the patches
-  double withStep = 0;       // m, the same deviation with the rounding
-  double planeSigma = 0;     // m, the deviation about planes: ring offsets, bends and motion are included
-  double unevenness = 0;     // how much wider the patches' variances spread than those of equal noise; 1 is no wider
+  double withStep = 0;       // m, the same deviation, with the rounding
+  double planeSigma = 0;     // m, deviation about planes, which includes ring offsets, curvature and motion
+  double unevenness = 0;  // spread of the patches' variances over the spread that equal noise would give; 1: no wider
   MeasuredShare dropOut;
-  std::string leftOut;  // why the fit uses none of the band; empty where it does
+  std::string leftOut;  // why the fit does not use the band; empty if it does
 };
 
 struct NoiseFit {
@@ -49,10 +49,10 @@ struct NoiseFit {
   std::uint64_t points = 0;        // points of these patches
   std::uint64_t returns = 0;       // returns of all beams
   std::uint64_t beams = 0;
-  double step = 0;                      // m, in which ranges are rounded; 0 where none was found
+  double step = 0;                      // m, to which ranges are rounded; 0 if none was found
   double mostIncidence = 0;             // rad
-  double sensorReach = 0;               // m, by the beam table
-  std::vector<PatchGroup> bands;        // by range, of patches up to that incidence
+  double sensorReach = 0;               // m, from the beam table
+  std::vector<PatchGroup> bands;        // by range, of patches with incidences up to mostIncidence
   std::vector<PatchGroup> incidences;   // by incidence, at all ranges that the fit uses
   std::vector<PatchGroup> intensities;  // by intensity, at all ranges that the fit uses; empty without intensities
 
@@ -64,11 +64,11 @@ struct NoiseFit {
   double chiSquare = 0;
   double freedom = 0;
   double largestMisfit = 0;  // the largest relative difference between a band and the model
-  bool linear = true;        // where false, the bands themselves are the model
+  bool linear = true;        // false: the bands themselves are the model
   MeasuredShare dropOut;     // of the bands that the fit uses
   RingErrors rings;          // of patches at ranges and incidences that the fit uses
 
-  double sigmaAt(double range) const;  // m, by the model
+  double sigmaAt(double range) const;  // m, from the model
   double measuredUpTo() const;         // m, mean range of the last band that the fit uses
 };
 
@@ -76,15 +76,15 @@ struct FitNoiseOptions {
   double mostIncidence = radians(60);  // patches that are seen at a larger incidence are not used
 };
 
-// Fits the model to patches of the scans. Throws InputError where the scans hold too few flat patches.
+// Fits the model to patches of the scans. Throws InputError if the scans hold too few flat patches.
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
                   const FitNoiseOptions& options = {});
 
-// A sentence, in a line or two, about what the model says of ranges beyond the measured ones. Empty where the sensor
-// reaches no farther.
+// Returns a sentence, in a line or two, about what the model gives at ranges beyond the measured ranges. Empty if the
+// sensor reaches no farther.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
-// The key `effects` of a sensor file, with comments that say where the figures come from. Ends with a newline.
+// Returns the key `effects` of a sensor file, with comments on the origin of the figures. Ends with a newline.
 std::string effectsYaml(const NoiseFit& fit, const std::string& date);
 
 }  // namespace scanmill

@@ -14,15 +14,15 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kCells = std::size_t{kPatchRings} * kPatchColumns;
-constexpr std::uint32_t kColumnStep = 3;     // between the windows that are looked at
-constexpr double kReturned = 0.6;            // of the tested half, at least
+constexpr std::uint32_t kColumnStep = 3;     // columns between the windows that are examined
+constexpr double kReturned = 0.6;            // share of the tested half that must return
 constexpr std::size_t kFewestMeasured = 14;  // returns of the measured half
 constexpr double kFewestFreedom = 6;
-constexpr double kEdgeOn = 0.02;             // cosine of incidence: flatter views tell little
-constexpr double kDeepest = 3;               // farthest range of a patch, in nearest ones
+constexpr double kEdgeOn = 0.02;             // cosine of incidence: flatter views give little information
+constexpr double kDeepest = 3;               // the farthest range of a patch, as a multiple of the nearest
 constexpr double kPlaneTolerance = 3;        // scatter about the plane, in common deviations
-constexpr double kOnPlane = 4;               // of a neighbour, in deviations of its patch
-constexpr std::size_t kTelling = 100;        // windows in a group, whose tenth says something
+constexpr double kOnPlane = 4;               // distance of a neighbour from the plane, in deviations of its patch
+constexpr std::size_t kTelling = 100;        // windows in a group, to make its tenth meaningful
 constexpr double kTenth = -1.2815515655;     // standard normal: 10 %
 constexpr double kMostNoise = 2.3263478740;  // standard normal: 99 %
 
@@ -68,8 +68,8 @@ struct PlaneFit {
   double freedom = 0;
 };
 
-// A plane by least squares of ranges: of a point at its beam's range, plane * point = 1. That is linear in the plane,
-// but weighs by incidence; Gauss and Newton's steps from there look at the ranges themselves.
+// Fits a plane by least squares of ranges: plane * point = 1 for a point at its beam's range. This is linear in the
+// plane, but weighted by incidence; Gauss-Newton steps from that solution then minimise the ranges' own residuals.
 std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const Cell*>& cells) {
   std::vector<double> design;
   std::vector<double> values;
@@ -102,8 +102,8 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
   return found;
 }
 
-// What is left of the way between ranges and plane after a line for each ring, with slopes that change from ring to
-// ring at most linearly, and a bend (a square and a cube).
+// Fits the differences between the ranges and the plane by a line for each ring, with slopes that change at most
+// linearly from ring to ring, and a curvature (a square and a cube). The result holds the residuals.
 LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells, const PatchPlane& plane) {
   constexpr std::size_t kTerms = kPatchRings + 4;
   std::vector<double> design(cells.size() * kTerms, 0.0);
@@ -123,8 +123,8 @@ LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells
   return fitLinear(design, kTerms, values);
 }
 
-// Beams of the measured half, not at the window's rim, of whose four neighbours (all of the tested half) at least three
-// returned and none from off the plane.
+// Counts holes among the beams of the measured half away from the window's rim, if at least three of their four
+// neighbours (all of the tested half) returned, and none of these off the plane.
 void countHoles(const BeamTable& beams, const Cells& cells, double deviation, FlatPatch& patch) {
   for (const Cell& cell : cells) {
     const bool inner = cell.row > 0 && cell.row + 1 < kPatchRings && cell.column > 0 && cell.column + 1 < kPatchColumns;
@@ -144,7 +144,7 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
   }
 }
 
-// Patches are compared with those at about the same range, seen as steeply.
+// Patches are compared with patches at similar ranges that are seen equally steeply.
 std::size_t groups() {
   return 2 * rangeBandEdges().size();
 }
@@ -152,10 +152,10 @@ std::size_t groupOf(const FlatPatch& patch) {
   return 2 * rangeBandOf(patch.range) + (patch.incidence < kSteep ? 1 : 0);
 }
 
-// Per group, the scatter of flat windows (m): that of the smoothest tenth, since not all windows need be flat. A band
-// of ranges may hold no flat surface at all, so its neighbours bound it: noise does not fall with the range, and grows
-// no faster than the return fades, with the square of the range. Where that is not so fewer patches are chosen, but
-// those tell the truth: their measured halves know nothing of it.
+// Returns the scatter of flat windows per group (m): the scatter of the smoothest tenth, since not all windows need be
+// flat. A band of ranges may hold no flat surface at all, so its neighbours bound it: noise does not fall with the
+// range, and grows no faster than the return fades, with the square of the range. If these bounds are too tight, fewer
+// patches are chosen, but without bias: the choice does not depend on their measured halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
   std::vector<std::vector<double>> variances(groups());
@@ -192,7 +192,7 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   return usual;
 }
 
-// Windows of one colour, in raster order, each unless it overlaps with an earlier one.
+// Chooses windows of one colour, in raster order, each unless it overlaps an earlier one.
 void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup, const BeamImage& image,
             std::vector<const FlatPatch*>& chosen) {
   std::vector<bool> taken(std::size_t{image.rows()} * image.columns());

@@ -29,7 +29,7 @@ Effects makeEffects(const std::string& yaml) {
   return made;
 }
 
-// What the sensor would report of the patches' planes, all else being empty. The patches must not overlap.
+// Returns the scan that the sensor would make of the patches' planes in an empty world. The patches must not overlap.
 RecordedScan simulate(const BeamTable& beams, const BeamImage& image, const std::vector<const FlatPatch*>& patches,
                       const Effects& effects, std::uint32_t stream) {
   Shot shot;
@@ -90,7 +90,7 @@ std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::
   std::vector<FlatPatch> simulated[2];
   for (std::uint32_t s = 0; s < scans.size(); ++s) {
     for (std::uint32_t tested = 0; tested < 2; ++tested) {
-      std::vector<const FlatPatch*> own;  // of one colour: they do not overlap
+      std::vector<const FlatPatch*> own;  // of one colour, which do not overlap
       for (const FlatPatch& p : patches) {
         if (p.window.scan == s && p.window.tested == tested && fitted(fit, p.range)) own.push_back(&p);
       }

@@ -16,16 +16,16 @@ namespace scanmill {
 namespace {
 
 constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kFewestReturns = 100;  // returns, from which a frame can be told
+constexpr std::size_t kFewestReturns = 100;  // returns needed to find the frame
 
 struct BeamPoint {
   std::size_t beam;
-  Vec3d point;        // m, the scan's frame
-  std::size_t place;  // in the scan
+  Vec3d point;        // m, in the scan's frame
+  std::size_t place;  // index in the scan
 };
 
-// The sensor's ring for each ring of a scan, which may count them from the other end, or leave out those without a
-// point: by the order of their elevations where there are as many, else by the nearest elevation.
+// Returns the sensor's ring for each ring of a scan, which may number rings from the other end or omit rings without
+// points: by the order of their elevations if both have the same number of rings, otherwise by the nearest elevation.
 std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& beams) {
   std::vector<std::vector<double>> elevations;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -52,8 +52,8 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
   return rings;
 }
 
-// Where a scan has rings alone: the column of each point by its azimuth, about the axis of the scan's frame. How that
-// is turned against the sensor's is found later, from the points.
+// For scans that have only rings: assigns each point a column by its azimuth about the z axis of the scan's frame. The
+// rotation of that frame against the sensor's is found later, from the points.
 Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan known = scan;
   const std::vector<std::uint16_t> rings = ringsByElevation(scan, beams);
@@ -72,7 +72,7 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
   return known;
 }
 
-// The first returns that have a position. Points of dense scans name their beams.
+// Returns the first returns that have a position. In scans that are not organised, each point names its beam.
 std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, const Location& where) {
   if (!knowsBeams(scan)) {
     throw InputError(where,
@@ -101,7 +101,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
   return points;
 }
 
-// By how much the points are turned about the axis: the direction of the mean of all turns, far from the axis.
+// Returns the rotation of the points about the axis (rad): the circular mean of their rotations, weighted by the
+// distance from the axis.
 double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams) {
   double sine = 0;
   double cosine = 0;
@@ -113,7 +114,7 @@ double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams)
   return std::atan2(sine, cosine);
 }
 
-// Median of the angles between the points' directions and their beams' (rad).
+// Returns the median of the angles between the points' directions and their beams' (rad).
 double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams, const Pose& scanFromSensor) {
   const Pose sensorFromScan = inverse(scanFromSensor);
   std::vector<double> angles;
@@ -126,8 +127,8 @@ double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams,
   return medianOf(std::move(angles));
 }
 
-// Gauss and Newton on the six freedoms of a pose: what is to vanish is the part of each point's ray that is at right
-// angles to its beam, as an angle.
+// Finds the frame by Gauss-Newton steps on the six degrees of freedom of a pose. They minimise the part of each point's
+// ray that is perpendicular to its beam, as an angle.
 Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) {
   constexpr std::size_t kUsed = 3000;
   constexpr int kRounds = 8;
@@ -146,7 +147,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
       const double range = std::max(length(ray), 1e-3);
       const Vec3d across = normalized(cross(u, std::abs(u.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
       for (const Vec3d& axis : {across, cross(across, u)}) {
-        // A small turn w and shift t of the sensor's frame move its view of the point by -(w x own) - t.
+        // A small rotation w and shift t of the sensor's frame move the point in that frame by -(w x own) - t.
         const Vec3d turn = cross(own, axis);
         for (const double part : {turn.x, turn.y, turn.z, axis.x, axis.y, axis.z}) design.push_back(part / range);
         values.push_back(dot(axis, ray) / range);
@@ -164,7 +165,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
   return scanFromSensor;
 }
 
-// Half of what parts two beams, at the least: points that are farther off lie on other beams (rad).
+// Returns half of the smallest angle between two beams (rad): points that are farther off lie on other beams.
 double tolerance(const BeamTable& beams) {
   double least = beams.field / std::max(beams.columns, 2u);
   std::vector<double> elevation = beams.elevation;
@@ -212,9 +213,9 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
 }
 
 double rangeStep(const std::vector<RecordedScan>& scans) {
-  constexpr double kSame = 2e-5;      // m: what float32 coordinates leave of a range
-  constexpr double kSmallest = 5e-4;  // m: finer steps cannot be told from it
-  constexpr double kShare = 0.99;     // of the ranges that must be multiples
+  constexpr double kSame = 2e-5;      // m: rounding error of a range from float32 coordinates
+  constexpr double kSmallest = 5e-4;  // m: finer steps are lost in that rounding
+  constexpr double kShare = 0.99;     // share of the ranges that must be multiples
   std::vector<double> sorted;
   for (const RecordedScan& scan : scans) {
     std::copy_if(scan.range.begin(), scan.range.end(), std::back_inserter(sorted), [](double r) { return r == r; });
@@ -228,7 +229,7 @@ double rangeStep(const std::vector<RecordedScan>& scans) {
   std::sort(gaps.begin(), gaps.end());
   double step = gaps[gaps.size() / 20];
   if (step < kSmallest) return 0;
-  // Gaps are few steps, so the step is known the better the longer the way that is counted in steps.
+  // Gaps are only a few steps long; the longer the counted distance, the more exact the step.
   const double whole = sorted.back() - sorted.front();
   double reach = step;
   while (reach < whole) {
@@ -245,7 +246,7 @@ double rangeStep(const std::vector<RecordedScan>& scans) {
     }
     if (squares > 0) step = product / squares;
   }
-  // Where the multiples start: the mean phase, on the circle.
+  // The offset of the multiples: the circular mean of their phases.
   double sine = 0;
   double cosine = 0;
   for (const double r : sorted) {

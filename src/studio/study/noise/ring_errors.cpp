@@ -11,13 +11,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestBeams = 20;  // returns of a patch that are used
+constexpr std::size_t kFewestBeams = 20;  // returns needed to use a patch
 constexpr double kRidge = 0.1;
-constexpr double kFarOff = 5;  // residuals beyond so many median deviations of their patch are left out
+constexpr double kFarOff = 5;  // residuals beyond this multiple of their patch's median deviation are left out
 
-// The normal equations of one error a ring, A x = b, as ridge regression: (A + kRidge a I) x = b, with a the mean of
-// A's diagonal. What all rings of a patch share cannot be seen, and what changes slowly from ring to ring hardly: the
-// ridge keeps both from growing.
+// The normal equations of one error per ring, A x = b, as ridge regression: (A + kRidge a I) x = b, with a the mean of
+// A's diagonal. An error that all rings of a patch share is not observable, and one that changes slowly from ring to
+// ring hardly is: the ridge keeps both from growing.
 struct RingSystem {
   explicit RingSystem(Eigen::Index rings) : a(Eigen::MatrixXd::Zero(rings, rings)), b(Eigen::VectorXd::Zero(rings)) {}
 
@@ -26,7 +26,7 @@ struct RingSystem {
     return Eigen::LDLT<Eigen::MatrixXd>(a + Eigen::MatrixXd(ridge.asDiagonal()));
   }
   Eigen::VectorXd solve() const { return factor().solve(b); }
-  // What the solution makes of the true errors, which it shrinks.
+  // Returns the matrix that maps true errors to the solution, which the ridge shrinks.
   Eigen::MatrixXd resolution() const { return factor().solve(a); }
   bool tellsOf(Eigen::Index ring) const { return a(ring, ring) > 0; }
 
@@ -34,13 +34,13 @@ struct RingSystem {
   Eigen::VectorXd b;
 };
 
-// What one patch says: of each return its ring, the difference from the patch's plane and how that changes with the
-// plane; and the logarithm of the intensity.
+// The data of one patch: for each return its ring, the difference from the patch's plane, the derivative of this
+// difference by the plane, and the logarithm of the intensity.
 struct PatchView {
   std::vector<std::uint32_t> ring;
   std::vector<double> difference;
   std::vector<Vec3d> slope;
-  std::vector<double> brightness;  // of those with an intensity
+  std::vector<double> brightness;  // of returns with an intensity
   std::vector<std::uint32_t> brightRing;
   std::vector<double> brightRow;
 };
@@ -81,14 +81,14 @@ PatchView viewOf(const BeamTable& beams, const BeamImage& image, const RecordedS
   return kept;
 }
 
-// `columns`: what the patch takes up of the values, by a combination of them.
+// Adds a patch to the system. `columns`: the functions that the patch's own fit removes from the values.
 void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std::vector<double>& values,
            const Eigen::MatrixXd& columns) {
   std::vector<std::uint32_t> rings = ring;
   std::sort(rings.begin(), rings.end());
   rings.erase(std::unique(rings.begin(), rings.end()), rings.end());
   const auto rows = static_cast<Eigen::Index>(ring.size()), own = static_cast<Eigen::Index>(rings.size());
-  Eigen::MatrixXd left(rows, own + 1);  // the values, and which of them are each ring's
+  Eigen::MatrixXd left(rows, own + 1);  // indicators of the rings, and the values
   for (Eigen::Index i = 0; i < rows; ++i) {
     left(i, own) = values[static_cast<std::size_t>(i)];
     for (Eigen::Index k = 0; k < own; ++k) {
@@ -103,7 +103,7 @@ void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std
   }
 }
 
-// By the systems of the odd and of the even patches.
+// Combines the systems of the odd and the even patches.
 RingSpread spreadOf(const std::array<RingSystem, 2>& half) {
   RingSystem all = half[0];
   all.a += half[1].a;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The fixed errors of a sensor's lasers, from flat patches: neighbouring rings that see one plane should give one
-// plane, and one brightness.
+// Measures the fixed errors of a sensor's lasers on flat patches: neighbouring rings that see one plane should measure
+// the same plane, and the same brightness.
 
 #include <cstddef>
 #include <vector>
@@ -12,29 +12,30 @@
 
 namespace scanmill {
 
-// How much rings differ. A plane takes up what all rings, or a slope over them, have in common: of offsets only what
-// differs from neighbour to neighbour can be seen.
+// How much rings differ. The plane fitted to a patch absorbs what its rings have in common, and any slope over them:
+// only differences between neighbouring rings can be seen.
 struct RingSpread {
-  std::vector<double> ofRing;  // 0 where no patch tells
-  double sigma = 0;            // standard deviation over the rings, without what noise adds
-  // Correlation of the errors that the odd patches give with those of the even ones: near 1 where they belong to the
-  // sensor, near 0 where they are noise.
+  std::vector<double> ofRing;  // error of each ring; 0 if no patch has the ring
+  double sigma = 0;            // standard deviation over the rings, with the part due to noise removed
+  // Correlation of the errors from the odd patches with the errors from the even patches: near 1 if the errors belong
+  // to the sensor, near 0 if they are noise.
   double agreement = 0;
-  std::size_t rings = 0;  // that patches tell of
+  std::size_t rings = 0;  // number of rings that patches cover
 };
 
 struct RingErrors {
   RingSpread range;  // m
-  RingSpread gain;   // natural logarithm; empty where scans have no intensities
+  RingSpread gain;   // natural logarithm of the gain; empty if scans have no intensities
 };
 
-// Least squares over all patches at once: the ranges' differences from a plane of each patch's own and an offset of
-// each ring, and the logarithms of the intensities from a slope of each patch's own over its rings
-// and a gain of each ring. Offsets far beyond the noise leave few flat patches, and those are the more even ones.
+// Fits all patches at once by least squares: the differences of the ranges from a separate plane per patch plus an
+// offset per ring, and the logarithms of the intensities as a separate slope over the rings per patch plus a gain per
+// ring. If offsets are far larger than the noise, few patches pass as flat, and those have smaller offsets than the
+// rest.
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<FlatPatch>& patches);
 
-// Errors that agree as well as this are the sensor's own.
+// Errors with at least this agreement count as the sensor's own.
 constexpr double kOwnErrors = 0.5;
 
 }  // namespace scanmill

@@ -18,9 +18,9 @@ namespace scanmill {
 
 namespace {
 
-using ObjectCloud = std::vector<Vec3f>;  // world axes, about the middle of the thing
+using ObjectCloud = std::vector<Vec3f>;  // world axes, origin at the centre of the object
 
-// A point of a scan (sensor frame of the step that fired it, or of the revolution's start) in the world.
+// Transforms a point of a scan (sensor frame of the step that fired it, or of the revolution's start) to the world.
 Vec3d worldPoint(const Shot& shot, const Vec3f& point, std::uint16_t column) {
   return shot.worldFromSensor[shot.deskew ? 0 : shot.stepOf(column)] * static_cast<Vec3d>(point);
 }
@@ -35,13 +35,13 @@ ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedThing& thing, do
   return cloud;
 }
 
-// Two scans of one pose: their places among the clouds, levels x scans.
+// Two scans from one pose: their indices into the clouds, levels x scans.
 struct ScanPair {
   std::size_t source, target;
 };
 
-// All ordered pairs, by source level, target level, source and target, but for those of scans with the same seed: their
-// random numbers are the same.
+// Returns all ordered pairs, by source level, target level, source and target. Pairs with the same seed are left out,
+// because their random numbers are the same.
 std::vector<ScanPair> scanPairs(std::size_t levels, std::size_t scans) {
   std::vector<ScanPair> pairs;
   for (std::size_t a = 0; a < levels; ++a) {
@@ -157,7 +157,8 @@ class RepeatabilityRun {
     }
   }
 
-  // Scans that are all the same agree perfectly, which says nothing. Whoever writes `effects: []` asks for that.
+  // Warns if the scans of a level are all the same, since perfect agreement is then meaningless. `effects: []` gives no
+  // warning: there it is intended.
   void warnOfStillNoise() {
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
       std::vector<std::string> names;
@@ -194,7 +195,7 @@ class RepeatabilityRun {
 
   bool stopped() const { return options_.stop != nullptr && *options_.stop; }
 
-  // What the beams meet is the same each time: traced once, then sensed with every noise and seed.
+  // Traces once, since the hits are the same each time, then applies the receiver with every noise level and seed.
   std::vector<ObjectCloud> scansOf(const Method& method, const Scene& scene, const Shot& shot,
                                    const BoxedThing& thing) const {
     Hits hits;

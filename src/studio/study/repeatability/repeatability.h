@@ -1,8 +1,9 @@
 #pragma once
 
-// Measures how well repeated scans of one thing agree, by the ICP protocol of the paper "LiDAR-GEIL: LiDAR GPU
-// Exploitation in Lightsimulations" (its Figures 10, 11 and 13): a thing is scanned several times from each pose with
-// other noise, the scans are cropped to it, one is moved onto the other, and the fitness is taken.
+// Measures how well repeated scans of an object agree, by the ICP protocol of the paper "LiDAR-GEIL: LiDAR GPU
+// Exploitation in Lightsimulations" (its Figures 10, 11 and 13): the object is scanned several times from each pose
+// with different noise, the scans are cropped to the object, one scan is registered to the other, and the fitness is
+// taken.
 
 #include <atomic>
 #include <cstdint>
@@ -14,22 +15,22 @@
 
 namespace scanmill {
 
-// How many points fall on the thing in the scans of one pose with one noise level.
+// Number of points on the object in the scans from one pose with one noise level.
 struct PointCount {
   double mean = 0;
   std::uint64_t least = 0;
   std::uint64_t most = 0;
 };
 
-// The fitness of all ordered pairs of scans with different seeds, the source with one noise level and the target with
-// one: mean squared distances (m²) from the points of the source to the nearest points of the target.
+// The fitness of all ordered pairs of scans with different seeds, for one noise level of the sources and one of the
+// targets: mean squared distances (m²) from the points of the source to the nearest points of the target.
 struct LevelFitness {
-  FitnessSpread registered;  // after ICP, of the pairs that it moved: it takes three points on each side
-  FitnessSpread unmoved;     // of the pairs that have points, as they lie: their poses are the same
+  FitnessSpread registered;  // after ICP; only pairs that ICP could move: it needs three points in each scan
+  FitnessSpread unmoved;     // without ICP, of the pairs that have points: both scans have the same pose
   std::uint64_t pairs = 0;   // all pairs
 };
 
-// What was measured from one pose of the sensor.
+// Measurements from one pose of the sensor.
 struct RepeatedPlace {
   std::uint32_t frame = 0;
   std::string object;
@@ -40,8 +41,7 @@ struct RepeatedPlace {
 
 struct RepeatedView {
   std::size_t method = 0;  // index into Repeatability::methods
-  // "small_box front": the scene, its seed where there are several, the trajectory, and the sensor where there are
-  // several.
+  // "small_box front": the scene, its seed if there are several, the trajectory, and the sensor if there are several.
   std::string name;
   std::string sensor;  // "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;
@@ -60,16 +60,16 @@ struct Repeatability {
   std::vector<std::string> levels;   // the names of the noise levels
   std::size_t reference = 0;         // index into levels: the level of the first charts
   std::vector<RepeatedView> views;
-  std::vector<std::string> warnings;  // sentences about figures that say nothing
+  std::vector<std::string> warnings;  // sentences about figures that are not meaningful
 
-  std::vector<std::string> objects() const;  // the names of the objects that are looked at, each once
+  std::vector<std::string> objects() const;  // names of the objects that the sensors look at, each once
   std::vector<std::string> sensors() const;  // RepeatedView::sensor of the views, each once
   const LevelFitness& at(const RepeatedPlace& place, std::size_t source, std::size_t target) const {
     return place.fitness[source * levels.size() + target];
   }
 };
 
-// Whether a deviation can be told: two pairs are one pair there and back.
+// True if the spread has a meaningful deviation: two pairs are the same two scans in both directions.
 inline bool hasDeviation(const FitnessSpread& spread) {
   return spread.count > 2;
 }
@@ -83,7 +83,7 @@ struct RepeatabilityOptions {
 // must have been made with repeatabilityChannels(). Throws InputError for unusable input.
 Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options);
 
-// The result as JSON; the same figures give the same bytes.
+// Returns the result as JSON; the same figures give the same bytes.
 std::string repeatabilityJson(const Repeatability& result);
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// The product of their squares and of the scans is the number of comparisons at each pose.
+// The number of comparisons at each pose grows with the squares of both.
 constexpr std::size_t kMostLevels = 32;
 constexpr std::int64_t kMostScans = 100;
 

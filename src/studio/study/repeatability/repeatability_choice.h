@@ -1,16 +1,16 @@
 #pragma once
 
-// What a repeatability study compares: the key `repeatability:` of a pipeline, every part of which may be left out.
+// The choices of a repeatability study: the key `repeatability:` of a pipeline. All of its parts are optional.
 //
 //   repeatability:
-//     scans: 5                      # so many from each pose, with the seeds seed, seed + 1, ...
+//     scans: 5                      # scans from each pose, with the seeds seed, seed + 1, ...
 //     noise:                        # noise levels (default: one, the pipeline's own effects)
 //       - {name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}
-//       - {name: fitted, effects: sensor}      # those of the sensor's own file
+//       - {name: fitted, effects: sensor}      # the effects of the sensor's own file
 //     reference: 1 cm               # the level of the first charts (default: the first)
 //     methods: [ray_tracing, {depth_camera: {resolution: 512}}]   # default: the pipeline's own
-//     object: crate                 # name of the thing in the scene (default: the one nearest to the sensor)
-//     margin_m: 0.1                 # points farther from the thing's box are cropped away
+//     object: crate                 # name of an object in the scene (default: the object nearest to the sensor)
+//     margin_m: 0.1                 # points farther from the object's box are cropped away
 //     icp: {iterations: 10, reach_m: 0.5, fitness_within_m: 0.5}  # default: as PCL's, 10 and no limits
 
 #include <cstdint>
@@ -28,7 +28,7 @@ namespace scanmill {
 struct NoiseLevel {
   std::string name;
   std::vector<std::shared_ptr<const Effects>> effects;  // of each sensor
-  bool named = true;                                    // false: these are the pipeline's own
+  bool named = true;                                    // false: the pipeline's own effects
 };
 
 struct RepeatabilityChoice {
@@ -36,18 +36,18 @@ struct RepeatabilityChoice {
   std::vector<NoiseLevel> levels;
   std::size_t reference = 0;  // index into levels
   std::vector<MethodSetting> methods;
-  std::string object;   // empty where it is the thing nearest to the sensor
+  std::string object;   // empty: the object nearest to the sensor
   double margin = 0.1;  // m
   IcpOptions icp;
 };
 
-// Reads the key, and checks the options of the pipeline's own `method: auto`, where it says so. Throws InputError with
-// the place.
+// Reads the key, and checks the options of the pipeline's own method if that is `method: auto`. Throws InputError that
+// names the place in the pipeline.
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
-// What is kept of the scans that are compared: where the points are, and which column fired them.
+// Columns that compared scans keep: the positions of the points, and the columns that fired them.
 ScanLayout repeatabilityLayout();
-// The channels that the noise levels read. The plan is made with them, so that it loads the textures that they need.
+// Returns the channels that the noise levels read. A plan made with them loads the textures that they need.
 Channels repeatabilityChannels(const Pipeline& pipeline);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// repeatability.json.
+// Writes repeatability.json.
 
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Null of no pairs: zero would be perfect agreement.
+// Null without pairs: zero would mean perfect agreement.
 OrderedJson spreadJson(const FitnessSpread& spread) {
   if (spread.count == 0) return nullptr;
   return {{"pairs", spread.count},

@@ -1,6 +1,6 @@
 #pragma once
 
-// The thing that repeated scans look at, and how far points lie from it.
+// The object that repeated scans look at, and the distance of points from it.
 
 #include <cstdint>
 #include <string>
@@ -11,15 +11,15 @@
 
 namespace scanmill {
 
-// A thing of a scene with the box around it along the axes of its own mesh, which for a box is the box itself.
+// An object of a scene with its box along the axes of its mesh. If the object is a box itself, the two are equal.
 class BoxedThing {
  public:
   BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box);
 
   const std::string& name() const { return name_; }
   Vec3d center() const { return worldFromMesh_ * box_.center(); }
-  // The distance (m) from a point of the world to the box; 0 inside it. It is exact where the mesh's axes stay
-  // perpendicular in the world.
+  // Returns the distance (m) from a point of the world to the box; 0 inside it. The distance is exact if the mesh's
+  // axes stay perpendicular in the world.
   double distance(const Vec3d& point) const;
 
  private:
@@ -28,11 +28,11 @@ class BoxedThing {
   Box box_;
 };
 
-// All things of a scene, in the order of their instance ids.
+// Returns all objects of a scene, in the order of their instance ids.
 std::vector<BoxedThing> boxedThings(const Scene& scene);
 
-// The thing with this name that is nearest to `from`; where the name is empty, the nearest thing of all. Throws
-// InputError, which names the scene, where there is none.
+// Returns the object with this name that is nearest to `from`, or the nearest object of all if the name is empty.
+// Throws InputError that names the scene if there is no such object.
 const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
                                const Scene& scene);
 

@@ -12,11 +12,11 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kFewestInRing = 20;  // points of a ring
-constexpr double kNearlyWhole = 0.015;     // of a turn, within which steps make a full one
-constexpr double kSpreadWanted = 1;        // m, of distances, to tell where beams start
-constexpr double kSurely = 3;              // standard errors
-constexpr double kLeastOffset = 2e-3;      // m
+constexpr std::size_t kFewestInRing = 20;  // points in a usable ring
+constexpr double kNearlyWhole = 0.015;  // of a revolution: columns that cover one to within this make a full revolution
+constexpr double kSpreadWanted = 1;     // m, spread of the distances that is needed to find the beams' origins
+constexpr double kSurely = 3;           // standard errors, from which an offset counts as real
+constexpr double kLeastOffset = 2e-3;   // m
 
 struct Point {
   Vec3d place;
@@ -30,7 +30,7 @@ double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
-// The median about the mean direction.
+// Returns the median about the mean direction.
 double circularMedian(const std::vector<double>& angles) {
   double x = 0;
   double y = 0;
@@ -50,7 +50,7 @@ double axisDistance(const Point& p) {
   return std::hypot(p.place.x, p.place.y);
 }
 
-// z = b + m rho of a ring.
+// The line z = b + m rho of a ring.
 struct Line {
   double slope = 0, intercept = 0, error = 0;  // standard error of the intercept
 };
@@ -136,7 +136,7 @@ class Fitter {
     }
   }
 
-  // Calls visit(a, b) for points of one ring in columns so far apart.
+  // Calls visit(a, b) for points of one ring in columns that are `apart` columns from each other.
   template <class Visit>
   void forPairs(std::uint32_t apart, const Visit& visit) const {
     std::vector<const Point*> byColumn(fit_.columns);
@@ -149,14 +149,15 @@ class Fitter {
     }
   }
 
-  // How far the head turns from column to column (rad), with its sign.
+  // Finds the rotation of the head from column to column (rad), with its sign.
   void findStep() {
     std::vector<double> steps;
     forPairs(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
     if (steps.size() < kFewestInRing)
       throw InputError("the scans have hardly two points side by side: too few returns");
     step_ = medianOf(steps);
-    // From ever farther columns ever more exactly; near ones tell how many whole turns lie between.
+    // The farther apart the columns, the more exact the step; steps found at smaller distances resolve the full turns
+    // between.
     for (std::uint32_t apart = 4; apart < fit_.columns; apart *= 4) {
       steps.clear();
       forPairs(apart, [&](const Point& a, const Point& b) {
@@ -177,7 +178,7 @@ class Fitter {
     fit_.field = whole ? 2 * kPi : std::fabs(step_) * (fit_.columns - 1);
   }
 
-  // A point's azimuth before its ring's offset, for beams that start so far from the axis.
+  // Returns the azimuth offset of a point, for beams that start at this distance from the axis.
   double offsetOf(const Point& p, double origin) const {
     const double head = fit_.firstAzimuth + step_ * p.column;
     const double turned = azimuthOf(p) - head;
@@ -208,7 +209,7 @@ class Fitter {
     fit_.azimuthSpread = medianOf(off);
   }
 
-  // The intercepts of the rings' lines are height - offset cos(azimuth offset) slope.
+  // Finds the beams' origin: the intercepts of the rings' lines are height - offset cos(azimuth offset) slope.
   void findOrigin() {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
@@ -254,7 +255,7 @@ class Fitter {
     fit_.elevationSpread = medianOf(off);
   }
 
-  // On the line through the nearest rings that have points.
+  // Fills bare rings from the line through the nearest rings that have points.
   void fillBare() {
     const auto known = [&](std::int64_t ring) {
       return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewestInRing;

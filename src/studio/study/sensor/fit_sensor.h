@@ -10,31 +10,32 @@
 
 namespace scanmill {
 
-// What scans say of the sensor that made them; see sensors/beams.h for the terms. Angles in rad, lengths in m.
+// A sensor's geometry and timing as its scans show them; see sensors/beams.h for the terms. Angles in rad, lengths in
+// m.
 struct SensorFit {
   std::uint32_t rings = 0, columns = 0;
   bool clockwise = false;
   double firstAzimuth = 0;
-  double field = 0;                   // 2 pi: a full turn
+  double field = 0;                   // 2 pi: a full revolution
   std::vector<double> elevation;      // per ring
   std::vector<double> azimuthOffset;  // per ring
-  double originOffset = 0;            // from the axis, 0 where the scans do not tell it from none
-  double originHeight = 0;            // likewise
+  double originOffset = 0;            // of beams from the axis; 0 if the scans do not show that it differs from 0
+  double originHeight = 0;            // of beams; 0 if the scans do not show that it differs from 0
   std::vector<double> firing;         // s, per ring; empty: the scans have no times
-  double period = 0;                  // s, of a turn; 0: the scans have no times
-  double nearest = 0, farthest = 0;   // of all points
+  double period = 0;                  // s, of a revolution; 0: the scans have no times
+  double nearest = 0, farthest = 0;   // ranges of all points
   std::uint64_t points = 0;
-  double elevationSpread = 0, azimuthSpread = 0;  // medians of how far points lie from their beams
-  std::vector<std::uint32_t> bareRings;           // without enough points: between, or beyond, their neighbours
+  double elevationSpread = 0, azimuthSpread = 0;  // medians of the distances of points from their beams (rad)
+  std::vector<std::uint32_t> bareRings;           // with too few points: interpolated or extrapolated
 };
 
-// The scans are those of one sensor, in its own frame, not de-skewed, and know which beam each point belongs to: they
-// are organised, or have the columns ring and column. Positions of one beam lie on one ray, whatever noise the range
-// has: heights over distances from the axis are lines, whose slopes are the elevations, and whose intercepts tell where
-// beams start. All figures are medians or trimmed fits. Throws InputError that says what is missing.
+// Fits a sensor to its scans. The scans are in the sensor's own frame, not de-skewed, and assign each point to a beam:
+// they are organised, or have the columns ring and column. The points of one beam lie on one ray, whatever the noise of
+// the ranges: the height is linear in the distance from the axis, the slope gives the elevation, and the intercept
+// gives the origin of the beam. All figures are medians or trimmed fits. Throws InputError that says what is missing.
 SensorFit fitSensor(const std::vector<Scan>& scans);
 
-// The sensor's file. `source` goes into it.
+// Returns the text of the sensor's file, which names `source` as its origin.
 std::string sensorYaml(const SensorFit& fit, const std::string& source);
 
 }  // namespace scanmill

@@ -16,10 +16,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSameTime = 0.10;     // of times: two measurements of the same work differ by as much
-constexpr double kSameShare = 1e-5;    // of beams: one in a hundred thousand decides nothing
-constexpr double kLittleGain = 1.5;    // times as fast: less is seldom worth an error
-constexpr double kNotableEdges = 3;    // times as large as without edges: then the error away from them is told
+constexpr double kSameTime = 0.10;     // of times: two measurements of the same work differ by this much
+constexpr double kSameShare = 1e-5;    // of beams: one in a hundred thousand is not decisive
+constexpr double kLittleGain = 1.5;    // times as fast: a smaller gain is seldom worth an error
+constexpr double kNotableEdges = 3;    // ratio of the errors with and without edges, from which the latter is reported
 constexpr std::size_t kMostNamed = 6;  // settings in one sentence
 
 struct Need {
@@ -55,18 +55,18 @@ const std::array<Need, 4> kNeeds{{
     {.name = "speed at any price", .limits = ""},
 }};
 
-// What is said, and where: a sentence stands in the advice of its kind if the fact is there, in this order.
+// The sentences of the advice: a sentence appears in advice of its kind if its fact is present, in this order.
 struct Sentence {
   const char* kind;
   const char* fact;
   const char* text;
 };
 constexpr const char* kTake = "take";          // a setting that answers a need
-constexpr const char* kUnbeaten = "unbeaten";  // a method that answers none, but has a setting that nothing beats
-constexpr const char* kBeaten = "beaten";      // a method that answers none
-constexpr const char* kUnheld = "unheld";      // a need that nothing answers
-constexpr const char* kSlow = "slow";          // settings of methods that do answer one
-constexpr const char* kAny = "any";            // what is said of every setting that may be taken
+constexpr const char* kUnbeaten = "unbeaten";  // a method that answers no need, but has a setting that no other beats
+constexpr const char* kBeaten = "beaten";      // a method that answers no need
+constexpr const char* kUnheld = "unheld";      // a need that no setting answers
+constexpr const char* kSlow = "slow";          // settings of methods that do answer a need
+constexpr const char* kAny = "any";            // applies to every setting that may be taken
 constexpr auto kSentences = std::to_array<Sentence>({
     {kTake, "alone", "Only this setting was measured. "},
     {kTake, "no_trade_fastest",
@@ -138,7 +138,7 @@ std::string p99Text(const GroupErrors& e) {
   return p99 == 0 ? "exact" : std::isnan(p99) ? "unknown" : metresText(p99);
 }
 
-// Which settings stand out. Settings are indices into Study::settings.
+// Compares the settings to find those that stand out. Settings are indices into Study::settings.
 class Comparison {
  public:
   explicit Comparison(const Study& of)
@@ -160,7 +160,7 @@ class Comparison {
     return *std::min_element(settings.begin(), settings.end(),
                              [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   }
-  // Times that differ by less are equal.
+  // Times that differ by less than kSameTime are equal.
   bool notablyFaster(std::size_t i, std::size_t other) const { return seconds(i) * (1 + kSameTime) < seconds(other); }
 
   bool rangesWorse(std::size_t i, std::size_t other) const {
@@ -176,10 +176,10 @@ class Comparison {
   bool worse(std::size_t i, std::size_t other) const {
     return rangesWorse(i, other) || labelsWorse(i, other) || missesWorse(i, other);
   }
-  // As fast or faster, and worse in nothing.
+  // True if setting `i` is at least as fast as the other and worse in nothing.
   bool beats(std::size_t i, std::size_t other) const { return !notablyFaster(other, i) && !worse(i, other); }
 
-  // Another that is as fast or faster and worse in nothing, and better in something: the fastest such.
+  // Returns the fastest other setting that is at least as fast, worse in nothing, and better in something.
   std::optional<std::size_t> dominator(std::size_t i) const {
     std::optional<std::size_t> best;
     for (const std::size_t other : measured) {
@@ -189,7 +189,7 @@ class Comparison {
     return best;
   }
 
-  // Of settings that are as fast as the fastest of them: defaults if they are among them, then the most exact.
+  // Among settings about as fast as the fastest, prefers defaults, then accuracy.
   std::size_t plainest(const std::vector<std::size_t>& settings) const {
     const std::size_t first = fastestOf(settings);
     std::size_t best = first;
@@ -198,14 +198,14 @@ class Comparison {
       const bool mine = isDefault(result(i).setting), its = isDefault(result(best).setting);
       if (mine != its ? mine : moreExact(errors(i), errors(best))) best = i;
     }
-    // What is as fast and as exact as defaults is no reason to set anything.
+    // Prefer defaults to a setting that is not faster or more exact.
     for (const std::size_t i : settings) {
       if (!isDefault(result(best).setting) && isDefault(result(i).setting) && beats(i, best)) best = i;
     }
     return best;
   }
 
-  // Of those that err least, as far as that decides anything, the plainest.
+  // Returns the plainest of the settings with the least error, up to differences that are not decisive.
   std::size_t mostExactOf(const std::vector<std::size_t>& settings) const {
     double least = 1;
     for (const std::size_t i : settings) least = std::min(least, wrongShare(errors(i)));
@@ -228,7 +228,7 @@ class Comparison {
   std::size_t fastest = 0, mostExact = 0;
 };
 
-// What the sentences of a setting ask for. `there` is what ray tracing with defaults has, where that is better.
+// Returns the facts for the sentences of a setting. `there` is the value of ray tracing with defaults, if it is better.
 Json factsOf(const Comparison& c, std::size_t i) {
   const GroupErrors& e = c.errors(i);
   const Cost& cost = c.result(i).measured.cost;
@@ -246,7 +246,7 @@ Json factsOf(const Comparison& c, std::size_t i) {
     facts["p99"] = p99;
     facts["p95"] = e.range.p95 < kExactRange ? Json() : Json(e.range.p95);
   }
-  // Silhouettes decide the p99 of most shortcuts: what is there away from them?
+  // Silhouettes dominate the p99 of most shortcuts: report also the p99 away from them.
   const GroupErrors* group = awayFromEdges(c.result(i).measured.errors);
   if (group != nullptr && group->range.count > 0 && p99 > kNotableEdges * rangeP99(*group)) {
     facts[rangeP99(*group) == 0 ? "away_exact" : "away"] = rangeP99(*group);
@@ -276,7 +276,7 @@ Json factsOf(const Comparison& c, std::size_t i) {
   return facts;
 }
 
-// In what `i` is worse than `better`, and how much slower.
+// Returns in what `i` is worse than `better`, and how much slower.
 Json beatenFacts(const Comparison& c, std::size_t i, std::size_t better) {
   const GroupErrors &a = c.errors(i), &b = c.errors(better);
   const Json values{{"p99", p99Text(a)},        {"its_p99", p99Text(b)},  {"labels", a.labels()},
@@ -295,10 +295,10 @@ Json beatenFacts(const Comparison& c, std::size_t i, std::size_t better) {
 struct Answer {
   std::size_t setting;
   std::vector<const Need*> needs;
-  bool fastest;  // of those that hold
+  bool fastest;  // of the settings that keep the limits
 };
 
-// "For exact ranges and labels, for centimetres, and for speed at any price".
+// Returns "For exact ranges and labels, for centimetres, and for speed at any price".
 std::string heading(const Answer& answer) {
   if (answer.needs.size() == kNeeds.size()) return "For every need";
   std::string text;
@@ -328,7 +328,7 @@ Advice adviceTo(const Comparison& c, const Answer& answer, bool noTrade) {
   return {heading(answer), c.nameOf(answer.setting), said(kTake, kAny, facts)};
 }
 
-// Of a method that answers no need: is there a reason to take it at all?
+// Judges a method that answers no need: is there a reason to take it at all?
 Advice judge(const Comparison& c, const std::string& method, const std::vector<std::size_t>& own) {
   const std::string need = "Whether to take " + method;
   std::vector<std::size_t> unbeaten;
@@ -355,7 +355,7 @@ Advice judge(const Comparison& c, const std::string& method, const std::vector<s
 std::vector<Advice> advise(const Study& study) {
   const Comparison c(study);
   if (c.measured.empty()) return {};
-  // Where the most exact setting is as fast as any, nothing is to be had for an error.
+  // If the most exact setting is as fast as any, accepting an error gains nothing.
   const bool noTrade = !c.notablyFaster(c.fastest, c.mostExact);
   std::vector<Answer> answers;
   std::vector<Advice> advice, unheld;
@@ -388,8 +388,8 @@ std::vector<Advice> advise(const Study& study) {
   for (const Answer& answer : answers) advice.push_back(adviceTo(c, answer, noTrade));
   advice.insert(advice.end(), unheld.begin(), unheld.end());
 
-  // Settings of methods that answer a need, but that nobody needs. What is as fast as its better is not named: it might
-  // be as good on another day.
+  // Settings of methods that answer a need, but that no need selects. A setting as fast as the better one is not named:
+  // it might win in another run.
   Json slow = Json::array();
   for (const std::string& method : methodsOf(study)) {
     const auto ofMethod = [&](std::size_t i) { return c.result(i).setting.method == method; };

@@ -17,7 +17,7 @@ double leastSeconds(int repeats, const Work& work) {
   return least;
 }
 
-// The same without misses, as formats that cannot keep them write it.
+// Returns the scan without misses, as formats that cannot keep misses write it.
 Scan returnsOf(const Scan& scan) {
   Scan dense;
   for (const Vec3f& p : scan.position) {
@@ -26,7 +26,7 @@ Scan returnsOf(const Scan& scan) {
   return dense;
 }
 
-// m; the formats keep the points' order.
+// Returns the largest distance (m) between points; the formats keep the points' order.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
     throw Error(fmt::format("{} points came back of {}", decoded.size(), scan.size()));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures what each encoding of a scan takes, and what it loses.
+// Measures the time, size and loss of each encoding of a scan.
 
 #include <span>
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace scanmill {
 
-// Encodes and decodes all scans, one after the other on one thread; the least of `repeats` times of each scan counts.
-// Points are returns: an organised scan's misses cost bytes, but are no points. Errors are those of the decoded
-// positions, point by point.
+// Encodes and decodes all scans, one after the other on one thread, `repeats` times; the shortest time of each scan
+// counts. Points are returns: misses in an organised scan cost bytes, but do not count as points. Errors compare the
+// decoded positions with the originals, point by point.
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
 }  // namespace scanmill

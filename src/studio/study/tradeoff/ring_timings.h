@@ -1,6 +1,6 @@
 #pragma once
 
-// How the time of a scan depends on the number of rings: a fixed cost and a cost per ring.
+// Models how the time of a scan depends on the number of rings: a fixed cost and a cost per ring.
 
 #include <memory>
 
@@ -9,12 +9,12 @@
 
 namespace scanmill {
 
-// The same sensor with so many rings, evenly spread between its highest and its lowest ring, in the sensor's own order
-// and without offsets between rings. Throws Error for fewer than two rings.
+// Returns the same sensor with this number of rings, evenly spread between its highest and lowest ring, in the sensor's
+// own order and without offsets between rings. Throws Error for fewer than two rings.
 std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t rings);
 
 // Fits seconds = fixed + perRing * rings to the timings by least squares of relative errors, so that fast scans count
-// as much as slow ones. Throws Error where the timings have fewer than two different numbers of rings.
+// as much as slow ones. Throws Error if the timings have fewer than two different numbers of rings.
 void fitRings(RingFit& fit);
 
 }  // namespace scanmill

@@ -37,7 +37,7 @@ std::string processorName() {
   return "unknown processor";
 }
 
-// Empty where the machine has no OpenGL.
+// Returns the name of the OpenGL device; empty if the machine has no OpenGL.
 std::string graphicsName() {
   try {
     return ComputeDevice({"the device cannot be named", "it is left out"}).name();
@@ -114,7 +114,7 @@ class StudyRun {
     }
   }
 
-  // As many frames as the budget seems to hold: a scan by each method's first setting tells.
+  // Takes as many frames as the budget is likely to allow, estimated from a scan by each method's first setting.
   void takeShots(std::uint32_t most) {
     const std::vector<Shot> first = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
     double setup = 0;
@@ -138,14 +138,14 @@ class StudyRun {
           });
           at->second.second = secondsOf(traceAll);
         } catch (const Error&) {
-          // Its rows will say why.
+          // The method's rows will give the reason.
         }
       }
       setup += at->second.first;
       perFrame += at->second.second * (choice_.repeats + 1);
     }
-    constexpr double kShare = 0.6;         // of the budget: other settings take longer than the first ones
-    constexpr double kTruthSeconds = 1.5;  // a frame's truth, edges and distances between clouds, about
+    constexpr double kShare = 0.6;         // of the budget, because other settings take longer than the first ones
+    constexpr double kTruthSeconds = 1.5;  // s per frame for truth, edges and distances between clouds, about
     const double left = kShare * budget_ - timer_.seconds() - setup;
     const double fitting = left / (perFrame + kTruthSeconds + 0.15 * static_cast<double>(choice_.settings.size()));
     const auto count = static_cast<std::uint32_t>(std::clamp(fitting, 1.0, static_cast<double>(most)));
@@ -171,7 +171,7 @@ class StudyRun {
   void measureSettings() {
     for (const MethodSetting& s : choice_.settings) {
       checkStopped();
-      // Whatever the budget, there is something to report.
+      // Measure at least one setting, whatever the budget.
       if (!study_.settings.empty() && timer_.seconds() > budget_) {
         study_.left.push_back(fmt::format("{}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
         progress_.advance(1, 0);
@@ -190,7 +190,7 @@ class StudyRun {
     }
   }
 
-  // The first setting of each method, and of each backend that it may have, on the first shot's pose.
+  // Times the first setting of each method, and of each of its backends, at the first shot's pose.
   void takeRings() {
     if (choice_.rings.empty()) return;
     std::set<std::string> seen;
@@ -243,7 +243,7 @@ class StudyRun {
     return spreadOf(std::move(seconds)).median;
   }
 
-  // How long it takes to show a scan. Where nothing can be shown the rest of the study goes on.
+  // Times the display of a scan. If nothing can be displayed, the rest of the study goes on.
   void timeShowing(const Method& method, const Shot& shot, const Hits& hits) {
     Returns returns;
     Scan scan;
@@ -272,7 +272,7 @@ class StudyRun {
       if (scans.size() == kMostScans) break;
       tracer->trace(t.shot, plan_.channels, hits);
       const ShotSetup setup = setupOf(source_, scene_, *tracer, t.shot.sensor);
-      senseShot(setup, t.shot, hits, returns, scan);  // once untimed: buffers go from scan to scan
+      senseShot(setup, t.shot, hits, returns, scan);  // once untimed: later scans reuse its buffers
       effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
       scans.push_back(scan);
     }
@@ -289,7 +289,7 @@ class StudyRun {
     }
   }
 
-  // On one frame: a truth of 127 rays a beam takes as long as 127 scans.
+  // Uses one frame: a truth of 127 rays a beam takes as long as 127 scans.
   void takeSensing() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {
@@ -299,7 +299,7 @@ class StudyRun {
         plan_, scene_, shots, [this](const std::string& name) { progress_.say(name); }, measureOptions_.stop);
   }
 
-  // Where shortcuts err: of each method that errs, its first setting that does and its worst.
+  // Draws where shortcuts err: for each method with errors, its first setting with errors and its worst.
   void takePictures() {
     if (!options_.drawErrors) return;
     std::set<std::string> wanted;

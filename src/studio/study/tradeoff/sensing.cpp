@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kFirstNoise = 3;  // the stage of the first effects that only add noise
 
-// Effects to put in place of the pipeline's, by name; empty text: to leave out.
+// Effects that replace the pipeline's, by name; an empty text removes the effect.
 using Changes = std::map<std::string, std::string>;
 
 struct Variation {
@@ -44,7 +44,7 @@ Effects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Cha
   return readSensorEffects(list, EffectClasses(pipeline), sensor);
 }
 
-// How a sensor is scanned in one setting.
+// How a sensor scans in one setting.
 struct Sensing {
   Effects effects;
   std::optional<Footprint> footprint;
@@ -104,7 +104,7 @@ class SensingStudy {
   }
 
  private:
-  // The first is the truth.
+  // Returns the variations; the first is the truth.
   std::vector<Variation> variationsOf() const {
     const Pipeline& pipeline = plan_.pipeline;
     bool wide = false;
@@ -187,7 +187,7 @@ class SensingStudy {
     const Shot& shot = shots_[i];
     const auto sensing = makeSensing(plan_, scene_, *method_, shot.sensor, variation.changes);
     ShotBuffers buffers;
-    traceShot(sensing->setup, shot, buffers.hits);  // once untimed: memory is new
+    traceShot(sensing->setup, shot, buffers.hits);  // once untimed: the memory is new
     const WallTimer tracing;
     traceShot(sensing->setup, shot, buffers.hits);
     result.traceSeconds += tracing.seconds();
@@ -219,7 +219,7 @@ class SensingStudy {
   const std::function<void(const std::string&)>& say_;
   const std::function<bool()>& stop_;
   std::unique_ptr<Method> method_;
-  std::vector<std::vector<Nearest>> truth_;  // of each shot
+  std::vector<std::vector<Nearest>> truth_;  // per shot
 };
 
 }  // namespace

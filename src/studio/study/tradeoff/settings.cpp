@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// After each method as it is by default.
+// These follow each method with its defaults.
 constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}

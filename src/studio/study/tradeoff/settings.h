@@ -1,17 +1,17 @@
 #pragma once
 
-// What a trade-off study compares: the key `tradeoff:` of a pipeline, every part of which may be left out.
+// The choices of a trade-off study: the key `tradeoff:` of a pipeline. All of its parts are optional.
 //
 //   tradeoff:
 //     settings:                     # see evaluate/settings.h
 //       - ray_tracing
 //       - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
 //     encodings: [pcd, {draco: {max_error_mm: [1, 10]}}]
-//     rings: [16, 64, 256]          # time the first setting of each method with so many rings, too (default: none)
-//     sequence: street-s1-lane      # which of the pipeline's sequences is scanned (default: the first)
-//     shots: 8                      # at most so many of the sequence's frames are scanned
-//     repeats: 3                    # so many scans of each frame are timed
-//     budget_s: 300                 # how long the study may take, about
+//     rings: [16, 64, 256]          # also times each method's first setting at these numbers of rings (default: none)
+//     sequence: street-s1-lane      # the sequence of the pipeline that is scanned (default: the first)
+//     shots: 8                      # number of frames of the sequence to scan, at most
+//     repeats: 3                    # timed scans per frame
+//     budget_s: 300                 # approximate time of the study
 
 #include <cstdint>
 #include <string>
@@ -38,11 +38,11 @@ struct StudyChoice {
   double budgetSeconds = 300;
 };
 
-// Reads the key and checks the options of every setting, and those of the pipeline's own `method: auto`, where it says
-// so. Throws InputError with the place.
+// Reads the key. Checks the options of every setting, and of the pipeline's own method if that is `method: auto`.
+// Throws InputError that names the place in the pipeline.
 StudyChoice readStudyChoice(const Pipeline& pipeline);
 
-// The settings that are compared where a pipeline names none: all methods, each with its shortcuts one by one.
+// Returns the settings of a pipeline that names none: all methods, each with one shortcut at a time.
 std::vector<MethodSetting> defaultSettings();
 
 }  // namespace scanmill

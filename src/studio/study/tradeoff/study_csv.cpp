@@ -1,4 +1,4 @@
-// A row per setting and group of beams, for spreadsheets and notebooks.
+// Writes a row per setting and group of beams, for spreadsheets and notebooks.
 
 #include <fmt/core.h>
 
@@ -21,7 +21,7 @@ constexpr std::string_view kHeader =
     "range_max_m,intensity_mean_error,group_nearest_to_mean_m,group_nearest_from_mean_m,group_hausdorff_m,failure";
 constexpr std::size_t kCells = 1 + static_cast<std::size_t>(std::count(kHeader.begin(), kHeader.end(), ','));
 
-// RFC 4180.
+// Quotes a cell as RFC 4180 demands.
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -43,7 +43,7 @@ std::string meanCell(const Spread& s) {
   return s.count == 0 ? std::string() : number(s.mean);
 }
 
-// "render=0.0063;read_back=0.0027": seconds a scan by the method's own account.
+// Returns "render=0.0063;read_back=0.0027": seconds per scan as measured by the method itself.
 std::string stagesCell(const std::map<std::string, double>& stages) {
   std::string text;
   for (const auto& [stage, seconds] : stages) {
@@ -52,7 +52,7 @@ std::string stagesCell(const std::map<std::string, double>& stages) {
   return cell(text);
 }
 
-// What a setting costs and how its clouds lie, the same in each of its rows.
+// Returns the cost and the cloud errors of a setting, the same in each of its rows.
 std::string settingCells(const Study& study, const SettingResult& result) {
   const Cost& cost = result.measured.cost;
   const CloudErrors& cloud = result.measured.cloud;

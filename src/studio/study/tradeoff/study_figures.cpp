@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Times that differ by less than this factor are equal: two measurements of one thing differ by as much.
+// Times that differ by less than this factor are equal: repeated measurements differ by this much.
 constexpr double kFrontStep = 1.05;
 
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {

@@ -1,4 +1,4 @@
-// tradeoff.json. One description of each struct serves writing and reading: what one has, the other reads back.
+// Writes and reads tradeoff.json. One description of each struct serves both, so that all that is written is read back.
 
 #include <fmt/core.h>
 
@@ -107,7 +107,7 @@ void describe(Archive& a, StudyScene& s) {
   a("key", s.key)("triangles", s.triangles)("frames", s.frames);
 }
 
-// The picture's bytes are a file beside the study.
+// The picture's bytes are in a file beside the study.
 template <class Archive>
 void describe(Archive& a, ErrorPicture& p) {
   a("setting", p.setting)("title", p.title);
@@ -133,7 +133,7 @@ class JsonWriter {
   OrderedJson object = OrderedJson::object();
 
  private:
-  // JSON has no infinity: null stands for it, as in open bands.
+  // JSON has no infinity: null stands for infinity, such as the end of an open band.
   static OrderedJson json(double value) {
     return std::isinf(value) ? OrderedJson() : OrderedJson(finite(value, "study"));
   }
@@ -218,7 +218,7 @@ constexpr const char* kStudyKind = "scanmill tradeoff";
 
 std::string toJson(const Study& study) {
   JsonWriter writer;
-  Study copy = study;  // the description is of what can be written to
+  Study copy = study;  // describe() takes references that can be written to
   describe(writer, copy);
   OrderedJson json{{"kind", kStudyKind}, {"schema_version", Study::kSchemaVersion}};
   json.update(writer.object);
