@@ -1,5 +1,5 @@
-// The extension module scanmill._core: datasets and simulation as numpy arrays. What people use is in scanmill/*.py,
-// whose docstrings tell shapes and units; _core.pyi has the types.
+// The extension module scanmill._core: datasets and simulation as numpy arrays. Users call the functions in
+// scanmill/*.py, whose docstrings give shapes and units; _core.pyi has the types.
 
 #include <dlfcn.h>
 #include <pybind11/pybind11.h>
@@ -31,7 +31,8 @@ namespace scanmill {
 
 namespace {
 
-// What comes with the package lies beside the module.
+// Sets SCANMILL_RESOURCES to the folder `share` beside this module, which comes with the package, unless it is set
+// already.
 void findResources() {
   Dl_info here{};
   if (::dladdr(reinterpret_cast<const void*>(&findResources), &here) == 0 || here.dli_fname == nullptr) return;
@@ -51,7 +52,7 @@ py::array_t<double> matricesOf(const std::vector<Pose>& poses) {
   return arrayOf(std::move(values), {static_cast<py::ssize_t>(poses.size()), 4, 4});
 }
 
-// The table of a dataset's sensor, with its misses: rings x columns.
+// Returns the beam table of a dataset's sensor as arrays of rings x columns, which include beams that miss.
 py::object beamsOf(const ScanStore& store, const std::string& sensor, double time) {
   const std::shared_ptr<const BeamTable> table = store.beams(sensor, time);
   if (table == nullptr || table->direction.empty()) {
@@ -72,7 +73,7 @@ py::object beamsOf(const ScanStore& store, const std::string& sensor, double tim
   return beams;
 }
 
-// Without the samples, which record() tells one by one.
+// Returns the manifest without its samples; record() returns these one by one.
 std::optional<std::string> manifestOf(const ScanStore& store) {
   if (store.manifest() == nullptr) return {};
   Manifest head = *store.manifest();
@@ -90,7 +91,8 @@ const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
   return found == all.end() ? nullptr : &*found;
 }
 
-// A dense scan without points has no columns; they are given as empty arrays, so that programs need not ask.
+// Adds missing columns as empty arrays. A dense scan without points has no columns; with empty ones, programs need no
+// special case for it.
 void addEmptyColumns(const std::vector<std::string>& names, py::dict& arrays) {
   for (const std::string& name : names) {
     const std::size_t index = columnIndex(name);

@@ -12,8 +12,9 @@
 namespace scanmill::draft {
 namespace {
 
-// Models are about the origin of their file, or within each other where all are off it alike. Parts of one place share
-// its coordinates: most are off the origin, and not within each other.
+// True if the models are parts of one place, which share its coordinates: most of them are away from the origin and not
+// within one another. Separate models usually contain the origin of their file, or are within one another if all are
+// equally far from it.
 bool areOnePlace(const std::vector<Model>& models) {
   std::vector<Box> away;
   for (const Model& m : models) {

@@ -14,7 +14,7 @@
 namespace scanmill::draft {
 namespace {
 
-// The detail of a whole that the same words name; null where there is none.
+// Returns the detail of `whole` that has the same words as `named`; null if there is none.
 const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* named, const Concept* whole) {
   if (named == nullptr || whole == nullptr || named->kind != ConceptKind::Detail) return nullptr;
   for (const Concept& c : concepts) {
@@ -31,7 +31,8 @@ const Concept* first(std::initializer_list<const Concept*> candidates) {
   return nullptr;
 }
 
-// The concept that most of the triangles have; details, such as wheels, count where there is nothing that they are of.
+// Returns the concept with the most triangles. If it is a detail, such as wheels, and the asset also has wholes,
+// returns the whole with the most triangles.
 const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& parts) {
   std::map<const Concept*, std::size_t> triangles;
   std::map<const Concept*, std::size_t> ofWholes;
@@ -52,7 +53,8 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
   return most == triangles.end() ? nullptr : most->first;
 }
 
-// Whether the parts are of so many things and grounds that the file is a place, such as a room, and none of them.
+// True if the parts belong to at least three objects and grounds: the file is then a place, such as a room, and not one
+// object.
 bool isPlace(const std::vector<const Concept*>& parts) {
   constexpr std::size_t kSeveral = 3;
   std::set<const Concept*> kinds;
@@ -73,8 +75,8 @@ bool isFlat(const Concept& c) {
   return c.kind == ConceptKind::Ground || std::find(kLow.begin(), kLow.end(), c.name) != kLow.end();
 }
 
-// How much speaks for y or z being up: what stands begins at 0 and is centred along the other axes; trees are tall,
-// cars, grounds and places low.
+// Returns a score for y or z as the up axis. Objects usually begin at 0 along the up axis and are centred along the
+// others; trees are tall, and cars, grounds and places are low.
 double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
                const Concept* what, bool place) {
   double score = 0;
@@ -91,15 +93,16 @@ double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& ex
   return score;
 }
 
-// Of files whose kind says no unit.
+// m, common units besides the metre.
 constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0};
-constexpr double kTolerance = 3;  // times what is usual: still taken for the unit of the other files of a folder
+constexpr double kTolerance = 3;  // factor beyond the usual sizes up to which a file takes the unit of the others
 
 std::string nameOf(const FrameGuess& guess) {
   return guess.what == nullptr ? "it" : "a " + guess.what->name;
 }
 
-// Whether it is as large as such things are, but for a factor. Wants a size.
+// True if the file in this unit has the usual size of its concept, or is off by at most `factor`. The concept must have
+// a size.
 bool fits(const FrameGuess& guess, double unit, double factor) {
   const Between& usual = *guess.what->size;
   return Between{usual.low / factor, usual.high * factor}.holds(guess.longest * unit);
@@ -110,7 +113,8 @@ std::string sizeWith(const FrameGuess& guess, double unit) {
                      guess.longest * unit, guess.what->size->low, guess.what->size->high);
 }
 
-// The common unit that brings it nearest to the middle of what is usual, where metres do not do.
+// Sets the unit: metres if they give a usual size, else the common unit that comes nearest to the middle of the usual
+// sizes.
 void guessUnit(FrameGuess& guess) {
   if (fits(guess, 1, 1)) return;
   const Between& usual = *guess.what->size;
@@ -143,7 +147,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
-    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // "World"
+    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // e.g. "World"
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =
         conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
@@ -156,7 +160,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
     for (const Concept* named : {material, texture, node}) {
       if (const Concept* const detail = detailOf(concepts, named, whole)) return detail;
     }
-    // A ground of several materials says by them what it is where.
+    // If a ground has several materials, each of them may name another ground.
     if (whole != nullptr && whole->kind == ConceptKind::Ground) {
       for (const Concept* finer : {material, texture}) {
         if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
@@ -198,8 +202,8 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 
 namespace {
 
-// One unit for all where at least so many of them have usual sizes, and it makes most of these as large as they are
-// usually. Says whether there is one.
+// Sets one unit for all files if at least `fewest` of them have concepts with usual sizes and the unit gives at least
+// the share `most` of these a usual size. Returns whether it does.
 bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
   const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
   const auto sized = std::count_if(files.begin(), files.end(), known);
@@ -228,7 +232,7 @@ bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff
   return true;
 }
 
-// Those of the most common footprint: tiles, which fit together.
+// Returns the tiles, which fit together: the files with the most common footprint, if they are at least three.
 std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;
@@ -277,7 +281,8 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
-  // These say as often what a thing is of, or for: stone walls, water towers, floor lamps.
+  // The words of these concepts often name what an object is made of or used for: stone walls, water towers, floor
+  // lamps.
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
@@ -292,14 +297,14 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   plate.ground = groundIn(concepts, asset.file);
   if (plate.ground == nullptr) return std::nullopt;
   const Box box = boundsOf(asset);
-  // Areas of what is level, by heights in thousandths of the whole.
+  // Sum the areas of level triangles by height, in thousandths of the asset's height.
   const auto along = [&](const Vec3d& v) { return up == asset.up ? v.z : v.y; };
   const double low = along(box.low);
   const double tall = along(box.high) - low;
   const Vec3d size = box.high - box.low;
   const double footprint = up == asset.up ? size.x * size.y : size.x * size.z;
   if (!(tall > 0) || !(footprint > 0)) return std::nullopt;
-  std::map<int, std::array<double, 2>> facing;  // one way and the other: files may turn their faces over
+  std::map<int, std::array<double, 2>> facing;  // up and down: files may have flipped faces
   for (const AssetPart& part : asset.parts) {
     for (const Triangle& t : part.triangles) {
       const Vec3d a(part.positions[t[0]]);
@@ -313,10 +318,10 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   }
   std::map<int, double> areas;
   for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
-  constexpr double kMost = 0.8;    // of the footprint
-  constexpr int kLowest = 250;     // in thousandths: plates are in this part of the height
-  constexpr int kThick = 100;      // in thousandths: kerbs and pavements on one plate
-  constexpr double kAbove = 0.02;  // of the height
+  constexpr double kMost = 0.8;    // share of the footprint that a plate covers at least
+  constexpr int kLowest = 250;     // thousandths of the height, below which plates are
+  constexpr int kThick = 100;      // thousandths of the height, within which kerbs and pavements are one plate
+  constexpr double kAbove = 0.02;  // share of the height, added above the plate
   std::optional<int> level;
   for (const auto& [height, first] : areas) {
     double area = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Guesses what an asset is, by its names and its shape.
+// Guesses the concepts, up axis and unit of an asset from its names and its shape.
 
 #include <array>
 #include <filesystem>
@@ -14,45 +14,48 @@
 
 namespace scanmill::draft {
 
-// What each part of an asset is, in the order of the parts; null where no word tells. The glass of a car is the car's,
-// and a file or folder tells where node, material and texture do not.
+// Returns the concept of each part of an asset, in the order of the parts; null if no name has a known word. A part
+// belongs to the whole that its node names, else to the whole that the file or its folders name: the glass of a car is
+// a part of the car. Otherwise the names of material, texture, node and file count, in this order.
 std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset);
 
-// What the file's own name or its folders' say; null where they say nothing.
+// Returns the concept of the file's own name, else of its folder's or that folder's parent's name; null if none of them
+// has a known word.
 const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::filesystem::path& file);
 
 struct FrameGuess {
   char up = 'z';
-  std::string whyUp;  // in words; empty where the file or its kind says it
+  std::string whyUp;  // in words; empty if the file or its format states the axis
   bool doubtfulUp = false;
   double unit = 1;  // m
   std::string whyUnit;
   bool doubtfulUnit = false;
-  const Concept* what = nullptr;   // what most of it is; null where no word tells, or it is a place of many things
-  double longest = 0;              // its longest edge, in its units
-  std::array<double, 3> extent{};  // along x, y and z as it was read, in its units
-  char read = 'z';                 // the axis that was taken for up then
+  const Concept* what = nullptr;   // the concept of most of the asset; null: unknown, or a place with many objects
+  double longest = 0;              // longest edge, in the file's units
+  std::array<double, 3> extent{};  // along x, y and z as the file was read, in its units
+  char read = 'z';                 // the up axis with which the file was read
 };
 
-// `asset` was read with the unit 1 and no axis asked for. The unit follows from guessTogether().
+// Guesses the up axis of an asset that was read with the unit 1 and without a given axis. guessTogether() guesses the
+// unit.
 FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts);
 
-// The unit and the axis of files of one kind in one folder: the unit that makes them things of usual sizes, one for all
-// where it does so for most of them, and for the tiles among them, whose footprints are alike; and an axis, from the
-// others, of those of which nothing tells it.
+// Guesses the units of files of one format in one folder, so that the objects have usual sizes: one unit for all files
+// if it suits most of them; else one for the tiles, which are files of about the same footprint, and one for the rest;
+// else one for each file. If nothing tells the up axis of a file, takes that of most of the others.
 void guessTogether(const std::vector<FrameGuess*>& files);
 
-// The ground in the file's name, where that says both a ground and a thing ("grass-trees"); null where it does not.
+// Returns the ground in the file's name if the name has both a ground and an object ("grass-trees"), else null.
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file);
 
-// A tile: a plate of ground under what stands on it.
+// The plate of ground of a tile, on which other objects stand.
 struct Plate {
   const Concept* ground = nullptr;
-  double height = 0;  // in the file's units, above its lowest point: what is below is the plate
+  double height = 0;  // of the plate's upper side above the lowest point, in the file's units
 };
 
-// Where groundIn() finds one, and a level of the asset is as large as it is: the plate. Absent elsewhere. `up`: the
-// axis of guessUp().
+// Returns the plate of an asset if groundIn() finds a ground and level triangles near the bottom cover most of the
+// asset's footprint; else nothing. `up`: the axis of guessUp().
 std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& asset, char up);
 
 }  // namespace scanmill::draft

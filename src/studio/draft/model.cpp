@@ -16,15 +16,15 @@
 namespace scanmill::draft {
 namespace {
 
-// The box of an asset that was read with the unit 1, with what is guessed.
+// Returns the box (m) of an asset that was read with the unit 1, in the guessed unit and with the guessed up axis.
 Box placed(const Box& own, const FrameGuess& frame) {
   if (own.empty() || frame.up == frame.read) return {own.low * frame.unit, own.high * frame.unit};
-  // From z-up, as it was read, to y-up: (x, y, z) becomes (x, -z, y).
+  // The file was read as z-up and is y-up: (x, y, z) becomes (x, -z, y).
   return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
           Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
 }
 
-// `plates`: by the axes that may turn out to be up.
+// Reads a file. `plates` receives its plate for each possible up axis.
 Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts, bool allowOutside,
                 std::map<char, std::optional<Plate>>& plates) {
   AssetOptions options;
@@ -55,7 +55,7 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   return model;
 }
 
-// The file's name; that of its folder where the file's says nothing, or others have it too.
+// Names each model after its file, or after the folder if the file's name says nothing or is not unique.
 void nameModels(std::vector<Model>& models) {
   static constexpr std::array<std::string_view, 6> kSayNothing{"model", "scene", "mesh", "untitled", "object", "asset"};
   std::map<std::string, std::size_t> files;

@@ -15,13 +15,13 @@
 namespace scanmill::draft {
 namespace {
 
-// The name of the class that it means; empty where there is none.
+// Returns the name of the class of a concept; empty if the ontology has none.
 std::string classFor(const Concept& what, const Ontology& ontology) {
   const SemanticClass* const known = classOf(what, ontology);
   return known == nullptr ? std::string() : known->name;
 }
 
-// A glob that matches the name alone.
+// Returns a glob that matches this name alone.
 std::string literal(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -30,7 +30,7 @@ std::string literal(const std::string& name) {
   return out;
 }
 
-// The same with a star for each run of digits.
+// Returns such a glob with a star in place of each run of digits.
 std::string withoutDigits(const std::string& name) {
   std::string out;
   for (const char c : literal(name)) {
@@ -49,7 +49,7 @@ std::string nameOf(const KnownPart& part, std::size_t key) {
   return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
 }
 
-// Patterns by the keys node, material, texture; empty: any.
+// Patterns for the keys node, material and texture; an empty one matches any name.
 using Patterns = std::array<std::string, 3>;
 
 bool matchesPart(const Patterns& patterns, const KnownPart& part) {
@@ -59,14 +59,14 @@ bool matchesPart(const Patterns& patterns, const KnownPart& part) {
   return true;
 }
 
-// Whether all parts that match are of one concept.
+// True if all parts that match have the wanted concept.
 bool isConsistent(const Patterns& patterns, const std::vector<KnownPart>& parts, const Concept* wanted) {
   return std::all_of(parts.begin(), parts.end(),
                      [&](const KnownPart& k) { return k.what == wanted || !matchesPart(patterns, k); });
 }
 
-// The plainest patterns that no part of another concept matches; none where there are none. First comes all of a model
-// of a world, then names that say what it is.
+// Returns the simplest patterns that match the part and no part of another concept; empty ones if there are none. Tries
+// first a pattern for a complete model of a world, then names whose words mean the part's concept.
 Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts,
                      const std::vector<Concept>& concepts) {
   std::vector<std::vector<std::size_t>> choices;
@@ -77,7 +77,7 @@ Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts
     }
   }
   choices.insert(choices.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
-  // All of a model in a world, whose nodes have its name before a slash.
+  // The nodes of a model in a world have the model's name before a slash.
   const std::string& node = known.node;
   for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
     Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
@@ -98,7 +98,8 @@ Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts
   return {};
 }
 
-// `measured`: what the file reflects was measured, and stays.
+// Returns what a rule gives to the parts of a concept. `measured`: the file has measured reflectances, which a material
+// would replace.
 std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
   if (c.kind == ConceptKind::Drop) return "drop: true";
   return fmt::format("class: {}{}", classFor(c, ontology),
@@ -124,7 +125,7 @@ class Writer {
       writeRest(*only, "", yaml);
       return;
     }
-    std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;  // by their one key
+    std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;  // by concept, key
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
     std::map<std::string, std::uint64_t> unknown;
     for (const KnownPart& k : parts) {
@@ -133,7 +134,7 @@ class Writer {
                             quoted(k.texture))] += k.triangles;
         continue;
       }
-      if (k.what == file) continue;  // what the rules leave
+      if (k.what == file) continue;  // these parts need no rule, see writeRest()
       const Patterns patterns = patternsFor(k, parts, concepts_);
       const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
       if (keys == 1) {
@@ -173,7 +174,7 @@ class Writer {
                        givesOf(*model_.plate->ground, ontology_, model_.measured));
   }
 
-  // Some names to a rule.
+  // Writes rules that match up to kMost names each.
   void writeAlternatives(const char* key, const Concept& c, const std::map<std::string, std::uint64_t>& patterns,
                          std::string& yaml) const {
     constexpr std::size_t kMost = 8;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The lines of a scene file that draft writes for one 3D file.
+// Writes the lines of a drafted scene file for one 3D file.
 
 #include <filesystem>
 #include <string>
@@ -11,13 +11,14 @@
 
 namespace scanmill::draft {
 
-// Concepts that the ontology has a class for, or that leave parts out. In rooms, "office.glb" is no building.
+// Returns the concepts for which the ontology has a class, and those without classes, such as for parts to leave out.
+// An ontology of rooms without buildings, for example, does not take "office.glb" for a building.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
-// A text in double quotes, as YAML has it.
+// Returns a text in double quotes, escaped for YAML.
 std::string quoted(const std::string& text);
 
-// All but its place. Files are named from `folder`, where the scene file will be.
+// Returns the YAML of an object without its position. Paths are relative to `folder`, where the scene file will be.
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder);
 

@@ -19,14 +19,14 @@ namespace {
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// Where bands begin; the last end closes the last band.
+// The limits of the bands: where each band begins, then where the last one ends.
 constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // m
 constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // degrees
 constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};          // m
 constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};              // m
 
-// The band that `value`, which is not below the first, lies in. What lies beyond the last end, as 90 degrees do, counts
-// to the last band.
+// Returns the index of the band that contains `value`, which must not be below the first limit. Values from the last
+// limit on, such as 90 degrees, count to the last band.
 std::size_t bandOf(std::span<const double> edges, double value) {
   std::size_t band = 0;
   while (band + 2 < edges.size() && value >= edges[band + 1]) ++band;
@@ -39,18 +39,18 @@ std::string bandName(double low, double high, const char* unit) {
 }
 
 struct Outcome {
-  bool truth = false;   // hits
-  bool tested = false;  // hits
+  bool truth = false;   // the truth hits
+  bool tested = false;  // the tested method hits
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // |tested - truth| where both hit (m)
-  float intensity = kUnknown;    // likewise
-  float nearestTo = kUnknown;    // m, where the truth hits
-  float nearestFrom = kUnknown;  // m, where the tested method hits
+  float range = 0;               // |tested - truth| if both hit (m)
+  float intensity = kUnknown;    // |tested - truth| if both hit
+  float nearestTo = kUnknown;    // m, if the truth hits
+  float nearestFrom = kUnknown;  // m, if the tested method hits
 };
 
-// Spreads need every error: as floats, which keep seven digits of it.
+// The sums of a group of beams. Spreads need every single error; float keeps seven digits of each.
 struct GroupSum {
   GroupErrors counts;
   std::vector<float> range;
@@ -202,7 +202,7 @@ class BeamErrorSum::Impl {
     for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
     auto byClass = errors.byClass.begin();
     for (const auto& entry : classes_) spread(entry.second, (byClass++)->errors);
-    // Sorting is what takes time, and groups are few and large.
+    // Sorting takes most of the time; groups are few and large, so each is sorted by one thread.
     parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const auto& [values, result] = spreads[i];
@@ -262,7 +262,7 @@ BeamErrors BeamErrorSum::finish() const {
 }
 
 std::vector<ThingSize> thingSizes(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes(scene.meshes.size());  // of each mesh's things, in its own frame
+  std::vector<std::vector<Box>> boxes(scene.meshes.size());  // by mesh and object, in the mesh's frame
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     boxes[m].resize(mesh.objects);
@@ -283,7 +283,7 @@ std::vector<ThingSize> thingSizes(const Scene& scene) {
       const Vec3d size = box.high - box.low;
       const auto [smallest, largest] =
           std::minmax({size.x * length(linear.x), size.y * length(linear.y), size.z * length(linear.z)});
-      // Several objects may be one thing, whose largest part counts.
+      // Several objects may form one thing; the largest of them gives its size.
       if (largest > sizes[id].largest) sizes[id] = {smallest, largest};
     }
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// How the hits of a method differ from the truth, beam by beam, over any number of shots.
+// Compares the hits of a method with the truth, beam by beam, over any number of shots.
 
 #include <cstdint>
 #include <memory>
@@ -17,7 +17,7 @@
 namespace scanmill {
 
 // The errors of a group of beams. Each beam counts once: beams = bothHit + bothMiss + falseNegatives + falsePositives +
-// unresolved. The distances nearestTo and nearestFrom lead to the nearest point of any beam, also of another group.
+// unresolved. The distances nearestTo and nearestFrom are to the nearest point of any beam, also of another group.
 struct GroupErrors {
   std::uint64_t beams = 0;
   std::uint64_t bothHit = 0;
@@ -29,7 +29,7 @@ struct GroupErrors {
   std::uint64_t sameInstance = 0;    // beams of bothHit with the same instance
   std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
   Spread range;                      // |tested - truth| of the beams of bothHit (m)
-  Spread intensity;    // |tested - truth| of the beams of bothHit, in the intensity's unit; empty where none is given
+  Spread intensity;    // |tested - truth| of the beams of bothHit, in the intensity's unit; empty without intensities
   Spread nearestTo;    // from the beams' true points to the nearest tested point (m)
   Spread nearestFrom;  // from the beams' tested points to the nearest true point (m)
 
@@ -42,25 +42,25 @@ struct GroupErrors {
 
 struct ErrorGroup {
   std::string name;  // "10 to 20 m", "60 to 75 deg", "edges", "car"
-  // The ends of a band, in metres or degrees; the upper end is excluded, and infinite where the band is open. Both are
-  // 0 where the group is no band.
+  // The ends of a band, in metres or degrees; the upper end is excluded, and infinite if the band is open. Both are 0
+  // if the group is not a band.
   double low = 0;
   double high = 0;
   GroupErrors errors;
 };
 
-// How much of the things of one size is found. A thing is an instance that at least one true beam meets.
+// Recall of the things of one size range. A thing is an instance that at least one true beam hits.
 struct SizeRecall {
   std::string name;
-  double low = 0, high = 0;       // the sizes (m) that belong to it, the upper end excluded
+  double low = 0, high = 0;       // m, the size range; the upper end is excluded
   std::uint64_t things = 0;       // things of this size
-  std::uint64_t thingsFound = 0;  // those of them that at least one tested beam meets
-  std::uint64_t beams = 0;        // beams that meet such a thing in truth
-  std::uint64_t beamsFound = 0;   // those of them that meet the same instance by the tested method
+  std::uint64_t thingsFound = 0;  // those of them that at least one beam of the tested method hits too
+  std::uint64_t beams = 0;        // beams whose true hit is on a thing of this size
+  std::uint64_t beamsFound = 0;   // those of them that hit the same instance by the tested method
 };
 
-// The errors of all beams, and of groups of them. A beam belongs to the bands and to the class of its true hit, or of
-// the tested hit where there is none in truth.
+// The errors of all beams, and of groups of beams. A beam belongs to the bands and to the class of its true hit, or of
+// the tested hit if it has no true hit.
 struct BeamErrors {
   GroupErrors all;
   std::vector<ErrorGroup> byRange;      // bands of range
@@ -75,8 +75,8 @@ struct BeamErrors {
 struct TrueShot {
   Shot shot;
   ExactHits truth;                  // with the channels of kErrorChannels
-  std::vector<std::uint8_t> edges;  // 1 where a beam lies near an edge, see edgeBeams(); empty where no beam does
-  std::vector<float> intensity;     // the noise-free intensity of each beam; empty where it is not compared
+  std::vector<std::uint8_t> edges;  // 1 for beams near an edge, see edgeBeams(); empty if no beam is near one
+  std::vector<float> intensity;     // the noise-free intensity of each beam; empty if it is not compared
 };
 
 inline constexpr Channels kErrorChannels =
@@ -92,9 +92,9 @@ class BeamErrorSum {
   BeamErrorSum& operator=(BeamErrorSum&&) noexcept;
 
   // Adds a shot. `tested` has the channels Range, Instance and Semantic; a range that is not a number is a miss.
-  // `intensity` holds the tested intensity of each beam, or nothing. `nearestTo` holds for each beam how far its true
-  // point lies from the nearest tested one (m), `nearestFrom` how far its tested point lies from the nearest true one;
-  // NaN where that is unknown, and either may be empty. Throws Error where the sizes differ.
+  // `intensity` holds the tested intensity of each beam, or nothing. `nearestTo` holds for each beam the distance (m)
+  // from its true point to the nearest tested point, `nearestFrom` that from its tested point to the nearest true
+  // point; an unknown distance is NaN, and either list may be empty. Throws Error if the sizes differ.
   void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
            std::span<const float> nearestTo = {}, std::span<const float> nearestFrom = {});
   BeamErrors finish() const;
@@ -109,7 +109,7 @@ struct ThingSize {
   double smallest = 0;
   double largest = 0;
 };
-// The sizes of a scene's things. The index is the instance id; id 0 and ids that do not occur have zeroes.
+// Returns the sizes of a scene's things. The index is the instance id; id 0 and ids that do not occur have zeroes.
 std::vector<ThingSize> thingSizes(const Scene& scene);
 
 }  // namespace scanmill

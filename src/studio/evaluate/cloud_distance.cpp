@@ -13,7 +13,7 @@ namespace {
 struct Cloud {
   std::vector<Vec3f> points;  // finite
 
-  // What nanoflann asks of a set of points.
+  // The interface that nanoflann needs.
   std::size_t kdtree_get_point_count() const { return points.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t axis) const {
     return axis == 0 ? points[i].x : axis == 1 ? points[i].y : points[i].z;

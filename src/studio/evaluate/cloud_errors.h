@@ -1,6 +1,6 @@
 #pragma once
 
-// How far two clouds lie apart, seen from each of them.
+// Measures the distances between two clouds, in both directions.
 
 #include <cstddef>
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// Everything is zero where both clouds are empty. Where one of them is empty, the direction that starts from it has no
-// distances, and `unmatched` counts the points of the other cloud, whose distances are unknown.
+// If both clouds are empty, all values are zero. If one cloud is empty, there are no distances in either direction, and
+// `unmatched` counts the points of the other cloud, whose distances are unknown.
 struct CloudErrors {
   Spread to;             // from each true point to the nearest tested one (m)
   Spread from;           // from each tested point to the nearest true one (m)
@@ -22,17 +22,17 @@ struct CloudErrors {
 
 // The distances within a pair of clouds.
 struct CloudDistances {
-  std::vector<float> to;      // m, per true point; NaN where the point is not finite, or where there is no tested point
+  std::vector<float> to;      // m, per true point; NaN if the point is not finite, or if there is no tested point
   std::vector<float> from;    // m, per tested point; NaN likewise
-  std::size_t unmatched = 0;  // finite points of one cloud where the other has none
+  std::size_t unmatched = 0;  // finite points of one cloud if the other cloud has none
 };
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
-// How far two clouds lie apart. Points that are not finite do not count.
+// Returns the distances between two clouds. Points that are not finite do not count.
 CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
-// The same over several pairs of clouds. Points look for neighbours in their own pair alone; the distances of all pairs
-// count alike.
+// Adds up the distances of several pairs of clouds, all with the same weight. The nearest point is searched only within
+// the same pair.
 class CloudErrorSum {
  public:
   void add(const CloudDistances& distances);

@@ -23,7 +23,7 @@ double leastOf(const std::vector<double>& values) {
   return *std::min_element(values.begin(), values.end());
 }
 
-// A way to run a frame: the pipeline as it stands, or with one feature changed.
+// The pipeline as it is, or with one feature changed, and the measured times of its rounds.
 struct Variant {
   std::string feature;
   bool present = true;
@@ -61,7 +61,7 @@ double roundSeconds(const Variant& v, std::size_t round) {
   return v.trace[round] + v.effects[round] + v.encode[round];
 }
 
-// By how much the least of the odd rounds differs from that of the even ones.
+// Returns the difference (s) between the fastest odd round and the fastest even round.
 double scatterOf(const Variant& v) {
   double least[2] = {INFINITY, INFINITY};
   for (std::size_t round = 0; round < v.trace.size(); ++round) {
@@ -71,7 +71,7 @@ double scatterOf(const Variant& v) {
 }
 
 FrameCost costOf(const Variant& v) {
-  // What else the machine does only adds to a round.
+  // The least time counts, since other work of the machine can only make a round slower.
   return {leastOf(v.trace), leastOf(v.effects), leastOf(v.encode), v.bytes};
 }
 
@@ -80,8 +80,8 @@ FrameCost difference(const FrameCost& with, const FrameCost& without) {
           with.encodeSeconds - without.encodeSeconds, with.bytes - without.bytes};
 }
 
-// Returns which effects go with one: itself and, where it sets the intensity or the signal to noise ratio, what looks
-// at that.
+// Returns which effects must be removed together with `entry`: itself and, if it sets the intensity or the signal to
+// noise ratio, the effects that need this.
 std::vector<bool> dependents(EffectList effects, const EffectEntry* entry) {
   const auto any = [&](auto sets) {
     return std::any_of(effects.begin(), effects.end(),
@@ -131,7 +131,7 @@ class Features {
     for (Variant* v : all) {
       for (const Shot& shot : v->source->frame(0, frame).shots) v->method->prepare(shot);
     }
-    // In turn, so that what else the machine does falls on all alike; the first round warms up.
+    // The variants run in turn, so that other work of the machine slows all of them alike; the first round warms up.
     int rounds = effort.rounds;
     for (int i = 0; i <= rounds; ++i) {
       if (effort.begun) effort.begun(i, rounds);
@@ -171,7 +171,7 @@ class Features {
     return v;
   }
 
-  // What the variant changes is not the scene's or the method's business.
+  // Gives a variant the scene and the method of the unchanged pipeline, which its change does not concern.
   void share(Variant& v) const {
     v.scene = whole_.scene;
     v.method = whole_.method;
@@ -183,7 +183,7 @@ class Features {
     share(variants_.back());
   }
 
-  // Each effect once, whatever sensors have it.
+  // Adds a variant without each effect; an effect that several sensors have is added once.
   void addEffects() {
     std::vector<const EffectEntry*> seen;
     for (const MountedSensor& sensor : pipeline_.sensors) {
@@ -201,7 +201,7 @@ class Features {
     }
   }
 
-  // The intensity goes with its effect.
+  // Adds a variant for each column, except the intensity, which is removed together with its effect.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
       if (c == kIntensity.index || (c == kPower.index && !setsIntensity(pipeline_))) continue;
@@ -238,7 +238,7 @@ class Features {
 
   const Pipeline& pipeline_;
   Variant whole_;
-  Variant again_;  // the same once more: how much equal frames differ
+  Variant again_;  // equal to whole_, to measure by how much equal frames differ
   std::vector<Variant> variants_;
 };
 

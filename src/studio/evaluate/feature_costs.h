@@ -1,6 +1,7 @@
 #pragma once
 
-// What each optional feature of a pipeline costs, measured by leaving it out: model only what a scene requires.
+// Measures the cost of each optional feature of a pipeline by leaving it out, so that a pipeline can model only what is
+// required.
 
 #include <cstdint>
 #include <functional>
@@ -11,7 +12,7 @@
 
 namespace scanmill {
 
-// Of one frame, all sensors; seconds on one thread but for tracing, which takes all.
+// The cost of one frame with all sensors. Tracing is timed on all threads, everything else on one.
 struct FrameCost {
   double traceSeconds = 0;
   double effectsSeconds = 0;
@@ -23,26 +24,26 @@ struct FrameCost {
 
 struct FeatureCost {
   std::string feature;  // "effect range_noise", "column time", "alpha cut-outs"
-  bool present = true;  // false: the pipeline does without it, and the cost is that of adding it
-  FrameCost cost;       // with it less without it
-  double scatter = 0;   // s, of repeats, and of what equal frames differ by: a cost below it says nothing
+  bool present = true;  // false: the pipeline does not have the feature, and the cost is that of adding it
+  FrameCost cost;       // the cost with the feature minus that without it
+  double scatter = 0;   // s by which repeats and equal frames differ: a smaller cost says nothing
 };
 
 struct FeatureCosts {
   std::string frame;         // the sample's key
-  std::uint64_t points = 0;  // of the frame; without any the costs say nothing
-  FrameCost whole;           // as the pipeline stands
+  std::uint64_t points = 0;  // of the frame; 0: the costs say nothing
+  FrameCost whole;           // of the unchanged pipeline
   std::vector<FeatureCost> features;
 };
 
 struct FeatureEffort {
-  int rounds = 14;                                 // in which each variant is measured once, at most
-  double seconds = 1e300;                          // that they should take: slow frames have fewer rounds, at least two
+  int rounds = 14;                                 // most rounds; a round measures each variant once
+  double seconds = 1e300;                          // time for all rounds: slow frames have fewer rounds, at least two
   std::function<void(int round, int of)> begun{};  // called before each round; the first warms up
 };
 
-// Runs the middle frame of the first sequence, each variant in turn, and takes the least time of each stage. The
-// pipeline needs scenes and a method, not a recording or `auto`.
+// Measures the features on the middle frame of the first sequence. The variants run in turn, and the least time of each
+// stage counts. The pipeline needs scenes and a method, not a recording or `auto`.
 FeatureCosts measureFeatures(const Pipeline& pipeline, const FeatureEffort& effort);
 
 }  // namespace scanmill

@@ -51,7 +51,7 @@ HitErrors compareHits(const Hits& reference, const Hits& tested, std::span<const
 }
 
 std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle) {
-  constexpr double kStep = 0.1;  // of the range
+  constexpr double kStep = 0.1;  // share of the range
   const Channels channels = Channel::Range | Channel::Instance | Channels(Channel::Semantic);
   Hits middle;
   method.trace(shot, channels, middle);

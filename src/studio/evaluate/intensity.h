@@ -1,6 +1,6 @@
 #pragma once
 
-// Intensities as a pipeline's own effects make them, but without noise: by these, methods are compared.
+// Computes intensities with a pipeline's own effects, but without noise, to compare methods.
 
 #include <functional>
 #include <vector>
@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Gives a function that computes the noise-free intensity of each beam of a shot from its hits, which must have the
-// channels that the effects read. The function is null where no effect of the pipeline sets the intensity. Pipeline and
+// Returns a function that computes the noise-free intensity of each beam of a shot from its hits, which must have the
+// channels that the effects read. The function is null if no effect of the pipeline sets the intensity. Pipeline and
 // scene must outlive it.
 std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(const Pipeline& pipeline,
                                                                                const Scene& scene);

@@ -22,14 +22,14 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 enum class Kind {
   Length,     // m, at most
-  Amount,     // of no unit, at most
+  Amount,     // without a unit, at most
   Share,      // at most
   Agreement,  // a share, at least
   Rate,       // beams/s, at least
 };
 
 struct Limit {
-  std::string_view key;  // as it is written
+  std::string_view key;  // as in files and messages
   Kind kind;
   std::optional<double> ErrorLimits::*allowed;
   double (*value)(const Candidate&);
@@ -37,7 +37,7 @@ struct Limit {
   bool atLeast() const { return kind == Kind::Agreement || kind == Kind::Rate; }
 };
 
-// NaN where both hit somewhere, but nobody knows how bright: what is not known does not hold.
+// Returns the mean intensity error. It is NaN, which holds no limit, if beams hit but their intensities are unknown.
 double meanIntensity(const Candidate& c) {
   return c.errors.bothHit > 0 && c.errors.intensity.count == 0 ? kNaN : c.errors.intensity.mean;
 }
@@ -67,8 +67,8 @@ bool holds(const Limit& limit, double value, double allowed) {
   return limit.atLeast() ? value >= allowed : value <= allowed;
 }
 
-// By what factor a limit is exceeded; 1: it is not. Of agreements that which disagrees counts: 98 % where 99 % are
-// wanted is twice too much. Of a limit of zero, millionths (micrometres, parts in a million) count.
+// Returns the factor by which a limit is exceeded; 1 if it holds. For agreements the share that disagrees counts: 98 %
+// instead of 99 % is a factor of 2. A limit of zero counts as one millionth (a micrometre, one part in a million).
 double excess(const Limit& limit, double value, double allowed) {
   constexpr double kLeast = 1e-6;
   if (holds(limit, value, allowed)) return 1;
@@ -93,7 +93,7 @@ struct Unit {
   double size = 1;
 };
 
-// Of figures for people. Lengths up to a metre are in millimetres.
+// Returns the unit in which messages give a value. Lengths are in millimetres if the limit is below one metre.
 Unit unitOf(Kind kind, double allowed) {
   switch (kind) {
     case Kind::Length:
@@ -109,7 +109,7 @@ Unit unitOf(Kind kind, double allowed) {
   return {};
 }
 
-// With three digits, or as many as it takes to see that the limit does not hold.
+// Describes a broken limit. The value has three digits, or as many as it takes to show that the limit does not hold.
 std::string brokenText(const Limit& limit, double value, double allowed) {
   const Unit unit = unitOf(limit.kind, allowed);
   const std::string bound = limit.atLeast() ? fmt::format("at least {:.9g}{} wanted", allowed / unit.size, unit.name)
@@ -125,10 +125,11 @@ std::string brokenText(const Limit& limit, double value, double allowed) {
 
 struct Quantity {
   double number = 0;
-  std::string unit;  // as written, blanks between left out; empty: none
+  std::string unit;  // as written, without blanks before it; empty: none
 };
 
-// Nothing where `value` is no finite number with something behind it.
+// Returns the finite number with which `value` starts, and all after it as the unit; nothing if there is no such
+// number.
 std::optional<Quantity> quantityOf(const Value& value) {
   if (value.kind != Value::Kind::Scalar) return std::nullopt;
   const std::string_view text = value.text;
@@ -277,7 +278,7 @@ std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const
 
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits) {
   if (candidates.empty()) throw Error("there is no setting to choose from");
-  // Of equals the cheaper.
+  // If two are equally near, the cheaper one is taken.
   std::size_t best = 0;
   double least = largestExcess(candidates[0], limits);
   for (std::size_t i = 1; i < candidates.size(); ++i) {

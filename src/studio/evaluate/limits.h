@@ -1,6 +1,6 @@
 #pragma once
 
-// Which of several settings is the cheapest that is good enough.
+// Finds the cheapest of several settings that keep given error limits.
 
 #include <optional>
 #include <span>
@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// What a user accepts. A limit that is absent accepts anything. Range errors are of the beams that both hit; rates and
-// labels are shares from 0 to 1, as GroupErrors has them.
+// The errors and the rate that a user accepts. An absent limit accepts anything. Range errors are of the beams that
+// both hit; miss rates and labels are shares from 0 to 1, as in GroupErrors.
 struct ErrorLimits {
   std::optional<double> mean, rms, median, p95, p99, p999, max;  // of the range error (m), at most
   std::optional<double> intensity;                               // the mean of the intensity's error, at most
@@ -32,30 +32,31 @@ struct Candidate {
   GroupErrors errors;
 };
 
-// The limits that a candidate breaks, in words with figures ("p99 31 mm, 20 mm allowed"); empty where it holds all.
+// Returns the limits that a candidate breaks, with figures ("p99 31 mm, 20 mm allowed"); empty if it holds all limits.
 std::vector<std::string> broken(const Candidate& candidate, const ErrorLimits& limits);
 
-// Every limit that is asked for and what the candidate has ("p99 1.2 mm, 20 mm allowed"), whether it holds or not.
+// Returns each limit that is asked for, with the candidate's value ("p99 1.2 mm, at most 20 mm"), whether it holds or
+// not.
 std::vector<std::string> limitTexts(const Candidate& candidate, const ErrorLimits& limits);
 
-// Whether `a` has fewer wrong beams than `b`: false negatives, false positives, unresolved ones and those with another
-// class or instance. Of equals the one with the smaller p99, then the smaller mean, of the range error is more exact.
+// True if `a` has a smaller share of wrong beams than `b`: false negatives, false positives, unresolved beams and beams
+// with another class or instance. For equal shares, the smaller p99, then the smaller mean, of the range error decides.
 bool moreExact(const GroupErrors& a, const GroupErrors& b);
 
-// The index of the best candidate among those that hold all limits. The one that costs least is the best, but costs
-// that differ by less than a tenth, the noise of time, count as equal, and then the most exact is. Where nothing but a
-// rate is asked for, the most exact of all that are fast enough is the best. Absent where no candidate holds.
+// Returns the index of the best candidate among those that hold all limits; nothing if no candidate holds them. The
+// best is the most exact of those that cost at most a tenth more than the cheapest: timing noise makes such costs count
+// as equal. If only a rate is asked for, the best is the most exact of all that are fast enough.
 std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, const ErrorLimits& limits);
 
-// The index of the candidate that costs least among those that hold all limits; of equals the first. Absent where none
-// holds.
+// Returns the index of the first candidate with the least cost among those that hold all limits; nothing if none holds
+// them.
 std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const ErrorLimits& limits);
-// The index of the candidate that comes nearest to holding: the largest factor by which it exceeds a limit is the
-// least.
+// Returns the index of the candidate that comes nearest to holding all limits: the one for which the largest factor by
+// which it exceeds a limit is smallest.
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits);
 
-// Indices of the Pareto front of two costs, in the order of rising `a`: for each of them no other is at most as costly
-// in both and less costly in one. What costs NaN is on no front.
+// Returns the indices of the Pareto front of two costs, sorted by rising `a`. An item is on the front if no other item
+// is at most as costly in both costs and less costly in one. Items with a cost of NaN are never on the front.
 std::vector<std::size_t> paretoFront(std::span<const double> a, std::span<const double> b);
 
 }  // namespace scanmill

@@ -15,8 +15,8 @@ namespace scanmill {
 
 namespace {
 
-// By how much the process grows while the method works, and not while its errors are measured. What it gives back to
-// the allocator does not count.
+// The growth of the process's resident memory between begin() and end(): while the method works, but not while its
+// errors are measured. Memory that was given back to the allocator does not count.
 class ResidentGrowth {
  public:
   void begin() { before_ = resident(); }
@@ -37,13 +37,14 @@ void checkStop(const MeasureOptions& options) {
   if (options.stop && options.stop()) throw Error("stopped: the measurement is not finished");
 }
 
-// Beams nearer to an edge than to their neighbour: a method that samples as finely as the sensor may take the other
-// side there. Tables of few beams have no neighbours worth the name.
+// Returns the angle (rad) for edgeBeams(): that between neighbouring columns, since a method that samples as finely as
+// the sensor may hit the other side of an edge at this distance. At most one degree, for tables with few columns.
 double edgeAngle(const BeamTable& beams) {
   return std::min(beams.field / std::max(beams.columns, 1u), radians(1));
 }
 
-// From the frame of a step of the revolution to that of its start; differences of the large world coordinates first.
+// Returns the transform from the sensor's frame in a step of the revolution to that at its start. The large world
+// coordinates are subtracted first.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   const Pose& start = shot.worldFromSensor[0];
   const Pose& now = shot.worldFromSensor[step];
@@ -51,7 +52,7 @@ Affine startFromStep(const Shot& shot, std::size_t step) {
   return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
 }
 
-// What is known of the points that hitPoints() gives, by beam; NaN of misses.
+// Returns values by beam, given values of the points that hitPoints() returns; NaN for misses.
 std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) {
   std::vector<float> values(hits.size(), std::numeric_limits<float>::quiet_NaN());
   auto next = ofPoints.begin();
@@ -61,7 +62,7 @@ std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) 
   return values;
 }
 
-// Times the method on one shot; adds each scan's seconds. Gives the account of all of them.
+// Times the method on one shot: appends the seconds of each scan, and returns the sum of their accounts.
 TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
                        std::vector<double>& seconds) {
   TraceAccount account;
@@ -116,9 +117,9 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   CloudErrorSum clouds;
   Hits hits;
   ResidentGrowth growth;
-  std::map<std::uint32_t, std::vector<double>> seconds;  // by sensor: the scans of two are of different sizes
+  std::map<std::uint32_t, std::vector<double>> seconds;  // by sensor, since sensors' scans differ in size
   TraceAccount timedAccount;
-  TraceAccount otherAccount;  // of what is not timed
+  TraceAccount otherAccount;  // of scans that are not timed
 
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
@@ -138,7 +139,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     requireOneRay(hits);
     timedAccount += timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor]);
     checkStop(options);
-    // Every scan of a shot is the same: the last one serves where it has all the channels.
+    // All scans of a shot are equal, so the last one is used if it has all the channels.
     if (timed != compared) otherAccount += method->trace(truth.shot, compared, hits);
     const bool lit = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = lit ? options.intensity(truth.shot, hits) : std::vector<float>();

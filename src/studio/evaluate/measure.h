@@ -17,15 +17,15 @@
 namespace scanmill {
 
 struct Cost {
-  double setupSeconds = 0;  // wall time of making the method and of preparing it for the first shot
-  // Wall time of a shot (s): the median, the least and the largest over all repeats of a sensor's shots. Several
-  // sensors count by their numbers of shots.
+  double setupSeconds = 0;  // wall time of creating the method and of preparing it for the first shot
+  // Wall time of a scan (s): the median, the least and the largest over all scans of a sensor. For several sensors,
+  // each is a mean weighted by the sensors' numbers of scans.
   double scanSeconds = 0;
   double fastest = 0;
   double slowest = 0;
   std::map<std::string, double> stages;  // s per scan, by the method's own account, summed over its threads
   std::uint64_t memoryBytes = 0;         // by the method's own account
-  std::uint64_t residentBytes = 0;       // by how much the process grew; 0 where it did not grow
+  std::uint64_t residentBytes = 0;       // growth of the process's resident memory; 0 if it did not grow
 
   double beamsPerSecond(std::uint64_t beamsPerScan) const {
     return scanSeconds > 0 ? static_cast<double>(beamsPerScan) / scanSeconds : 0;
@@ -41,29 +41,30 @@ struct Measurement {
 
 struct MeasureOptions {
   int repeats = 3;  // timed scans of each shot, after one that is not timed; with 0 no time is taken
-  // Fast scans are repeated, at most 30 times, until so much time (s) is spent on a shot: what lasts a few milliseconds
-  // is easily disturbed.
+  // Scans are repeated, at most 30 times, until this time (s) is spent on a shot, since measurements of a few
+  // milliseconds are easily disturbed.
   double leastSeconds = 0;
-  bool clouds = true;  // whether distances between clouds are measured, of the whole and of each group of beams
+  bool clouds = true;  // measure distances between clouds, for the complete cloud and for each group of beams
   // The channels that are traced while time is taken. For the errors, these and kErrorChannels are traced.
   Channels channels;
-  // Gives the noise-free intensity of each beam from what a method met. Null where intensities are not compared.
+  // Returns the noise-free intensity of each beam from a method's hits. Null if intensities are not compared.
   std::function<std::vector<float>(const Shot&, const Hits&)> intensity;
-  // Is asked between scans; true ends the measurement with an Error.
+  // Called between scans; if it returns true, the measurement ends with an Error.
   std::function<bool()> stop;
 };
 
-// Whether any beam of the shots meets anything in truth.
+// True if any beam of the shots has a true hit.
 bool anyHit(std::span<const TrueShot> shots);
 
 // Traces the truth of shots, edges and intensities included.
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options);
 
-// Measures the method that `make` makes; that its set-up can be timed, it is made here. All shots must be of the scene.
+// Measures the method that `make` creates. It is created here so that its set-up can be timed. All shots must be of the
+// scene.
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
                     std::span<const TrueShot> shots, const MeasureOptions& options);
 
-// The points of the hits in the sensor's frame (m); misses have none.
+// Returns the points of the hits in the sensor's frame (m); misses have none.
 std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
-// PCL's libraries are built for any x86-64, where Eigen aligns to 16 bytes; more, as the instructions of this machine
-// would have it, changes the layout of PCL's classes and how their memory is freed. Vectors would not help either: the
-// search for neighbours takes the time.
+// PCL's libraries are built for any x86-64, where Eigen aligns to 16 bytes. A larger alignment, which the instruction
+// set of this machine would bring, changes the layout of PCL's classes and how their memory is freed. Vector
+// instructions would not help anyway, since the search for neighbours takes most of the time.
 #define EIGEN_MAX_ALIGN_BYTES 16
 #define EIGEN_DONT_VECTORIZE
 
@@ -22,9 +22,10 @@ namespace {
 
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
 
-constexpr std::size_t kLeastPoints = 3;  // that PCL takes for a rigid motion
+constexpr std::size_t kLeastPoints = 3;  // fewest points for which PCL finds a rigid motion
 
-// About `middle`, so that the rotations of ICP in float32 do not err with the distance from the origin.
+// Returns the finite points relative to `middle`, so that errors of ICP's float32 rotations do not grow with the
+// distance from the origin.
 PclCloud::Ptr finiteCloud(std::span<const Vec3f> points, const Vec3f& middle) {
   PclCloud::Ptr cloud(new PclCloud);
   cloud->reserve(points.size());
@@ -47,7 +48,7 @@ Vec3f middleOf(std::span<const Vec3f> points) {
   return count == 0 ? Vec3f{} : static_cast<Vec3f>(sum * (1.0 / static_cast<double>(count)));
 }
 
-// What nanoflann asks of a set of points.
+// The interface that nanoflann needs to read a cloud.
 struct PclPoints {
   const PclCloud& cloud;
 
@@ -59,8 +60,8 @@ struct PclPoints {
   }
 };
 
-// The search for nearest points in place of PCL's own, which asks OpenMP for a team of threads for every point and
-// takes three times as long. Both are exact.
+// The search for nearest points, in place of PCL's own, which starts a team of OpenMP threads for every point and takes
+// three times as long. Both searches are exact.
 class NearestPoints : public pcl::search::KdTree<pcl::PointXYZ> {
  public:
   explicit NearestPoints(PclCloud::ConstPtr cloud) : cloud_(std::move(cloud)), points_{*cloud_}, tree_(3, points_) {
@@ -88,7 +89,7 @@ double square(double value) {
   return value * value;
 }
 
-// Clouds ready for PCL, both about the target's middle, and the tree that both its fitness and its ICP search.
+// A pair of clouds for PCL, both relative to the target's middle, with a search tree for fitness and ICP.
 class PclPair {
  public:
   PclPair(std::span<const Vec3f> source, std::span<const Vec3f> target)
@@ -99,7 +100,7 @@ class PclPair {
     icp_.setSearchMethodTarget(NearestPoints::Ptr(new NearestPoints(target_)), true);
   }
 
-  // Of the source as it was moved last.
+  // Returns the fitness with the source as the last align() moved it.
   std::optional<double> fitness(double within) {
     if (source_->empty() || target_->empty()) return std::nullopt;
     const double score = icp_.getFitnessScore(square(within));
@@ -126,7 +127,7 @@ class PclPair {
   }
 
  private:
-  // What PCL prints of too few matches is said by Registered::moved.
+  // Turns off PCL's messages about too few matches, which Registered::moved reports.
   static void silence() {
     static const bool done = [] {
       pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);

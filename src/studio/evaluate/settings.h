@@ -14,26 +14,26 @@
 
 namespace scanmill {
 
-// A setting in words.
+// A setting as text.
 struct Setting {
-  std::string name;     // "depth_camera resolution=512 sampling=nearest"; of a method with all defaults its name alone
+  std::string name;     // "depth_camera resolution=512 sampling=nearest"; with all defaults only the method's name
   std::string method;   // the name of its row of methods()
-  std::string options;  // "{resolution: 512, sampling: nearest}"; "{}" where all are defaults
+  std::string options;  // "{resolution: 512, sampling: nearest}"; "{}": all defaults
 
-  // The argument of --set that makes a pipeline use it: "method={depth_camera: {resolution: 512}}".
+  // Returns the argument of --set that makes a pipeline use the setting: "method={depth_camera: {resolution: 512}}".
   std::string assignment() const;
 };
 
-// A setting with the values that it was read from, which know their places in files.
+// A setting with the values from which it was read; these know their places in files.
 struct MethodSetting {
   Setting setting;
   MethodChoice choice;
 };
 
-// One map for every choice of one item from each of the map's lists; the choice from the last list changes first.
-// `what` names the map in messages. Throws InputError.
+// Returns a map for each combination of one item from each of the map's lists; the item of the last list varies
+// fastest. `what` names the map in messages. Throws InputError.
 std::vector<Value> expandLists(const Value& options, const std::string& what);
-// The name of a setting, "depth_camera resolution=512".
+// Returns the name of a setting, "depth_camera resolution=512".
 std::string settingName(const std::string& name, const Value& options);
 
 // Reads a list of settings and checks the options of each. `what` names the list in messages. Throws InputError with

@@ -7,7 +7,7 @@
 
 namespace scanmill {
 
-// How errors spread. Everything is zero where there are no errors. A percentile is the smallest value that so many per
+// The spread of errors. All values are zero if there are no errors. The percentile p is the smallest value that p per
 // cent of the errors do not exceed.
 struct Spread {
   std::size_t count = 0;

@@ -13,11 +13,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kWider = 1.1;     // times the length; what is square may look either way
+constexpr double kWider = 1.1;     // width over length; a nearly square model may face either way
 constexpr double kDriving = 0.5;   // m/s
 constexpr double kAhead = 0.7071;  // cosine of 45 degrees
 constexpr std::size_t kMostHeadings = 5;
-constexpr double kTimes[] = {0, 1, 3, 10};  // s; what waits at first may drive later
+constexpr double kTimes[] = {0, 1, 3, 10};  // s; a vehicle that waits at first may drive later
 
 bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
   return std::any_of(std::begin(kTimes), std::end(kTimes), [&](double time) {

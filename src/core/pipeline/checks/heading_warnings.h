@@ -1,6 +1,6 @@
 #pragma once
 
-// Vehicles whose boxes lie across them.
+// Warns of vehicles whose boxes point sideways.
 
 #include <string>
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Things of classes that have wheels by labels/words.yaml, whose heading is known and whose boxes are wider than long,
-// or which drive sideways: their models look along another axis than the scene's file says. A line for each model, the
-// first few of them. `boxes` are the scene's.
+// Returns a warning for each model of a vehicle that faces along another axis than the scene file says; for the first
+// few models alone. A vehicle is an object instance whose class has wheels by labels/words.yaml and whose heading is
+// known. Its model faces another way if its box is wider than long or if it drives sideways. `boxes` are the scene's.
 std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes);
 
 }  // namespace scanmill

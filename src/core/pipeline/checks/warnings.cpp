@@ -19,19 +19,19 @@ namespace {
 constexpr double kLargest = 5000;   // m
 constexpr double kSmallest = 1e-3;  // m
 constexpr std::size_t kMostLines = 5;
-constexpr double kTown = 30;         // m, larger than any thing
+constexpr double kTown = 30;         // m; a mesh this large holds more than one object instance
 constexpr std::size_t kSeveral = 3;  // nodes
 constexpr double kMostBlocked = 0.5;
-constexpr double kUnusual = 3;  // times what is usual
+constexpr double kUnusual = 3;  // factor beyond the usual sizes
 
-// The longest edge of a placed mesh's own box, whichever way it is turned.
+// Returns the longest edge (m) of a mesh's own box after the mesh is placed; a rotation does not change this edge.
 double largestExtent(const Box& box, const Mat3& linear) {
   const Vec3d size = box.high - box.low;
   return std::max({size.x * length(linear * Vec3d{1, 0, 0}), size.y * length(linear * Vec3d{0, 1, 0}),
                    size.z * length(linear * Vec3d{0, 0, 1})});
 }
 
-// A thing of a mesh: its box in the mesh's frame (m), and the class that most of its triangles have.
+// An object instance within a mesh: its box in the mesh's frame (m), and the class of most of its triangles.
 struct MeshThing {
   Box box;
   std::uint16_t semantic = 0;
@@ -106,7 +106,7 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
   std::vector<std::vector<MeshThing>> things;
   things.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) things.push_back(thingsIn(mesh));
-  std::map<std::uint32_t, std::size_t> meshesOf;  // of each thing: how many there are
+  std::map<std::uint32_t, std::size_t> meshesOf;  // instance id -> number of placed meshes that it consists of
   for (const Instance& instance : scene.instances) {
     for (const MeshThing& thing : things[instance.mesh]) ++meshesOf[instanceId(instance.firstInstanceId, thing.object)];
   }
@@ -115,7 +115,7 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     for (const MeshThing& thing : things[instance.mesh]) {
       const auto size = usual.find(thing.semantic);
-      // A thing of several objects is larger than each of them.
+      // An instance that consists of several placed meshes is larger than each of them.
       if (size == usual.end() || meshesOf[instanceId(instance.firstInstanceId, thing.object)] > 1) continue;
       const double extent = largestExtent(thing.box, instance.worldFromMesh.linear);
       const auto& [low, high] = size->second;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What is legal, but seldom meant.
+// Warnings about scenes and pipelines that are legal, but seldom meant so.
 
 #include <string>
 #include <vector>
@@ -10,33 +10,34 @@
 
 namespace scanmill {
 
-// Objects whose size tells of a wrong unit: more than 5 km or less than 1 mm. A line per mesh, the first few of them.
+// Warns of objects whose size hints at a wrong unit: more than 5 km or less than 1 mm. A line for each mesh, the first
+// few alone.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
-// Triangles of damaged meshes, which are left out: corners that are no finite numbers, or that are not there.
+// Warns of triangles of damaged meshes, which are left out: their corners are not finite numbers, or do not exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
 
-// Things that are far smaller or larger than what labels/words.yaml has as usual for their classes: a bus of 12 cm, a
-// tree of 2 km. The first few of them.
+// Warns of object instances far smaller or larger than the usual size of their class in labels/words.yaml: a bus of
+// 12 cm, a tree of 2 km. The first few alone.
 std::vector<std::string> thingSizeWarnings(const Scene& scene);
 
-// How many triangles no rule gives a class.
+// Warns of triangles to which no rule gives a class, with their number.
 std::vector<std::string> unlabeledWarnings(const Scene& scene);
 
-// Rules that match nothing, or nothing that rules before them have not decided; and files in which all things of a
-// class are one, though their nodes are many.
+// Warns of rules without effect, which match nothing or only triangles that earlier rules have decided; and of files in
+// which all nodes of a class are one instance, though they are many.
 std::vector<std::string> ruleWarnings(const Scene& scene);
 
-// A line where classes were to be taken out that the scene does not have (scene/without.h).
+// Warns if classes are to be taken out of the scene (scene/without.h) that it does not have.
 std::vector<std::string> withoutWarnings(const Scene& scene);
 
-// The seeds of a scene of which nothing follows from a seed: its sequences differ in nothing.
+// Warns if a scene has several seeds though nothing in it is procedural: the geometry is then the same for all seeds.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Drives that were to turn in towns where they cannot, and recorded ones that can hardly be meant.
+// Warns of drives that should turn in a town without a turn, and of recorded drives that can hardly be meant so.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Sensors that see little but their own vehicle: a line each. `blocked`: see ShotSource::blockedShares().
+// Warns of each sensor that sees little but its own vehicle. `blocked`: see ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 }  // namespace scanmill

@@ -14,21 +14,21 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint32_t kFrames = 100;        // that are looked at, of sensors
-constexpr std::uint32_t kFramesInside = 12;   // likewise
-constexpr double kFarAbove = 50;              // m
-constexpr double kOnGround = 0.05;            // m
-constexpr double kReach = 1e5;                // m
-constexpr double kStep = 0.5;                 // m of way
-constexpr std::size_t kMostPlaces = 400'000;  // of a way
-constexpr double kBody = 0.6;                 // m, above the vehicle's origin
-constexpr double kLowest = -0.3;              // z of directions in which is looked for what is around a sensor
-constexpr double kTouches = 1e-3;             // m
-constexpr double kFlat = 0.7;                 // cosine of the slope of what is no wall
-constexpr double kMostBare = 0.02;            // of a way on the ground
+constexpr std::uint32_t kFrames = 100;        // most frames in which a sensor's height is checked
+constexpr std::uint32_t kFramesInside = 12;   // most frames in which sensors are tested for being inside of objects
+constexpr double kFarAbove = 50;              // m above the surface underneath
+constexpr double kOnGround = 0.05;            // m above or below the ground
+constexpr double kReach = 1e5;                // m, length of test rays
+constexpr double kStep = 0.5;                 // m between the poses that are checked along a path
+constexpr std::size_t kMostPlaces = 400'000;  // most poses that are checked along a path
+constexpr double kBody = 0.6;                 // m above the vehicle's origin, a point of its body
+constexpr double kLowest = -0.3;              // least z of the test directions around a sensor
+constexpr double kTouches = 1e-3;             // m; a surface this close behind the end of a step counts as hit
+constexpr double kFlat = 0.7;                 // cosine of the slope up to which a surface is no wall
+constexpr double kMostBare = 0.02;            // share of a path without ground that needs no warning
 
-// To the middles of the faces, edges and corners of a cube, turned so that none runs along an axis; none far down,
-// where what things stand on is as near as their own undersides.
+// Returns directions to the face centres, edge centres and corners of a cube, rotated so that none runs along an axis.
+// Steep downward directions are left out, because there an object's underside and the ground it stands on coincide.
 std::vector<Vec3d> directionsAround() {
   const Mat3 turned = toMatrix(fromYawPitchRoll(0.37, 0.21, 0.13));
   std::vector<Vec3d> directions;
@@ -81,14 +81,14 @@ class WayCheck {
     return (drive_->pose(frame, 0) * settings_->sensors[sensor].vehicleFromSensor).translation;
   }
 
-  // To the scene's box (m).
+  // Returns the distance to the scene's bounding box (m); 0 inside of it.
   double farFromScene(const Vec3d& p) const {
     const auto off = [](double at, double low, double high) { return std::max({low - at, at - high, 0.0}); };
     return length(Vec3d{off(p.x, bounds_.low.x, bounds_.high.x), off(p.y, bounds_.low.y, bounds_.high.y),
                         off(p.z, bounds_.low.z, bounds_.high.z)});
   }
 
-  // 'hatchback', or of what is no thing its class.
+  // Returns the name and class of the object instance that was hit, or only the class if it is no instance.
   std::string nameOf(const SceneProbe::Met& met) const {
     const Scene& scene = probe_.scene();
     const SemanticClass* const semantic = scene.ontology.find(met.semantic);
@@ -152,14 +152,15 @@ class WayCheck {
     }
   }
 
-  // A ray from the inside of what is closed leaves it once more than it enters it; and all that is seen from the inside
-  // of a thing that is not cleanly closed, such as a house with chimneys stuck into it, is that thing.
+  // Warns if a sensor is inside of an object. A ray that starts inside of a closed surface leaves it once more often
+  // than it enters it. From inside an object that is not cleanly closed, such as a house with chimneys stuck into it,
+  // every ray hits that object first.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = directionsAround();
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
       std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
-      std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;  // by the thing that is met first
+      std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;  // by the first instance hit
       for (const Vec3d& direction : kDirections) {
         std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
         const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, kReach);
@@ -187,7 +188,7 @@ class WayCheck {
     }
   }
 
-  // The vehicle's poses, half a metre apart or less.
+  // Returns poses of the vehicle along its path, half a metre apart or less.
   std::vector<Pose> posesOnWay() const {
     std::vector<Pose> poses{drive_->pose(0, 0)};
     for (std::uint32_t frame = 0; frame + 1 < own_.frames && poses.size() < kMostPlaces; ++frame) {
@@ -208,7 +209,7 @@ class WayCheck {
 
   void checkWalls() {
     const std::vector<Pose> poses = posesOnWay();
-    std::vector<Vec3d> places{{0, 0, kBody}};  // of the vehicle
+    std::vector<Vec3d> places{{0, 0, kBody}};  // m, points in the vehicle's frame
     for (const SensorSetting& s : settings_->sensors) places.push_back(s.vehicleFromSensor.translation);
     std::vector<SceneProbe::Ray> rays;
     std::vector<double> far;
@@ -224,7 +225,7 @@ class WayCheck {
     if (rays.empty()) return;
     const auto met = probe_.first(rays, *std::max_element(far.begin(), far.end()) + kTouches);
     std::vector<SceneProbe::Met> walls;
-    std::set<std::array<std::int64_t, 3>> known;  // a vehicle may come by more than once
+    std::set<std::array<std::int64_t, 3>> known;  // a vehicle may pass a wall more than once
     for (std::size_t i = 0; i < met.size(); ++i) {
       if (!met[i] || met[i]->distance > far[i] + kTouches || std::fabs(met[i]->normal.z) > kFlat) continue;
       if (moving_.contains(met[i]->instance)) continue;
@@ -246,7 +247,7 @@ class WayCheck {
   std::shared_ptr<const Trajectory> drive_;
   std::shared_ptr<const FrameSettings> settings_;
   Box bounds_;
-  std::set<std::uint32_t> moving_;  // instances
+  std::set<std::uint32_t> moving_;  // ids of moving instances
   std::vector<std::string> lines_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Sensors and drives that are not where they were meant to be.
+// Warns of sensors and drives that are hardly where they were meant to be.
 
 #include <string>
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Of a sequence in its scene, as it stands when the drive begins: sensors under its surfaces, far above them or
-// too far away from them, sensors inside of things, ways that go through walls, and ways that leave the ground. A line
-// each, at most one of a kind and sensor. What moves is not looked at.
+// Checks a sequence in its scene, with all objects where they are when the drive begins. Warns of sensors below the
+// scene's surfaces, far above them or too far away from them, of sensors inside of objects, of paths through walls and
+// of paths that leave the ground; at most once for each kind and sensor. Moving objects are not checked.
 std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// `file`: where the pipeline would lie.
+// Makes the plan of the manifest's pipeline. `file`: the path that the pipeline is taken to have.
 Plan planAt(const Manifest& manifest, const fs::path& file) {
   Plan plan = makePlan(readPipelineText(manifest.pipelineText, file));
   return plan.pipeline.method.automatic && manifest.chosen ? chosenAgain(plan, *manifest.chosen) : plan;
@@ -71,15 +71,15 @@ std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
 }
 
 Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, const fs::path& pipeline) {
-  // A pipeline without a name is called as its file.
+  // A pipeline without a name has that of its file.
   const std::string name = manifest.name + ".yaml";
   if (!pipeline.empty()) {
     Plan plan = planAt(manifest, pipeline.parent_path() / name);
     checkShards(plan, manifest, datasetFolder);
     return plan;
   }
-  std::string notFound;   // why the first folder does not have what the pipeline names
-  std::string different;  // and what is different in the first that does
+  std::string notFound;   // what is missing in the first folder
+  std::string different;  // what differs in the first folder that has all files
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
     bool found = false;
     try {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The plan that a dataset was made by, from its manifest.
+// Makes the plan of an existing dataset anew, from its manifest.
 
 #include <filesystem>
 #include <vector>
@@ -10,17 +10,18 @@
 
 namespace scanmill {
 
-// A dataset does not say where its pipeline lay, which differs from machine to machine. What the pipeline names is
-// looked for in the current folder, beside the dataset, in the folders above it and their `pipelines` and `scenes`, and
-// among what is shipped, in this order.
+// Returns the folders in which the pipeline of a dataset may have been. A dataset does not say where that was, since it
+// differs from machine to machine. The folders are, in the order in which files are looked for: the current folder, the
+// dataset's, the folders above it with their `pipelines` and `scenes`, and those that come with the program.
 std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& datasetFolder);
 
-// What the pipeline names is looked for in the folder of `pipeline`, or where that is empty in pipelineFolders().
-// Throws InputError where not all of it is found, and where what is found gives other samples or shards.
+// Returns the plan of a dataset. The files that its pipeline names are looked for in the folder of `pipeline`, or in
+// pipelineFolders() if `pipeline` is empty. Throws InputError if a file is not found, or if the plan made from the
+// files has other samples or shards than the dataset.
 Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
                    const std::filesystem::path& pipeline);
 
-// Returns a plan of `method: auto` with the setting that was chosen before, without measuring.
+// Returns a plan of `method: auto` with the method and options that were chosen before, without measuring again.
 Plan chosenAgain(const Plan& plan, const MethodRecord& chosen);
 
 }  // namespace scanmill

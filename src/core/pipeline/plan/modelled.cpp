@@ -1,4 +1,4 @@
-// What a plan says of itself: what is modelled, what is left out, and why.
+// Describes a plan in words: what is modelled, what is left out, and why.
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-// The sensors' own effects that the pipeline leaves out: `speckle: none`.
+// Returns the names of the sensors' own effects that the pipeline leaves out, as with `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
   for (const Value& item : effectItems(pipeline)) {
@@ -29,7 +29,7 @@ std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   return names;
 }
 
-// Sensors of which all share one list are told of as one.
+// Adds a line for each effect: for each sensor if sensors have effects of their own, else once for all.
 void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   const bool own = takesSensorEffects(pipeline);
   const std::vector<std::string> leftOut = leftOutOf(pipeline);
@@ -58,7 +58,7 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   }
 }
 
-// What another ontology than the scenes' makes of their classes.
+// Adds lines about classes of the scenes that the pipeline's own ontology lacks or merges.
 void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   const Ontology own = readOntology(pipeline.ontology);
@@ -149,7 +149,7 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
   }
   lines.insert(lines.end(), takenOut.begin(), takenOut.end());
   lines.push_back(motionLine(pipeline));
-  std::map<std::string, std::set<std::string>> ways;  // and whose they are
+  std::map<std::string, std::set<std::string>> ways;  // description -> names of trajectories
   for (const Sequence& s : pipeline.sequences) {
     const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
     if (!about.empty()) ways[about].insert(s.trajectoryName);

@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-// The method of a pipeline that names one; null where `auto` is still to choose, or the hits come from a recording.
+// Returns the method of a pipeline; null if `auto` has not chosen yet, or if the hits come from a recording.
 const MethodEntry* methodOf(const Pipeline& pipeline) {
   return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
 }
@@ -30,7 +30,7 @@ void checkMotion(const Pipeline& pipeline) {
                                method->name, firstMethodThat(&MethodCapabilities::motion).name));
 }
 
-// Whether rays of a sensor go on behind what they meet, in any sequence.
+// True if rays of a sensor continue through glass or off mirrors in any sequence.
 bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
   if (pipeline.lightPaths(sensor) != nullptr) return true;
   if (pipeline.drawn == nullptr || pipeline.recording != nullptr) return false;
@@ -39,7 +39,7 @@ bool anyLightPaths(const Pipeline& pipeline, std::size_t sensor) {
                      [&](const SensorDraw& one) { return lightPaths(*one.effects[sensor]) != nullptr; });
 }
 
-// What effects ask of the method.
+// Throws InputError if effects need rays that the method cannot trace.
 void checkRays(const Pipeline& pipeline) {
   const MethodEntry* const method = methodOf(pipeline);
   const auto want = [&](bool wanted, bool MethodCapabilities::*can, std::string_view effect, std::string_view what) {
@@ -56,11 +56,11 @@ void checkRays(const Pipeline& pipeline) {
   }
 }
 
-constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;  // itself, its libraries and what threads keep
-constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // of a beam table
+constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;  // the program, its libraries and buffers of threads
+constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // per beam, in a beam table
 
-// A dataset has one ontology. The scene files are read for their ontology alone, so that one that is absent or differs
-// is known before hours of work.
+// Throws InputError if the scenes have different ontologies, since a dataset has one. Reads only the ontology of each
+// scene file, so that a missing file or a difference is found before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   std::map<std::filesystem::path, Ontology> known;  // by scene file
@@ -80,7 +80,7 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
-// Whether points on things that move have classes of their own.
+// True if points on moving objects have classes of their own.
 bool tellsMovingClasses(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr || !pipeline.output.layout.columns.has(kLabel)) return false;
   const Ontology ontology = pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
@@ -89,7 +89,7 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
                      [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
-// A recording does not know where objects are, and how they move.
+// Throws InputError if the output needs objects' places or motions, which a recording does not have.
 void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
   if (pipeline.output.objects) {
@@ -111,7 +111,8 @@ void checkObjects(const Pipeline& pipeline) {
   }
 }
 
-// Points of a sensor that moves lie in the frames of their columns, voxels in one.
+// Throws InputError if the voxel of a point cannot be found: without deskewing, the points of a moving sensor are in
+// the frames of their columns, but all voxels are in one frame.
 void checkVoxels(const Pipeline& pipeline) {
   const bool skewed = pipeline.motion.kind != MotionKind::None && !pipeline.motion.deskew;
   if (!pipeline.output.voxels || !skewed || pipeline.output.layout.organised ||
@@ -122,7 +123,7 @@ void checkVoxels(const Pipeline& pipeline) {
                    "`column` in output.columns, or say `motion: {steps: per_column, deskew: true}`");
 }
 
-// What was recorded belongs to certain beams: other directions would bend the cloud.
+// Throws InputError if the beams are not those of the recording: with other directions the cloud would be distorted.
 void checkBeams(const Recording& recording, const MountedSensor& sensor, const BeamTable& beams) {
   for (const RecordedSensor& recorded : recording.sensors) {
     if (recorded.name != sensor.name || recorded.beams.empty() || recorded.beams == beamsHash(beams)) continue;
@@ -133,7 +134,7 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   }
 }
 
-// What the effects read, in all cases of what is drawn.
+// Adds the channels that the effects read in any of the cases of random values, see DrawnSensors::cases().
 void addDrawnChannels(const Pipeline& pipeline, Channels& channels) {
   if (pipeline.drawn == nullptr) return;
   for (const SensorDraw& one : pipeline.drawn->cases()) {
@@ -141,7 +142,8 @@ void addDrawnChannels(const Pipeline& pipeline, Channels& channels) {
   }
 }
 
-// Ends alone do not tell how drawn numbers go together: what is drawn for each sequence is made once.
+// Checks the effects against the beams in all cases of random values, and for each sequence with the values of its
+// first frame: the cases contain the ends of each distribution, but not all combinations of random values.
 void checkDraws(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   if (pipeline.drawn == nullptr) return;
@@ -175,7 +177,7 @@ Plan makePlan(Pipeline read, Channels kept) {
   }
   addDrawnChannels(pipeline, channels);
   if (pipeline.output.objects || tellsMovingClasses(pipeline)) channels |= Channel::Instance;
-  if (pipeline.output.layout.reasons) channels |= Channel::Material;  // tells mirrors and glass from what is dark
+  if (pipeline.output.layout.reasons) channels |= Channel::Material;  // tells mirrors and glass from dark surfaces
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();
   if (bytes + kProgramBytes > memoryLimitBytes()) {
@@ -273,8 +275,8 @@ Plan settled(Plan plan, MethodChoice choice, MethodRecord record) {
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
-  // Hits, returns, scan, what its encoder works on, and encoded bytes, of which a second sample may wait; the beam
-  // tables are shared by all frames.
+  // Counts hits, returns, the scan, the buffers of its encoders, and the encoded bytes, including those of a second
+  // sample that may be waiting. Beam tables are not counted, since all frames share them.
   constexpr std::uint64_t kReturnBytes = 40;
   std::uint64_t perPoint = sizeof(Vec3f);
   for (std::size_t c = 0; c < kColumnCount; ++c) {
@@ -283,7 +285,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   const std::uint64_t perRay = 4 + (channels.has(Channel::Normal) ? 12 : 0) + 20 + 8;
   const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * perPoint;
   const std::uint64_t reported = perReturn * pipeline.mostReturns() * pipeline.beamsPerFrame();
-  constexpr std::uint64_t kVoxelBytes = 20;  // labels, areas, flags, and the archive of them
+  constexpr std::uint64_t kVoxelBytes = 20;  // labels, areas, flags, and their encoded archive
   const std::uint64_t voxels = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
   return perRay * pipeline.raysPerFrame() * pipeline.mostMet() + reported + voxels * pipeline.sensors.size();
 }

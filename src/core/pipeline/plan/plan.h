@@ -1,6 +1,6 @@
 #pragma once
 
-// What a pipeline will do: a value, known before a scene is loaded and before the first ray.
+// The plan of a pipeline: all that it will do, known before a scene is loaded and before the first ray is traced.
 //
 //   const Plan plan = makePlan(readPipeline("pipelines/quickstart.yaml", {}));
 //   const GenerateSummary made = generate(plan, {.folder = "out/quickstart"});   // pipeline/run/generate.h
@@ -28,39 +28,42 @@ struct Plan {
   Pipeline pipeline;
   std::optional<MethodRecord> chosen;  // how `method: auto` was settled
   std::vector<PlannedSensor> sensors;
-  Channels channels;  // that are traced: what effects, columns, formats and recordings read
+  Channels channels;  // to be traced: those that effects, columns, formats and recordings read
 
-  // The columns that the scans have besides their positions: those asked for, without an intensity that no effect sets.
+  // Returns the columns that the scans have besides their positions: those that the pipeline asks for, without the
+  // intensity if no effect sets it.
   ColumnSet columns() const;
 
-  // Throws InputError where the method draws no passes that could be kept, or `method: auto` may choose one that does
-  // not.
+  // Throws InputError if the method renders no passes that could be saved, or if `method: auto` may choose such a
+  // method.
   void requirePasses() const;
-  // Throws InputError where the method may fire several rays a beam: kept hits are images with a pixel a beam.
+  // Throws InputError if beams may fire several rays, if there is an own vehicle, or if mounts are random. Hits and
+  // passes can then not be saved, since they are images of the scene alone, with one ray per beam.
   void requireOneRay() const;
 
-  // Upper bound of what a frame takes while it is made.
+  // Returns an upper bound of the bytes of a frame while it is computed.
   std::uint64_t bytesPerFrameInMemory() const;
-  // How many frames are made at a time: one for each thread, but no more than half of the memory holds.
+  // Returns how many frames are computed at a time: one for each thread, but no more than fit into half of the memory.
   std::size_t framesInFlight() const;
-  // What the program takes with scenes of so many bytes, as methods hold them, and the frames in flight.
+  // Returns the bytes that the program takes in all, with frames in flight. `scenes`: bytes of the loaded scenes,
+  // including what methods have built from them.
   std::uint64_t bytesInMemory(std::uint64_t scenes) const;
-  // Throws InputError where a scene of so many bytes, in the form that the method has made of it, and the frames in
-  // flight take more memory than there is. `scene`: what messages call it.
+  // Throws InputError if a scene and the frames in flight take more memory than there is. `bytes`: size of the scene,
+  // including what the method has built from it. `scene`: its name in messages.
   void checkMemory(std::uint64_t bytes, const std::string& scene) const;
 };
 
-// Makes the plan of a pipeline. `kept`: channels that are wanted besides those that the scans need, for a recording.
-// Throws InputError where the scenes' ontologies differ, the method cannot do what the pipeline asks for, or a frame
-// does not fit into this machine's memory.
+// Makes the plan of a pipeline. `kept`: further channels that a recording saves, besides those that the scans need.
+// Throws InputError if the scenes' ontologies differ, the method cannot do what the pipeline asks for, or a frame does
+// not fit into this machine's memory.
 Plan makePlan(Pipeline pipeline, Channels kept = {});
 
-// Returns the plan with a setting in place of `method: auto`; the record says which it is and why. Throws InputError
-// where the method cannot do what the pipeline asks for.
+// Returns the plan with a method and its options in place of `method: auto`; the record says what was chosen and why.
+// Throws InputError if the method cannot do what the pipeline asks for.
 Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
 
-// Returns a line each: what is computed and what is left out, and why. `blocked`: of each sensor, the share of its rays
-// that the own vehicle is in the way of; empty: there is no vehicle.
+// Returns lines that say what is computed, what is left out, and why. `blocked`: for each sensor, the share of its rays
+// that the own vehicle blocks; empty: no own vehicle.
 std::vector<std::string> modelled(const Plan& plan, std::span<const double> blocked);
 
 }  // namespace scanmill

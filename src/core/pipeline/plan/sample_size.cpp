@@ -8,12 +8,12 @@
 namespace scanmill {
 
 double mostSampleBytes(const Plan& plan) {
-  constexpr double kHeaders = 1536;       // of a tar member with a long name
-  constexpr double kDescription = 16384;  // of a scan, in the sample's .json
-  constexpr double kObjects = 1000;       // near the sensors, at most
-  constexpr double kObject = 700;         // without its views; names are seldom longer than this leaves for them
-  constexpr double kView = 450;           // of an object by a sensor
-  constexpr double kReserve = 10;         // m; with twice the range: noise, and the way of a revolution
+  constexpr double kHeaders = 1536;       // bytes of a tar member with a long name
+  constexpr double kDescription = 16384;  // bytes of a scan in the sample's .json
+  constexpr double kObjects = 1000;       // most objects near the sensors
+  constexpr double kObject = 700;         // bytes of an object without its views, with room for most names
+  constexpr double kView = 450;           // bytes of a sensor's view of an object
+  constexpr double kReserve = 10;         // m beyond twice the range, for noise and the drive during a revolution
   const Pipeline& pipeline = plan.pipeline;
   const auto sensors = static_cast<double>(plan.sensors.size());
   double bytes = kHeaders + kDescription * sensors;

@@ -1,6 +1,6 @@
 #pragma once
 
-// How large a sample can become, known before the first ray.
+// Bounds the size of a sample before the first ray is traced.
 
 #include <cstdint>
 
@@ -8,8 +8,8 @@
 
 namespace scanmill {
 
-// Upper bound of the bytes of a sample in its shard, but for classes of very many or very long names, and for more than
-// a thousand objects where samples list them.
+// Returns an upper bound of the bytes of a sample in its shard. Ontologies with very many or very long class names may
+// exceed it, and so may lists of more than a thousand objects.
 double mostSampleBytes(const Plan& plan);
 
 }  // namespace scanmill

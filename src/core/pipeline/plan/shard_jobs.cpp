@@ -24,7 +24,7 @@ namespace scanmill {
 
 namespace {
 
-// A value's contents, without its place.
+// Adds a value's contents to a hash, but not its place in a file.
 void addValue(const Value& value, const std::function<void(std::string_view)>& add) {
   add(fmt::format("{}", static_cast<int>(value.kind)));
   add(value.text);
@@ -35,7 +35,7 @@ void addValue(const Value& value, const std::function<void(std::string_view)>& a
   }
 }
 
-// The names and sizes of a recording's files stand for its images, which would take too long to read.
+// Adds the names and sizes of a recording's files: to read its images would take too long.
 void addRecording(const std::filesystem::path& folder, const std::function<void(std::string_view)>& add) {
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -66,7 +66,7 @@ std::string planHash(const Plan& plan) {
   return hash.hex();
 }
 
-// Each sample draws its rank from its own address.
+// Sorts samples by random ranks, each of which follows from the sample's own address.
 void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
   const auto rank = [&](const SampleAddress& sample) {
     const RandomBlock random = randomBlock({.seed = seed,

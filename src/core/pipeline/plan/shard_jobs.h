@@ -1,7 +1,7 @@
 #pragma once
 
-// Which samples a shard holds: it follows from the plan alone, so that any thread, process or machine may make any
-// shard, in any order.
+// Distributes samples over shards. The result follows from the plan alone, so that any thread, process or machine may
+// make any shard, in any order.
 
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@
 namespace scanmill {
 
 struct SampleAddress {
-  std::size_t sequence = 0;  // of the pipeline
+  std::size_t sequence = 0;  // index in Pipeline::sequences
   std::uint32_t frame = 0;
   std::uint64_t number = 0;  // among all samples of the plan, in the order of sequences and frames
 };
@@ -24,16 +24,17 @@ struct ShardJob {
   std::vector<SampleAddress> samples;  // in the order of sequences and frames
 };
 
-// All shards, split by split. A shard holds `output.shard_samples` samples, the last of a split what is left; without
-// that key, the samples of a split are shared out evenly over so many shards that none can exceed `output.shard_mb`,
-// whatever the beams meet, but at least two where there are two samples, since loaders give each worker a shard. With
-// `output.shuffle`, which samples of a split share a shard is drawn at random from the pipeline's seed.
+// Returns all shards, split by split. A shard holds `output.shard_samples` samples, the last shard of a split the rest.
+// Without that key, the samples of a split are distributed evenly over as many shards as it takes for none to exceed
+// `output.shard_mb`, whatever the beams hit; a split of two or more samples has at least two shards, since loaders give
+// each worker a shard. With `output.shuffle`, the samples of a shard are drawn from the split at random, from the
+// pipeline's seed.
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
-// What parts of a dataset say of their plan. Its hash differs where datasets would differ: it is of the program's
-// version, the pipeline and the chosen method, the sensors and their beams, the scene files, vehicle and ontology that
-// the pipeline names, and the names and sizes of a recording's files. What scenes name (assets, ontologies, materials)
-// is not read: whoever changes it begins anew.
+// Returns the description of a plan that the parts of a dataset store. Plans of different datasets have different
+// hashes. The hash covers the program's version, the pipeline and the chosen method, the sensors and their beams, the
+// scene files, vehicle and ontology that the pipeline names, and the names and sizes of a recording's files. Files that
+// scenes name (assets, ontologies, materials) are not covered: after a change of these, start a new dataset.
 DatasetPlan datasetPlan(const Plan& plan, const std::vector<ShardJob>& jobs);
 
 }  // namespace scanmill

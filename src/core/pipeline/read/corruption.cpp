@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kFolder = "pipelines/corruptions";
 
-// The file's effects for each severity, all of which are lists.
+// Reads a corruption file and checks that it has a list of effects for each severity.
 Value readCorruption(const std::filesystem::path& file) {
   Value root = readYaml(file);
   Fields fields(root, "corruption");
@@ -30,7 +30,8 @@ Value readCorruption(const std::filesystem::path& file) {
   return root;
 }
 
-// Whether an effect keeps its other keys: not one that is left out or drawn, nor another kind of weather.
+// True if `own`, the options of an effect, keeps the keys that `change` does not name: not if the effect is left out or
+// random, or if `change` names a kind of weather.
 bool addsTo(const Value& own, const Value& change) {
   return own.kind != Value::Kind::Scalar && !isDistribution(own) && change.find("kind") == nullptr;
 }

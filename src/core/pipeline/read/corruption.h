@@ -1,10 +1,10 @@
 #pragma once
 
-// The key `corruption` of a pipeline: what robustness tests put before a trained network, in three severities:
+// The key `corruption` of a pipeline: disturbances for robustness tests of trained networks, in three severities:
 //
 //   corruption: {fog: heavy}
 //
-// Each is a file in pipelines/corruptions, or a path to one, with a list of effects for each severity:
+// Each corruption is a file in pipelines/corruptions, or a path to one, with a list of effects for each severity:
 //
 //   summary: fog, visibility 500, 150 and 50 m
 //   light: [weather: {kind: fog, severity: light}]
@@ -19,18 +19,19 @@
 
 namespace scanmill {
 
-// In rising order.
+// Returns the names of the severities in rising order.
 const std::vector<std::string>& severities();
 
-// The list `effects` with what the corruption does: an effect that the list names has the corruption's keys in place of
-// its own, or is the corruption's where it was left out, drawn, or another kind of weather; any other is added. The
-// list may be Null, or the word `sensor`. Throws InputError.
+// Returns the list `effects` with the effects of the corruption. If the list names the same effect, the keys of the
+// corruption replace those of the list; if it leaves the effect out, draws it at random or has another kind of weather,
+// the corruption's effect replaces the list's. All other effects of the corruption are added. The list may be Null, or
+// the word `sensor`. Throws InputError.
 Value withCorruption(const Value& effects, const Value& corruption);
 
-// Of those that come with the program, in order.
+// Returns the names of the corruptions that come with the program, in alphabetical order.
 std::vector<std::string> corruptionNames();
 
-// What a corruption is, in words. Throws InputError where it is none of these.
+// Returns the summary of one of these corruptions. Throws InputError for another name.
 std::string corruptionSummary(const std::string& name);
 
 }  // namespace scanmill

@@ -21,7 +21,7 @@ Value* effectsIn(Value& description) {
   return entry == description.entries.end() ? nullptr : &entry->value;
 }
 
-// Applies a function to each distribution within a value that is not within another.
+// Applies a function to each outermost distribution within a value.
 void forEachDistribution(const Value& value, const std::string& key,
                          const std::function<void(const std::string&, const Value&)>& visit) {
   if (isDistribution(value)) return visit(key, value);
@@ -63,7 +63,8 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
   checkCases();
 }
 
-// The scans of a dataset have the same columns, in the same units, and each beam fires the same rays.
+// Throws InputError if cases differ in the rays per beam or in the intensity and its unit: all scans of a dataset have
+// the same columns in the same units, and each beam fires the same rays.
 void DrawnSensors::checkCases() const {
   for (const SensorDraw& one : cases_) {
     for (std::size_t s = 0; s < one.effects.size(); ++s) {
@@ -90,7 +91,8 @@ void DrawnSensors::forEachKey(const Visit& visit) const {
   visit(std::string("effects"), written_.effects);
 }
 
-// `change`: gives what a value is in this draw, from the value, its key and the list of draws to add to.
+// Makes the mounts and effects of one draw. `change`: takes a value, its key and the list of draws to append to, and
+// returns the value with its distributions replaced.
 template <class Change>
 SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) const {
   SensorDraw drawn;

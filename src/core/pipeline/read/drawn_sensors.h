@@ -1,7 +1,7 @@
 #pragma once
 
-// What a pipeline draws of its sensors, anew for each sequence or each frame (see config/distribution.h): where they
-// are mounted, and their effects.
+// Sensors whose mounts or effects a pipeline draws at random, anew for each sequence or each frame (see
+// config/distribution.h).
 
 #include <cstddef>
 #include <cstdint>
@@ -16,40 +16,40 @@
 
 namespace scanmill {
 
-// How the sensors stand and what runs on their scans in one frame.
+// The mounts and effects of the sensors in one frame.
 struct SensorDraw {
   std::vector<Pose> mounts;                             // vehicleFromSensor
-  std::vector<std::shared_ptr<const Effects>> effects;  // of each sensor
+  std::vector<std::shared_ptr<const Effects>> effects;  // one list per sensor
   std::vector<DrawnValue> draws;
 };
 
 class DrawnSensors {
  public:
-  // What the file says. A mount of the kind Null is the vehicle's origin.
+  // The values of the file, before anything is drawn at random. A mount of the kind Null is the vehicle's origin.
   struct Written {
-    Value effects;                    // of the pipeline; Null where it has none
-    std::vector<Value> mounts;        // of each sensor
-    std::vector<Value> descriptions;  // likewise, of which `effects` may hold distributions
+    Value effects;                    // of the pipeline; Null: none
+    std::vector<Value> mounts;        // one per sensor
+    std::vector<Value> descriptions;  // one per sensor; their key `effects` may hold distributions
   };
 
-  // Whether anything of it is to be drawn.
+  // True if any of the values holds a distribution.
   static bool draws(const Written& written);
 
-  // Checks the ends of all that may be drawn. All else of the pipeline that effects depend on is read already. Throws
+  // Checks all cases (see cases()). The parts of the pipeline that effects depend on must have been read. Throws
   // InputError.
   DrawnSensors(Written written, const Pipeline& pipeline);
 
   bool drawsMounts() const { return drawsMounts_; }
   bool drawsPerFrame() const { return drawsPerFrame_; }
 
-  // Of a frame of a sequence of this pipeline, of which the sensors' names and the seed are looked at. Safe to call
-  // from several threads. Throws InputError.
+  // Draws the mounts and effects for a frame of a sequence. Of the pipeline, only the sensors' names and the seed are
+  // used. Safe to call from several threads. Throws InputError.
   SensorDraw draw(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame) const;
 
-  // With every end of what may be drawn at least once.
+  // Returns sets of values in which both ends of each distribution, and each item of each choice, occur at least once.
   const std::vector<SensorDraw>& cases() const { return cases_; }
 
-  // One line for each key, such as "drawn for each sequence: effects.1.speckle.looks {uniform: [1, 8]}".
+  // Returns a line for each distribution, such as "drawn for each sequence: effects.1.speckle.looks {uniform: [1, 8]}".
   std::vector<std::string> lines() const;
 
  private:

@@ -60,7 +60,7 @@ void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectCl
   }
 }
 
-// Adds what the items name, which hold no word `sensor` any more.
+// Adds the effects that the items name. The word `sensor` must have been replaced before.
 void addEffects(const std::vector<Value>& items, const EffectClasses& classes, std::vector<MadeEffect>& made) {
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
@@ -72,7 +72,7 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
                                    "numbers",
                                    named.name, other->where.file, other->where.line));
     }
-    if (meansNone(named)) continue;  // of a list that names no `sensor`
+    if (meansNone(named)) continue;  // `EFFECT: none` in a list without the word `sensor`
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
@@ -81,7 +81,8 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
   }
 }
 
-// Several echoes are chosen from: unless the list says how, the strongest is reported.
+// Adds the effect detection if a beam may have several echoes and the list does not say which are reported: the default
+// is the strongest.
 void addDetection(std::vector<MadeEffect>& made) {
   const EffectEntry* const detection = &requireEffect("detection", {});
   const auto several =
@@ -93,7 +94,7 @@ void addDetection(std::vector<MadeEffect>& made) {
   made.push_back({detection, several->where, detection->make(options), ""});
 }
 
-// They run in the order of their stages, whatever the order of the file.
+// Returns the effects in the order of their stages, in which they run, whatever their order in the file.
 Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
   std::stable_sort(made.begin(), made.end(),
@@ -141,7 +142,7 @@ void checkIsList(const Value& own) {
   throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
 }
 
-// The lists in the sensors' files are checked whether or not they are used.
+// Checks the lists in the sensors' files, whether or not they are used.
 void checkSensorEffects(const Pipeline& pipeline, const EffectClasses& classes) {
   for (const MountedSensor& sensor : pipeline.sensors) {
     const Value* own = sensor.description.find("effects");

@@ -1,14 +1,14 @@
 #pragma once
 
-// Reads the key `effects` of a pipeline, and the lists in the sensors' files that it may stand for:
+// Reads the key `effects` of a pipeline, and the lists in the sensors' files to which it may refer:
 //
 //   effects: [intensity, {range_noise: {sigma_m: 0.01}}]
-//   effects: sensor                                        # those of each sensor's own file
+//   effects: sensor                                        # the list in each sensor's own file
 //   effects: [sensor, {footprint: {rays: 61}}, light_paths, {speckle: none}]
 //
-// Beside `sensor`, an item that the sensor's own list has too changes the keys that it names, `none` leaves it out, and
-// any other is added. An item `none` is no effect, as a choice among effects may have it. The key `label` of an effect
-// is a class, by its id or its name.
+// Beside the word `sensor`, an effect that the sensor's own list has too changes the keys that it names, or removes the
+// sensor's effect if its value is `none`; any other effect is added. An item that is only the word `none` adds nothing,
+// so that a random choice among effects can be no effect. The key `label` of an effect is a class, by its id or name.
 
 #include <mutex>
 #include <optional>
@@ -19,43 +19,43 @@
 
 namespace scanmill {
 
-// The classes of a pipeline's scenes, read once somebody asks. Safe to ask from several threads.
+// The classes of a pipeline's scenes, read at the first call of find(). Safe to call from several threads.
 class EffectClasses {
  public:
   explicit EffectClasses(const Pipeline& pipeline);
 
-  // Null: a recording that has no ontology. Throws InputError.
+  // Returns null for a recording without an ontology. Throws InputError.
   const Ontology* find() const;
 
  private:
-  std::filesystem::path ontologyFile_, sceneFile_;  // one of them; neither: the recording's own
+  std::filesystem::path ontologyFile_, sceneFile_;  // at most one is set; neither: the recording's ontology is used
   mutable std::once_flag read_;
   mutable std::optional<Ontology> ontology_;
 };
 
-// Returns the key `effects` of a pipeline with its `corruption` applied; Null where there is neither. What it draws at
-// random is not drawn yet. Throws InputError.
+// Returns the key `effects` of a pipeline with its `corruption` applied; Null if it has neither. Distributions are not
+// replaced by random values yet. Throws InputError.
 Value writtenEffects(const Value& root);
 
-// Returns the items of that list with what is drawn for the first frame of the first sequence, for studies that vary
-// them. The word `sensor` stands for the sensors' own. Throws InputError.
+// Returns the items of writtenEffects() with the random values of the first frame of the first sequence, for studies
+// that vary effects. An item `sensor` stands for the sensors' own effects. Throws InputError.
 std::vector<Value> effectItems(const Pipeline& pipeline);
 
-// Returns true if that list says `sensor`: each sensor has effects of its own then.
+// True if one of these items is the word `sensor`: each sensor then has effects of its own.
 bool takesSensorEffects(const Pipeline& pipeline);
 
-// Fills MountedSensor::effects. All else of the pipeline that effects depend on is read already: sequences, sensors,
-// ontology. The sensors' own lists are checked whether or not they are used. Throws InputError.
+// Fills MountedSensor::effects. The pipeline's sequences, sensors and ontology must have been read before. The sensors'
+// own lists are checked whether or not they are used. Throws InputError.
 void readEffects(Pipeline& pipeline);
 
-// The effects of a sensor, with `list` as the key `effects`; Null: none. Throws InputError.
+// Returns the effects of a sensor. `list`: the value of the key `effects`; Null: no effects. Throws InputError.
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
 
-// An effect with the keys of another of its name in place of its own, as an item of a list.
+// Returns the effect `own` as an item of a list, with the keys of `change` added to its own or in place of them.
 Value withKeysOf(const NamedOptions& own, const NamedOptions& change);
 
-// The items of such a list with the sensor's own in place of the word `sensor`, as maps of one pair or names. Throws
-// InputError.
+// Returns the items of a list `effects` with the sensor's own effects in place of the word `sensor`. Each item is a
+// name or a map of one pair. Throws InputError.
 std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor);
 
 }  // namespace scanmill

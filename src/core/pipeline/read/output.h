@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the key `output` of a pipeline: what samples hold, in which formats, and how they are shared out over shards.
+// Reads the key `output` of a pipeline: what samples hold, in which formats, and how they are distributed over shards.
 
 #include "config/value.h"
 #include "pipeline/read/pipeline.h"

@@ -14,7 +14,7 @@
 //     - {name: lane, waypoints: [...], speed: 8, frames: 10}
 //   sensors:                         # see sensors/sensor.h
 //     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
-//   vehicle: vehicle.yaml            # a scene in the vehicle's frame: what hides sectors of the lowest rings
+//   vehicle: vehicle.yaml            # the own vehicle, a scene in its frame: it occludes sectors of the lowest rings
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
 //   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
 //   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
@@ -22,16 +22,16 @@
 //   splits: {by: seed, train: 0.8, val: 0.1, test: 0.1}
 //   output:
 //     layout: dense                  # or organised
-//     columns: [intensity, label]    # of the table in scan/columns.h; default: those that it writes by default
+//     columns: [intensity, label]    # names in the table of scan/columns.h, which also has the default
 //     formats: [pcd, {draco: {max_error_mm: 1}}]
 //     shard_mb: 256                  # or shard_samples: 100
-//     shuffle: false                 # true: neighbours in time need not share a shard
-//     reasons: false                 # true: an image of what became of each beam
-//     voxels: false                  # {size:, from:, to:} or true: what stands about each sensor, and what it sees
-//     objects: false                 # true: boxes of things, and how much of each a sensor sees
+//     shuffle: false                 # true: samples are spread over the shards at random
+//     reasons: false                 # true: an image with the reason for each beam's return or miss
+//     voxels: false                  # {size:, from:, to:} or true: labelled voxels around each sensor
+//     objects: false                 # true: boxes of objects, and how much of each a sensor sees
 //   limits: {max_rays: 1e11}
-//   tradeoff: {...}                  # of `scanmill tradeoff`: see docs/keys.md
-//   repeatability: {...}             # of `scanmill repeatability`: see docs/keys.md
+//   tradeoff: {...}                  # for `scanmill tradeoff`: see docs/keys.md
+//   repeatability: {...}             # for `scanmill repeatability`: see docs/keys.md
 
 #include "pipeline/read/pipeline.h"
 
@@ -58,7 +58,7 @@ namespace {
 
 constexpr double kDefaultMaxRays = 1e11;
 
-// What stands after "# " in a comment, on lines of its own where it has several.
+// Returns a text as it stands after "# " in a comment: each of its further lines begins with "# " too.
 std::string commented(const std::string& text) {
   std::string comment;
   for (const char c : text) {
@@ -68,7 +68,8 @@ std::string commented(const std::string& text) {
   return comment;
 }
 
-// Its hits or images belong to certain sensors; the pipeline's must be the same.
+// Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline's sensors are not those of the
+// recording, to which its hits or images belong.
 void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& list) {
   const Location& where = list.where;
   std::vector<std::string> names;
@@ -112,7 +113,8 @@ Pose readMount(const Value& mount) {
 
 namespace {
 
-// `written`: gets what the file says; the sensors get what is drawn for the first sequence.
+// Reads the key `sensors`. Random values become those of the first frame of the first sequence; `written` receives
+// their distributions.
 std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, DrawnSensors::Written& written) {
   std::vector<DrawnValue> ignored;
   const auto drawn = [&](const Value& value, std::size_t sensor, const char* key) {
@@ -153,7 +155,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
 }  // namespace
 
 bool setsIntensity(const Pipeline& pipeline) {
-  return intensityFullScale(*pipeline.sensors.front().effects) > 0;  // all sensors' do, or none's
+  return intensityFullScale(*pipeline.sensors.front().effects) > 0;  // all sensors have an intensity, or none
 }
 
 std::uint64_t Pipeline::frames() const {
@@ -184,7 +186,7 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// Recorded hits are of one ray a beam. What `auto` will choose is not known yet.
+// A recording has one hit per beam. For `auto`, which has not chosen yet, takes the most of all methods.
 std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;
@@ -250,7 +252,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
     const NamedOptions method = readNamed(fields.require("method"), "method");
     const bool automatic = method.name == "auto";
-    // A recording leaves nothing to choose.
+    // `auto` has nothing to choose if there is a recording.
     pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where, "auto"), method.options,
                        automatic && pipeline.recording == nullptr};
   }
@@ -291,7 +293,7 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
                       std::shared_ptr<const Recording> recording) {
   std::string text = readFile(file);
   Value root = parseYaml(text, file.string());
-  // Comments of the file's own that look like overrides end at a line without words.
+  // If the file itself ends with comments that look like overrides, an empty comment line ends them.
   const bool own = !overridesIn(text).empty();
   if ((own || !overrides.empty()) && !text.ends_with('\n')) text += '\n';
   if (own) text += "#\n";
@@ -308,8 +310,8 @@ Pipeline readPipelineText(const std::string& text, const std::filesystem::path& 
   return pipelineOf(std::move(root), text, file, nullptr);
 }
 
-// They stand as comments at the end of the text: "# --set scenes.0.seeds=[3]", on further lines where they have
-// several.
+// Overrides are comments at the end of the text: "# --set scenes.0.seeds=[3]". Further lines of an override are further
+// comments.
 std::vector<std::string> overridesIn(const std::string& text) {
   constexpr std::string_view kComment = "# ";
   constexpr std::string_view kSet = "# --set ";

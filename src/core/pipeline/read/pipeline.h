@@ -23,7 +23,7 @@
 
 namespace scanmill {
 
-// A sensor on the vehicle. Its beam table is made by Plan, once the totals are known to be sane.
+// A sensor on the vehicle. Its beam table is built later, by makePlan(), after the total number of rays was checked.
 struct MountedSensor {
   std::string name;
   Value description;  // preset and own keys merged
@@ -33,8 +33,8 @@ struct MountedSensor {
 };
 
 struct MethodChoice {
-  const MethodEntry* entry = nullptr;  // null for `auto`, until it is settled()
-  Value options;                       // its map, or that of `auto`; Null where the pipeline gives only the name
+  const MethodEntry* entry = nullptr;  // null for `auto`, until settled() has replaced it
+  Value options;                       // map of the options of the method or of `auto`; Null: only the name is given
   bool automatic = false;              // the pipeline says `method: auto`
 };
 
@@ -44,70 +44,71 @@ struct ChosenFormat {
 };
 
 struct ShardOptions {
-  std::uint64_t bytes = 0;  // at most
-  std::size_t samples = 0;  // in each; 0: follows from the bytes
+  std::uint64_t bytes = 0;  // upper bound for a shard
+  std::size_t samples = 0;  // in each shard; 0: follows from `bytes`
   bool shuffled = false;    // samples are spread over the shards of their split at random
 };
 
-// What is written.
+// The contents of samples, their formats and the shards.
 struct Output {
   ScanLayout layout;
   std::vector<ChosenFormat> formats;
-  std::optional<VoxelGrid> voxels;  // about each sensor, that samples have beside scans, see dataset/voxels.h
-  bool objects = false;             // samples list the things near their sensors, see dataset/objects.h
+  std::optional<VoxelGrid> voxels;  // grid around each sensor, written beside the scans, see dataset/voxels.h
+  bool objects = false;             // samples list the objects near their sensors, see dataset/objects.h
   ShardOptions shards;
 };
 
 class DrawnSensors;
 
-// A value: copies share what does not change.
+// A value type; copies share their constant parts.
 struct Pipeline {
   std::string name;
   std::filesystem::path file;
   std::string text;  // as read, with the overrides as comments
-  Value root;        // the same as values, of which studies read their own keys
+  Value root;        // the parsed text, from which studies read their own keys
   std::uint64_t seed = 1;
   std::filesystem::path ontology;  // empty: the scenes' own
   std::filesystem::path vehicle;   // scene file of the own vehicle, in its frame; empty: none
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;
-  std::shared_ptr<const DrawnSensors> drawn;  // null: sensors and effects are the same in all sequences; else those
-                                              // here are of the first frame of the first one
+  std::shared_ptr<const DrawnSensors> drawn;  // null: sensors and effects are the same in all sequences; else `sensors`
+                                              // has those of the first frame of the first sequence
   Motion motion;
   MethodChoice method;
   Output output;
-  bool splitsBySeed = false;  // the splits part scenes by their seeds
+  bool splitsBySeed = false;  // splits are assigned by the seeds of the scenes
   double maxRays = 0;
 
-  std::shared_ptr<const Recording> recording;  // where its shots come from, in place of scenes and a method; or null
+  std::shared_ptr<const Recording> recording;  // source of the hits in place of scenes and a method; null: none
 
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
-  std::uint32_t raysPerBeam(std::size_t sensor) const;     // of the effect footprint; a recording holds one
+  std::uint32_t raysPerBeam(std::size_t sensor) const;     // as the effect footprint says; 1 for a recording
   const LightPaths* lightPaths(std::size_t sensor) const;  // of the effect light_paths; null: none
-  std::uint32_t mostMet() const;                           // surfaces by a ray
-  std::uint32_t mostReturns() const;                       // of a beam
-  std::string methodName() const;                          // that made, or makes, the hits
+  std::uint32_t mostMet() const;                           // most surfaces that a ray hits
+  std::uint32_t mostReturns() const;                       // most returns of a beam
+  std::string methodName() const;                          // of the method that made, or makes, the hits
 };
 
-// A pose on the vehicle; Null: its origin. Throws InputError.
+// Reads the pose of a sensor on the vehicle; Null is the vehicle's origin. Throws InputError.
 Pose readMount(const Value& mount);
 
-// Whether an effect sets the intensity; either an effect of every sensor does, or none.
+// True if an effect sets the intensity. Either every sensor has such an effect, or none has.
 bool setsIntensity(const Pipeline& pipeline);
 
-// `overrides` are the arguments of --set. With a recording, its sequences are the pipeline's: the keys `scenes` and
-// `trajectories` are not looked at, nor is `method` for recorded hits. Throws InputError with file:line:column.
+// Reads a pipeline file. `overrides` are the arguments of --set. With a recording, the pipeline has the recording's
+// sequences: the key `trajectories` and, for recorded hits, `method` are ignored, and of `scenes` only `without` is
+// checked. Throws InputError with file:line:column.
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                       std::shared_ptr<const Recording> recording = nullptr);
 
-// The same of a pipeline's text, with its overrides applied and as comments at its end, as Pipeline::text and manifests
-// have it. `file`: where it would lie, for the files that it names.
+// Reads a pipeline from a text such as Pipeline::text or that of a manifest, and applies the overrides in the comments
+// at its end. `file`: the path that the text is taken to have; the files that it names are relative to it.
 Pipeline readPipelineText(const std::string& text, const std::filesystem::path& file);
 
-// The overrides in such a text.
+// Returns the overrides in the comments at the end of such a text.
 std::vector<std::string> overridesIn(const std::string& text);
 
 }  // namespace scanmill

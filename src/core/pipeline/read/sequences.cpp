@@ -19,7 +19,7 @@ namespace {
 
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
-// The first `along` of a list of trajectories; null where there is none.
+// Returns the first `along` in a list of trajectories, or null if there is none.
 const Value* followsLane(const Value& list) {
   for (const Value& item : list.items) {
     if (const Value* along = item.find("along")) return along;
@@ -27,7 +27,8 @@ const Value* followsLane(const Value& list) {
   return nullptr;
 }
 
-// `lanes`: of the scene's town, where one of them follows it, which sways by its seed; else null.
+// Reads a list of trajectories. `lanes`: the lanes of the scene's town if a trajectory follows them, else null. `seed`:
+// the scene's, from which the sway of the vehicle follows.
 Trajectories readTrajectories(const Value& list, const Periods& periods, const SceneLanes* lanes = nullptr,
                               std::uint64_t seed = 0) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
@@ -92,7 +93,7 @@ std::vector<Value> readWithout(const Value* value) {
 
 }  // namespace
 
-// Lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
+// Returns a text of lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
 std::string keyPart(std::string text) {
   for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -158,7 +159,7 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
     const std::string list = fmt::format("[{}]", fmt::join(s.without, ", "));
     sequences.back().without = parseYaml(list, recording.folder.string()).items;
   }
-  // What was met cannot be taken out later.
+  // Objects that recorded beams have hit cannot be taken out later.
   const Value* scenes = fields.find("scenes");
   if (scenes == nullptr) return sequences;
   for (const Value& scene : scenes->items) {

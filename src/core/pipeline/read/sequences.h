@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the keys `scenes` and `trajectories` of a pipeline: which scene is driven through along which way.
+// Reads the keys `scenes` and `trajectories` of a pipeline: which trajectories are driven in which scene.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,41 +16,41 @@
 
 namespace scanmill {
 
-// One scene with one procedural seed, driven along one trajectory: the unit that splits never part.
+// One scene with one procedural seed, driven along one trajectory. All its frames belong to the same split.
 struct Sequence {
-  std::string scene;  // name of the scene file without its suffix, made fit for a key
+  std::string scene;  // keyPart() of the scene file's name without its suffix
   std::filesystem::path sceneFile;
   std::uint64_t sceneSeed = 1;
-  std::shared_ptr<const Trajectory> trajectory;  // null where the shots come from a recording
+  std::shared_ptr<const Trajectory> trajectory;  // null if the shots come from a recording
   std::string trajectoryName;
   std::uint32_t frames = 0;
   std::string split;
   bool moving = true;               // false: objects stand where they are when the drive begins
-  std::vector<Value> without = {};  // what is taken out of the scene, see scene/without.h
+  std::vector<Value> without = {};  // items taken out of the scene, see scene/without.h
 
   bool sameScene(const Sequence& other) const;
-  // At most so many frames, each in the middle of an equal part of the sequence.
+  // Returns at most `most` frames, each in the middle of one of equally long parts of the sequence.
   std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;
   std::string key() const;                     // "street-s1-lane"
   std::string key(std::uint32_t frame) const;  // "street-s1-lane-000012"
 };
 
-// How long revolutions of the sensors last (s).
+// Durations of the sensors' revolutions (s).
 struct Periods {
   double first = 0.1;  // of the first sensor
   double longest = 0.1;
 };
 
-// Lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
+// Returns a text of lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
 std::string keyPart(std::string text);
 
-// The value of a key that must be there, and a list that is not empty. Throws InputError.
+// Returns the value of a key. Throws InputError if the key is missing or its value is not a list, or an empty one.
 const Value& requireList(Fields& fields, std::string_view key);
 
-// One for each scene, seed and trajectory. Throws InputError.
+// Returns a sequence for each scene, seed and trajectory. Throws InputError.
 std::vector<Sequence> readSequences(Fields& fields, const Periods& periods);
-// Those of a recording. Throws InputError where the pipeline takes other things out of its scenes than were taken out
-// when it was made.
+// Returns the sequences of a recording. Throws InputError if the pipeline takes other objects out of a scene than were
+// taken out when the recording was made.
 std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fields);
 
 }  // namespace scanmill

@@ -7,7 +7,7 @@
 
 namespace scanmill {
 
-// Buffers that go from frame to frame, so that memory stays flat. Safe to use from several threads at once.
+// Buffers that are reused from frame to frame, so that memory use stays constant. Safe to use from several threads.
 template <class Buffers>
 class BufferPool {
  public:

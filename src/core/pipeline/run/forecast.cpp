@@ -29,8 +29,8 @@ namespace {
 constexpr double kStartSeconds = 0.1;  // reading the pipeline, and ending the dataset
 constexpr double kLowMount = 0.5;      // m above the vehicle's origin, which lies on the ground
 
-// These factors scale what the small town costs to a kind of scene, and the spreads bound how far facts were from
-// forecasts. They were fitted to the pipelines that come with the program (2 cores of an Intel Xeon;
+// These factors scale the costs of the small town to a kind of scene; the spreads bound how far measured values were
+// from forecasts. Both were fitted to the pipelines that come with the program (2 cores of an Intel Xeon;
 // tests/benchmarks/forecast.cpp).
 struct SceneFactors {
   double setup;
@@ -40,7 +40,7 @@ struct SceneFactors {
   double byteSpread;
 };
 
-// What files hold is not known before they are loaded, so that the spreads are wide.
+// The contents of asset files are unknown before they are loaded, so these spreads are wide.
 constexpr SceneFactors kOfFiles{0.5, 0.48, 0.8, 2.5, 2};
 constexpr SceneFactors kOfStreet{0.5, 0.8, 0.97, 1.5, 1.2};
 
@@ -55,7 +55,7 @@ double numberOr(const Value& map, std::string_view key, double otherwise) {
 SceneFactors ofTown(const Value& town) {
   constexpr double kUsualLength = 300;  // m
   const double setup = 1 + 0.7 * numberOr(town, "length", kUsualLength) / 100;
-  // Towns with bounds on shares are made up to nine times.
+  // Towns with bounds on shares are generated up to nine times.
   if (town.find("shares") != nullptr) return {4 * setup, 1, 0.97, 2.5, 1.2};
   return {setup, 1, 0.97, 1.5, 1.2};
 }
@@ -72,12 +72,12 @@ SceneFactors factorsOf(const std::filesystem::path& file) {
   return factors;
 }
 
-// The pipeline with a small town in place of its scenes.
+// Returns the pipeline with a small town in place of its scenes.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   Value town;
   town.kind = Value::Kind::Scalar;
   town.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
-  // A method that refuses moving objects has scenes in which none moves.
+  // If the method refuses moving objects, none moves in the pipeline's scenes either.
   const MethodEntry* const method = pipeline.method.entry;
   const bool moving = (method == nullptr || method->can.moving) &&
                       std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
@@ -95,13 +95,13 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   return reread(changes);
 }
 
-// Makes samples of the plan's first sequence, one for each thread, and fills in what the first scene and a frame cost.
+// Makes samples of the plan's first sequence, one for each thread, and fills in the costs of the scene and of a frame.
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);
   SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
   const WallTimer whole;
-  const std::clock_t before = std::clock();  // of all threads
+  const std::clock_t before = std::clock();  // processor time of all threads
   maker.prepare(0);
   costs.slowestSceneSeconds = whole.seconds();
   costs.sceneSeconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
@@ -110,7 +110,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   parallelFor(samples, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const MadeSample made = maker.make({0, static_cast<std::uint32_t>(i), i});
-      Sha256 hash;  // as writing a shard does
+      Sha256 hash;  // writing a shard computes it too
       for (const Member& member : made.sample.members) hash.add(member.bytes);
       hash.hex();
       bytes[i] = static_cast<double>(bytesInShard(made.sample));
@@ -124,7 +124,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   for (const double b : bytes) costs.frameBytes += b / made;
 }
 
-// Scales what the small town costs to the pipeline's scenes.
+// Scales the costs of the small town to the pipeline's scenes.
 void scale(const Pipeline& pipeline, SampleCosts& costs) {
   SceneFactors mean{0, 0, 0, 1, 1};
   std::optional<std::pair<std::filesystem::path, SceneFactors>> known;
@@ -150,7 +150,7 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
   costs.frameBytes *= mean.bytes;
   costs.timeSpread = mean.timeSpread;
   costs.byteSpread = mean.byteSpread;
-  // How long other methods take in a scene depends on its size, and on where the small town's triangles are.
+  // The time of other methods depends more on a scene's size and on where its triangles are.
   constexpr double kOtherMethods = 2.5;
   if (pipeline.methodName() != "ray_tracing") costs.timeSpread = std::max(costs.timeSpread, kOtherMethods);
 }
@@ -195,7 +195,7 @@ std::uint64_t scenesOf(const Pipeline& pipeline) {
 
 Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes) {
   const double threads = costs.threads;
-  // A scene's frames wait for the scene; with several scenes the threads set up one each.
+  // The frames of a scene wait until it is set up; with several scenes each thread sets up one.
   const double setup =
       std::max(static_cast<double>(scenes) * costs.sceneSeconds / costs.cores, costs.slowestSceneSeconds);
   const double rounds = std::max(static_cast<double>(frames) / threads, 1.0);

@@ -1,8 +1,8 @@
 #pragma once
 
-// How long a dataset takes to make and how large it becomes, told without loading its scenes: a few samples of a small
-// town are made on this machine, with the pipeline's sensors, method, effects and formats, and what they cost is scaled
-// to the pipeline's scenes. tests/benchmarks/forecast.cpp compares the result with whole datasets.
+// Forecasts how long a dataset takes to make and how large it becomes, without loading its scenes: a few samples of a
+// small town are made on this machine, with the pipeline's sensors, method, effects and formats, and their costs are
+// scaled to the pipeline's scenes. tests/benchmarks/forecast.cpp compares the result with complete datasets.
 
 #include <cstdint>
 #include <functional>
@@ -28,32 +28,32 @@ struct Forecast {
 
 // The costs of a pipeline's scenes and frames on this machine.
 struct SampleCosts {
-  int threads = 0;                 // that work at a time
-  int cores = 0;                   // that these threads have
+  int threads = 0;                 // threads that work at a time
+  int cores = 0;                   // cores for these threads
   double sceneSeconds = 0;         // processor seconds to set up a scene, on the mean over the pipeline's scenes
   double slowestSceneSeconds = 0;  // s of wall time to set one up with all threads
   double frameSeconds = 0;         // thread seconds of a frame while all threads work
   double frameBytes = 0;           // of a sample in its shard
-  double timeSpread = 1;           // a dataset takes at most so many times longer or shorter than expected
-  double byteSpread = 1;           // and is at most so many times larger or smaller
+  double timeSpread = 1;           // factor by which a dataset may take longer or shorter than expected
+  double byteSpread = 1;           // factor by which it may be larger or smaller than expected
 };
 
 // Reads the plan's pipeline again, with these arguments of --set after all others.
 using Reread = std::function<Pipeline(const std::vector<std::string>&)>;
 
-// Makes a sample for each thread. A pipeline of recorded hits or passes makes its own first samples instead. Throws
-// InputError if the small town cannot stand for the pipeline's scenes, for instance if an effect wants a class that
-// towns do not have.
+// Measures these costs by making one sample of the small town for each thread. If the pipeline has recorded hits or
+// passes, makes its own first samples instead. Throws InputError if the small town cannot stand for the pipeline's
+// scenes, for instance if an effect needs a class that towns do not have.
 SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread);
 
-// True if a scene file of the pipeline holds a town, a street or values that each seed draws. In others, more seeds
-// mostly give the same place again.
+// True if a scene file of the pipeline holds a town, a street or values that are random for each seed. In other scenes,
+// further seeds mostly give the same place again.
 bool followsFromSeeds(const Pipeline& pipeline);
 
-// The number of scenes that a pipeline sets up: each scene file with each of its seeds.
+// Returns the number of scenes that a pipeline sets up: each scene file with each of its seeds.
 std::uint64_t scenesOf(const Pipeline& pipeline);
 
-// The forecast of so many frames in so many scenes.
+// Returns the forecast for `frames` frames in `scenes` scenes.
 Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes);
 
 }  // namespace scanmill

@@ -43,10 +43,10 @@ struct OpenShard {
             std::unique_ptr<FolderLock> held)
       : claim(std::move(held)), writer(folder, job.file, job.split), part(std::move(begun)), made(job.samples.size()) {}
 
-  std::unique_ptr<FolderLock> claim;  // null where the folder is not shared
+  std::unique_ptr<FolderLock> claim;  // null if the folder is not shared
   ShardWriter writer;
   DatasetPart part;
-  std::vector<std::unique_ptr<MadeSample>> made;  // and not written
+  std::vector<std::unique_ptr<MadeSample>> made;  // samples that are not written yet
   std::shared_ptr<const SceneFacts> scene;        // of the sample that was written last
 };
 
@@ -67,7 +67,7 @@ class DatasetRun {
     summary_.manifest = base_;
   }
 
-  // The story: every shard is made by itself, and the manifest comes last.
+  // Makes each shard by itself, and the manifest last.
   GenerateSummary run() {
     if (folder_.isWhole()) return endedByOthers();
     std::vector<std::size_t> left = chosenJobs();
@@ -102,7 +102,7 @@ class DatasetRun {
 
   std::size_t open(std::size_t job) {
     const ShardJob& own = jobs_[job];
-    // Where any process may make any shard, each would read what all have made.
+    // Checking bytes would, with Any, make each process read the shards of all others.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
@@ -119,7 +119,7 @@ class DatasetRun {
       claimed_.push_back(job);
       return 0;
     }
-    folder_.checkPlace();  // nothing is made where another folder may be by now
+    folder_.checkPlace();  // throws if another folder has taken this one's place
     DatasetPart begun{planned_.hash, {}, base_};
     for (const SampleAddress& sample : own.samples) begun.numbers.push_back(sample.number);
     open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(begun), std::move(claim));
@@ -152,7 +152,7 @@ class DatasetRun {
     ShardPart made = shard->writer.finish();
     shard->part.manifest.shards = {std::move(made.shard)};
     shard->part.manifest.samples = std::move(made.samples);
-    folder_.keep(shard->part);  // where it is read again at the end: descriptions of all samples would fill the memory
+    folder_.keep(shard->part);  // read back at the end, since the records of all samples could fill the memory
     const std::scoped_lock lock(mutex_);
     count(shard->part.manifest);
     ++summary_.shards;
@@ -180,7 +180,7 @@ class DatasetRun {
     progress_.say(doing);
   }
 
-  // Of a dataset that others have ended, before this process could help.
+  // Returns the summary of a dataset that other processes completed before this one could help.
   GenerateSummary endedByOthers() {
     std::optional<Manifest> made = wholeDatasetOf(planned_, options_.folder);
     if (!made) {
@@ -225,7 +225,7 @@ class DatasetRun {
     }
   }
 
-  // Into the summary, of what this process has made or found.
+  // Adds a shard that this process has made or found to the summary.
   void count(const Manifest& part) {
     summary_.manifest.ontology = part.ontology;
     summary_.samples += part.samples.size();
@@ -261,9 +261,9 @@ class DatasetRun {
   std::vector<ShardJob> jobs_;
   DatasetPlan planned_;
   DatasetFolder folder_;
-  Manifest base_;                                 // of every part
+  Manifest base_;                                 // the manifest of each part starts as a copy of it
   std::vector<std::unique_ptr<OpenShard>> open_;  // by job
-  std::mutex mutex_;                              // of what follows
+  std::mutex mutex_;                              // guards claimed_, summary_ and progress_
   std::vector<std::size_t> claimed_;              // jobs that other processes work on
   GenerateSummary summary_;
   Progress progress_;

@@ -10,10 +10,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGridsInMemory = 16;  // sensors, or revolutions of rosettes
-constexpr int kCells = 6;                   // along an edge of a box's face, to find what is outside of the field
+constexpr std::size_t kGridsInMemory = 16;  // cached grids: one per sensor, or per revolution of a rosette
+constexpr int kCells = 6;                   // samples per edge of a box's face, to find its truncation
 
-// What a shot has of a thing.
+// The points, beams and least range (m) that a shot has on an object.
 struct Seen {
   std::uint64_t points = 0;
   std::uint32_t beams = 0;
@@ -37,21 +37,21 @@ std::unordered_map<std::uint32_t, Seen> seenThings(const Hits& hits, const Retur
   return seen;
 }
 
-// How far a box is from a point in its own frame (m).
+// Returns the distance (m) from a box to a point given in the box's frame.
 double distanceTo(const Vec3d& size, const Vec3d& point) {
   const auto beyond = [](double p, double extent) { return std::max(std::abs(p) - extent / 2, 0.0); };
   return length(Vec3d{beyond(point.x, size.x), beyond(point.y, size.y), beyond(point.z, size.z)});
 }
 
-// The part of the solid angle of a box's faces, as seen from the sensor, in which no beam looks or which is out of
-// range. 0 where the sensor is within the box.
+// Returns the share of a box, by solid angle of the faces that the sensor sees, that is outside of the field of view or
+// out of range; 0 if the sensor is inside of the box.
 double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRange, const BeamGrid& grid) {
   const Vec3d sensor = inverse(sensorFromBox).translation;
   double all = 0;
   double outside = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double side = sensor.*axis > 0 ? 1 : -1;
-    const double height = std::abs(sensor.*axis) - size.*axis / 2;  // of the sensor over the face
+    const double height = std::abs(sensor.*axis) - size.*axis / 2;  // m, of the sensor above the face
     if (!(height > 0)) continue;
     const auto second = axis == &Vec3d::x ? &Vec3d::y : &Vec3d::x;
     const auto third = axis == &Vec3d::z ? &Vec3d::y : &Vec3d::z;

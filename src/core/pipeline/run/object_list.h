@@ -1,6 +1,6 @@
 #pragma once
 
-// What the sensors of a sample see of the things of its scene, as the member `<key>.objects.json` has it.
+// Lists what the sensors of a sample see of each object of the scene, for the member `<key>.objects.json`.
 
 #include <cstdint>
 #include <list>
@@ -21,15 +21,16 @@
 
 namespace scanmill {
 
-// The things of a scene and what is needed to look at them. Made once; safe to use from several threads.
+// The objects of a scene, with all that visibility tests of them need. Built once; safe to use from several threads.
 class SceneObjects {
  public:
-  // Looks at them in the worlds of the method where it has some, else in worlds that it makes. Both must outlive it.
+  // Tests visibility in the Worlds of the method if it has some, else in Worlds of its own. Scene and method must
+  // outlive this object.
   SceneObjects(const Scene& scene, const Method& method);
 
   const ThingBoxes& boxes() const { return boxes_; }
   const Unobstructed& unobstructed() const { return unobstructed_; }
-  // What it takes besides the method.
+  // Returns the bytes that it takes besides those of the method.
   std::uint64_t memoryBytes() const;
   std::shared_ptr<const BeamGrid> gridOf(const std::shared_ptr<const BeamTable>& beams) const;
 
@@ -40,23 +41,23 @@ class SceneObjects {
   };
 
   ThingBoxes boxes_;
-  std::unique_ptr<const Worlds> own_;  // null: the method's serve
+  std::unique_ptr<const Worlds> own_;  // null: those of the method are used
   Unobstructed unobstructed_;
   mutable std::mutex mutex_;
-  mutable std::list<Grid> grids_;  // those used last come first
+  mutable std::list<Grid> grids_;  // the most recently used first
 };
 
-// Of one sample.
+// The object list of one sample.
 class ObjectList {
  public:
-  // `time`: of the sample (s since the start of the sequence), at which the boxes are given.
+  // `time`: of the sample (s since the start of the sequence); the boxes are given for this time.
   ObjectList(const SceneObjects& objects, std::string key, double time);
 
-  // Looks at all that is within the reach of a shot, whose hits need the channel Instance. The hits and returns are
-  // those that the scan was made of. `raysPerBeam`: that were fired, each beam's axis first.
+  // Adds what a shot sees of each object within its reach. `hits` and `returns` are those from which the shot's scan
+  // was made; hits need the channel Instance. `raysPerBeam`: rays of a beam, of which the first is the beam's axis.
   void add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns);
 
-  // What has been within the reach of any shot, by ids.
+  // Returns the objects that were within the reach of any shot, sorted by id.
   SampleObjects finish() const;
 
  private:
@@ -65,8 +66,8 @@ class ObjectList {
   const SceneObjects& objects_;
   std::string key_;
   double time_;
-  std::vector<OrientedBox> boxes_;              // of all things
-  std::vector<std::vector<ObjectView>> views_;  // likewise
+  std::vector<OrientedBox> boxes_;              // one per thing
+  std::vector<std::vector<ObjectView>> views_;  // one list per thing
 };
 
 }  // namespace scanmill

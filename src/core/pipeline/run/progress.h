@@ -1,6 +1,6 @@
 #pragma once
 
-// Progress of long work on standard error: a bar on a terminal, a plain line now and then elsewhere.
+// Shows the progress of long work on standard error: as a bar on a terminal, elsewhere as a plain line now and then.
 
 #include <cstdint>
 #include <string>
@@ -11,15 +11,15 @@ namespace scanmill {
 
 class Progress {
  public:
-  // `unit` names what is counted ("frames"), `workUnit` what the rate is of ("rays").
+  // `unit` is the unit of the count ("frames"), `workUnit` that of the rate ("rays").
   Progress(std::string what, std::uint64_t total, std::string unit, std::string workUnit, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void setTotal(std::uint64_t total) { total_ = total; }  // where it is known only once the work has begun
+  void setTotal(std::uint64_t total) { total_ = total; }  // for a total that is unknown before the work starts
   void advance(std::uint64_t count, double work);
-  // What is being done while nothing advances: on a terminal in place of the bar, elsewhere now and then.
+  // Shows what is being done while nothing advances: on a terminal in place of the bar, elsewhere now and then.
   void say(const std::string& doing);
   double seconds() const { return timer_.seconds(); }
 

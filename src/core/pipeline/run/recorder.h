@@ -18,31 +18,31 @@
 
 namespace scanmill {
 
-// Channels that a recording of hits holds besides those that the run's own scans need: all that effects and columns of
-// another run may read.
+// Returns the channels that a recording of hits holds besides those that the run's own scans need: all channels that
+// effects and columns of another run may read.
 Channels recordedChannels();
 
 class Recorder {
  public:
   explicit Recorder(const Plan& plan) : plan_(plan) {}
 
-  // Prepares the folders that are not empty paths. Throws InputError.
+  // Prepares the folders whose paths are not empty. Throws InputError.
   void open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite);
   bool recordsHits() const { return hits_.has_value(); }
   bool recordsPasses() const { return passes_.has_value(); }
 
-  // All of these from any thread.
+  // The following calls are safe from any thread.
 
-  // Shots of this sequence follow; it may be entered again.
+  // Must be called before shots of a sequence are written; further calls for the same sequence do nothing.
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void writeHits(const Shot& shot, const Hits& hits);
-  // The record of a shot's passes: its steps are written one after the other, then the record itself.
+  // Returns the record of a shot's passes. writeStep() adds its steps one after the other, writePasses() writes it.
   static RecordedShot beginPasses(const Shot& shot);
   void writeStep(const PassStep& step, RecordedShot& record);
   void writePasses(const RecordedShot& record);
 
   void finish();
-  // Of writing so far: "write_hits" and "write_passes", those that are recorded.
+  // Returns the time spent on writing so far: "write_hits" and "write_passes", as far as they are recorded.
   StageSeconds stageSeconds() const { return clock_.seconds(); }
 
  private:
@@ -51,7 +51,7 @@ class Recorder {
   const Plan& plan_;
   std::optional<RecordingWriter> hits_;
   std::optional<RecordingWriter> passes_;
-  // What is known of a sequence that was entered.
+  // The facts about a sequence that was entered.
   struct Entered {
     RecordedSequence record;
     std::vector<Material> materials;
@@ -59,7 +59,7 @@ class Recorder {
   };
   std::mutex mutex_;
   Ontology ontology_;
-  std::map<std::size_t, Entered> entered_;  // by their numbers in the pipeline
+  std::map<std::size_t, Entered> entered_;  // by index in Pipeline::sequences
   StageClock clock_;
 };
 

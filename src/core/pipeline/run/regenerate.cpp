@@ -34,7 +34,8 @@ constexpr const char* kScratch = "again";  // within the dataset's hidden folder
                   what, manifest.programVersion, kVersion));
 }
 
-// Removed in the end, with all that was made in it.
+// Locks a dataset and provides a scratch folder within its hidden folder. The destructor removes the scratch folder
+// with all its files.
 class Scratch {
  public:
   explicit Scratch(const fs::path& dataset)
@@ -58,7 +59,7 @@ class Scratch {
   std::unique_ptr<FolderLock> lock_;
 };
 
-// Empty where it cannot be read.
+// Returns an empty text if the file cannot be read.
 std::string hashOf(const fs::path& file) {
   try {
     return sha256OfFile(file);
@@ -100,7 +101,7 @@ std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest&
 void regenerateShards(const fs::path& folder, const Manifest& manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop) {
   const Scratch scratch(folder);
-  fs::remove_all(scratch.folder());  // of a process that was killed
+  fs::remove_all(scratch.folder());  // left behind by a process that was killed
   GenerateOptions options;
   options.folder = scratch.folder();
   options.shards = {ShardChoice::Kind::Listed, shards};
@@ -115,7 +116,7 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
   const auto made = [&](std::uint64_t shard) { return scratch.folder() / kHiddenName / manifest.shards[shard].file; };
   for (const std::uint64_t shard : shards) {
     const ShardRecord& stated = manifest.shards[shard];
-    // Read back from the disk: what is put in place is sound.
+    // The hash is that of the file on the disk, so that only sound files are moved into place.
     if (sha256OfFile(made(shard)) != stated.sha256) failDifferent(stated.file, manifest);
   }
   for (const std::uint64_t shard : shards) {

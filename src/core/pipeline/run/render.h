@@ -1,6 +1,6 @@
 #pragma once
 
-// Passes alone: what the depth-camera method draws of each shot, kept as a recording.
+// Renders the passes of all shots with the depth-camera method and saves them as a recording, without making scans.
 
 #include <atomic>
 #include <cstdint>
@@ -31,7 +31,7 @@ struct RenderSummary {
   std::vector<std::string> warnings;
 };
 
-// Throws InputError where the pipeline's method draws no passes, Error where the work fails.
+// Throws InputError if the pipeline's method renders no passes, Error if the work fails.
 RenderSummary render(const Plan& plan, const RenderOptions& options);
 
 }  // namespace scanmill

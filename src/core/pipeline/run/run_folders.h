@@ -5,8 +5,8 @@
 
 namespace scanmill {
 
-// The dataset and its recordings each need a folder of their own, none within another: --overwrite must know what is
-// whose. Throws InputError.
+// Throws InputError unless the dataset and each of its recordings have a folder of their own, none within another:
+// otherwise --overwrite for one of them could remove files of another.
 void checkFolders(const Plan& plan, const GenerateOptions& options);
 
 }  // namespace scanmill

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Beams of which a ray was given up. A beam's rays need not follow one another.
+// Returns the number of beams with an unresolved ray. The rays of a beam need not be adjacent.
 std::uint64_t unresolvedBeams(const Hits& hits) {
   if (hits.beamOfRay.empty()) return hits.unresolved.size();
   std::vector<std::uint32_t> beams;
@@ -20,7 +20,8 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
   return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
 }
 
-// Neighbours are mostly of the same class and instance, so points are counted run by run.
+// Counts points by class, and instances. Consecutive points mostly have the same class and instance, so each run of
+// such points is counted at once.
 void countPoints(const Scan& scan, ScanRecord& record) {
   std::vector<std::uint64_t> perClass;
   std::vector<std::uint32_t> instances;
@@ -75,7 +76,7 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
         {pipeline.sensors[s].name, *plan.sensors[s].beams, pipeline.sensors[s].vehicleFromSensor});
     const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
     if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
-    BeamTable& beams = manifest.sensors.back().beams;  // the manifest holds the table per ring
+    BeamTable& beams = manifest.sensors.back().beams;  // the manifest has values per ring, not per beam
     beams.direction = {};
     beams.origin = {};
     beams.time = {};

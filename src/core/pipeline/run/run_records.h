@@ -1,6 +1,6 @@
 #pragma once
 
-// What a dataset's manifest says of a run and its scans.
+// Makes the records of a run and of its scans for a dataset's manifest.
 
 #include <string_view>
 
@@ -13,10 +13,10 @@
 
 namespace scanmill {
 
-// Returns all that is known before the first ray.
+// Returns a manifest with all that is known before the first ray is traced.
 Manifest startManifest(const ShotSource& source, const DatasetPlan& planned);
 
-// A scan's place, time and counts.
+// Returns the poses, time and counts of a scan.
 ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method);
 
 }  // namespace scanmill

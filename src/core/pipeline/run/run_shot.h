@@ -1,6 +1,6 @@
 #pragma once
 
-// One shot, from its beams to its scan: what datasets, studies and measurements have in common.
+// Runs one shot, from its beams to its scan. Datasets, studies and measurements all use it.
 
 #include <span>
 
@@ -17,36 +17,36 @@
 
 namespace scanmill {
 
-// How the shots of a sensor become scans. What it refers to must outlive it.
+// All that turns the shots of a sensor into scans. The objects that it refers to must outlive it.
 struct ShotSetup {
   const Method& method;
-  Channels channels;                     // that are traced
-  Receiver receiver;                     // but for its motions, which follow from the scene
-  const Footprint* footprint = nullptr;  // of beams that fire several rays
-  const Hits* vehicle = nullptr;         // what the rays meet of the own vehicle
-  const LightPaths* paths = nullptr;     // of rays that go on
-  const Scene* moving = nullptr;         // the scene, if points tell how objects of it move
+  Channels channels;                     // channels to trace
+  Receiver receiver;                     // without its `motions`, which are set for each shot
+  const Footprint* footprint = nullptr;  // the rays of beams that fire several; null: each fires one
+  const Hits* vehicle = nullptr;         // hits of the rays on the own vehicle; null: no own vehicle
+  const LightPaths* paths = nullptr;     // how rays continue behind a hit; null: they end there
+  const Scene* moving = nullptr;         // the scene, if the scan says how its objects move; else null
 };
 
-// Returns what the plan says of this sensor with its settings in a certain frame, which must outlive the setup; without
-// settings: with those of ShotSource::settings().
+// Returns the setup of a sensor for a frame. `settings`: those of the frame, which must outlive the setup; the overload
+// without them uses ShotSource::settings().
 ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& method, std::size_t sensor);
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor);
 
-// Memory that goes from shot to shot.
+// Buffers that are reused from shot to shot.
 struct ShotBuffers {
   Hits hits;
   Returns returns;
   Scan scan;
 };
 
-// Fills buffers.hits and then, from them, buffers.scan. The clock adds up the stages "trace" and "effects"; what
-// tracing took by the method's own stages is in the account.
+// Fills buffers.hits and then, from the hits, buffers.scan. Adds the times of the stages "trace" and "effects" to the
+// clock, and returns the account of the method, which has the times of its own stages.
 TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buffers, StageClock& clock);
-// The first half alone.
+// Does the first half alone: traces the hits.
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits);
-// The second half alone, of hits that are there already.
+// Does the second half alone: makes the scan from existing hits.
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// Ordered by their keys.
+// Returns the random values of a scene and of a frame's settings, sorted by key.
 std::vector<DrawnValue> allDraws(const Scene& scene, const FrameSettings& settings) {
   std::vector<DrawnValue> draws = scene.draws;
   draws.insert(draws.end(), settings.draws.begin(), settings.draws.end());
@@ -39,7 +39,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   const Pipeline& pipeline = plan_.pipeline;
   const Sequence& sequence = pipeline.sequences[address.sequence];
   const std::shared_ptr<const ReadyScene> ready = scenes_.enter(address.sequence);
-  // Only now: a scene or a method that cannot be used must not cost the recordings that --overwrite replaces.
+  // Recordings are opened only now: if the scene or the method is unusable, --overwrite has not removed old ones yet.
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
@@ -84,7 +84,7 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   return made;
 }
 
-// Of the scan that the sample's last record is of.
+// Encodes a scan, whose record must be the sample's last, in all formats and adds the members to the sample.
 void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
   const StageTimer timer(clock_, "encode");
   const Pipeline& pipeline = plan_.pipeline;
@@ -106,7 +106,7 @@ void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const S
                                                     pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
 }
 
-// Passes that are recorded are drawn first, and the hits are sampled from them.
+// Renders the passes of a shot, records them, and samples the hits from them.
 TraceAccount SampleMaker::drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits) {
   const DepthCamera& camera = *ready.method->depthCamera();
   hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels);
@@ -129,7 +129,7 @@ void SampleMaker::finish() {
 StageSeconds SampleMaker::stageSeconds() const {
   StageSeconds stages = clock_.seconds();
   const StageSeconds ofMethod = scenes_.methodSeconds();
-  if (!ofMethod.empty()) stages.erase("trace");  // its parts are known
+  if (!ofMethod.empty()) stages.erase("trace");  // its parts are listed instead
   for (const StageSeconds& own :
        {ofMethod, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
     for (const auto& [stage, seconds] : own) stages[stage] = seconds;

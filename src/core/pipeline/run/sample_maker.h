@@ -24,27 +24,27 @@ struct MadeSample {
   std::shared_ptr<const SceneFacts> scene;
 };
 
-// Where samples come from, and what was recorded meanwhile. Safe to use from several threads at once.
+// Makes samples, and writes recordings of their hits or passes. Safe to use from several threads at once.
 class SampleMaker {
  public:
-  // Recordings go to the folders that are not empty. `loading`: see SceneStore.
+  // Recordings are written to the folders whose paths are not empty. `loading`: see SceneStore.
   SampleMaker(ShotSource& source, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
-  // Says which samples will be made, so that scenes go when they are no longer needed, and which of them will not be
-  // made after all. Others may be made as well.
+  // expect() announces a sample that will be made, leaveOut() takes an announcement back. A scene is unloaded after its
+  // last announced sample. Samples that were not announced may be made as well.
   void expect(const SampleAddress& address) { scenes_.expect(address.sequence); }
   void leaveOut(const SampleAddress& address) { scenes_.leave(address.sequence); }
 
-  // Sets up the scene of a sequence; make() does so otherwise.
+  // Sets up the scene of a sequence now; otherwise make() does it.
   void prepare(std::size_t sequence) { scenes_.enter(sequence); }
   MadeSample make(const SampleAddress& address);
 
-  // Once all are made: ends the recordings.
+  // Ends the recordings. Call it after all samples are made.
   void finish();
   const SceneStore& scenes() const { return scenes_; }
-  // Threads run each stage's work by themselves, but for tracing, which may be helped by idle ones; so what this adds
-  // up is close to, not exactly, the time on processors.
+  // Returns the time of each stage, added up over threads. It is close to the processor time, but not equal: each stage
+  // runs on one thread, except that idle threads may help with tracing.
   StageSeconds stageSeconds() const;
 
  private:
@@ -58,7 +58,7 @@ class SampleMaker {
   bool overwrite_;
   SceneStore scenes_;
   Recorder recorder_;
-  std::once_flag opened_;  // the recorder
+  std::once_flag opened_;  // for opening the recorder
   BufferPool<ShotBuffers> buffers_;
   StageClock clock_;
 };

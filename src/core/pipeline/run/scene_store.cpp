@@ -23,7 +23,7 @@ namespace scanmill {
 
 namespace {
 
-// A program that takes less than this part of its memory sets its first scenes up side by side.
+// While the program takes less than 1 / kSmallShare of its memory limit, its first scenes are set up at the same time.
 constexpr std::uint64_t kSmallShare = 8;
 
 bool memoryIsScarce() {
@@ -34,7 +34,7 @@ bool memoryIsScarce() {
 
 struct SceneStore::Slot {
   tbb::collaborative_once_flag once;
-  TaskOrder loaded;  // what the thread that loads does comes before what others do with it
+  TaskOrder loaded;  // the work of the loading thread happens before that of others with the scene
   std::exception_ptr failure;
   ReadyScene ready;
   std::uint64_t lastUse = 0;
@@ -56,11 +56,11 @@ SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> 
 
 SceneStore::~SceneStore() = default;
 
-// Whether there is room for one more scene beside those that are in use.
+// True if one more scene fits into memory beside those in use.
 bool SceneStore::fitsOneMore() const {
   const auto used = std::count_if(slots_.begin(), slots_.end(), [](const auto& s) { return s.second.use_count() > 1; });
   if (used == 0) return true;
-  if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();  // the first is being loaded
+  if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();  // the first scene is being loaded
   return plan_.bytesInMemory(static_cast<std::uint64_t>(used + 1) * largest_) <= memoryLimitBytes();
 }
 
@@ -69,12 +69,12 @@ std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
   std::unique_lock lock(mutex_);
   while (!slots_.contains(scene) && !fitsOneMore()) {
     lock.unlock();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // users give scenes back without a word
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // no signal tells that a scene was released
     lock.lock();
   }
   if (!slots_.contains(scene)) {
-    // Where memory is scarce, one goes for each that comes, and as many as leave room for it: of those that nobody uses
-    // those that were not used for the longest time.
+    // Unload unused scenes, the least recently used first: as many as it takes to make room for the new scene, and at
+    // least one if memory is scarce.
     for (;;) {
       auto oldest = slots_.end();
       for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
@@ -127,7 +127,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const Sequence& own = pipeline.sequences[sequence];
     loading_(own);
     ReadyScene& ready = slot.ready;
-    ::malloc_trim(0);  // each thread would keep what it has given back of the scene before
+    ::malloc_trim(0);  // returns the memory of unloaded scenes, which the allocator would keep for each thread
     ready.scene = source_.load(sequence);
     ready.method = source_.method(ready.scene);
     if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
@@ -153,11 +153,11 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
     Told& told = told_[sceneOf_[sequence]];
-    if (std::exchange(told.loaded, true)) return;  // it was here before
+    if (std::exchange(told.loaded, true)) return;  // the scene was loaded and checked before
     told.ofScene = std::move(lines);
     told.account += account;
   } catch (...) {
-    slot.failure = std::current_exception();  // that all see who need the scene
+    slot.failure = std::current_exception();  // thrown again in each thread that needs the scene
   }
 }
 

@@ -22,9 +22,9 @@
 
 namespace scanmill {
 
-// What is told of a scene when it is gone.
+// Facts about a scene that are needed after it is unloaded.
 struct SceneFacts {
-  std::vector<std::string> modelled;  // by the method
+  std::vector<std::string> modelled;  // see Method::modelled()
   Ontology ontology;
 };
 
@@ -34,11 +34,11 @@ struct ReadyScene {
   std::unique_ptr<Method> method;
   std::shared_ptr<const SceneFacts> facts;
   std::optional<SceneProbe> probe;        // none for a recording
-  std::unique_ptr<SceneObjects> objects;  // null where nobody asks for them
-  std::unique_ptr<SceneVoxels> voxels;    // likewise
+  std::unique_ptr<SceneObjects> objects;  // null if the output has no objects
+  std::unique_ptr<SceneVoxels> voxels;    // null if the output has no voxels
 };
 
-// Safe to use from several threads at once: those that need the same scene load it together.
+// Safe to use from several threads at once; threads that need the same scene load it together.
 class SceneStore {
  public:
   // `loading` is called, by any thread, before a scene is loaded for a sequence.
@@ -47,34 +47,33 @@ class SceneStore {
   SceneStore(const SceneStore&) = delete;
   SceneStore& operator=(const SceneStore&) = delete;
 
-  // A frame of the sequence will be asked for; one that was expected is done, or will not be asked for after all.
+  // expect() announces a frame of the sequence; leave() says that an announced frame is done or will not be made.
   void expect(std::size_t sequence);
   void leave(std::size_t sequence);
 
-  // The scene of a sequence, which stays as long as what is returned does. Scenes that nobody uses stay as well while
-  // frames of them are expected and the program takes less than half of the memory that it may take; where it may not
-  // take as much as one more scene needs, this waits until those that are in use are given back. Nobody who keeps one
-  // may therefore wait for somebody who enters. What is told of scenes and sequences is found here, too. Throws
-  // InputError for scenes and methods that cannot be used.
+  // Returns the scene of a sequence, which stays loaded as long as the returned pointer exists. Unused scenes stay
+  // loaded while frames of them are expected and the program takes less than half of its memory limit. If one more
+  // scene would exceed the limit, waits until scenes in use are released; holding a scene while waiting for another
+  // thread's enter() therefore deadlocks. Also checks the scene and the sequence, for warnings(). Throws InputError for
+  // scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
-  // Adds what tracing a frame of a sequence took. Of what its method warns of, all frames of a scene count.
+  // Adds the account of tracing a frame of a sequence. The accounts of all frames of a scene are added up.
   void account(std::size_t sequence, const TraceAccount& account);
 
-  // Once the work is done: by scenes and sequences in the order of the pipeline, whatever the order they were entered
-  // in; no line twice.
+  // Returns the warnings, each once, in the order of the pipeline's scenes and sequences, whatever the order in which
+  // they were entered. Call it after the work is done.
   std::vector<std::string> warnings() const;
-  // By the method's own stages; empty where it has but one.
-  // Who took the shots, where there was a choice (TraceAccount).
+  // Returns the times of the method's own stages; empty if it has only one.
   StageSeconds methodSeconds() const;
   double setupSeconds() const;
 
  private:
   struct Slot;
-  // What is told of a sequence, and of the scene that it is the first to have.
+  // Warnings about a sequence, and about its scene if it is the first sequence with this scene.
   struct Told {
-    bool loaded = false;  // the scene, at least once
-    bool looked = false;  // whether its way was looked at
+    bool loaded = false;  // the scene was loaded at least once
+    bool looked = false;  // the trajectory was checked
     std::vector<std::string> ofScene;
     std::vector<std::string> ofWay;
     TraceAccount account;
@@ -88,13 +87,13 @@ class SceneStore {
   ShotSource& source_;
   const Plan& plan_;
   std::function<void(const Sequence&)> loading_;
-  std::vector<std::size_t> sceneOf_;  // of each sequence: the first sequence that has its scene
+  std::vector<std::size_t> sceneOf_;  // for each sequence, the first sequence with the same scene
   mutable std::mutex mutex_;
   std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by scene
   std::vector<Told> told_;                              // by sequence
-  std::map<std::size_t, std::uint64_t> expected_;       // frames, by scene
+  std::map<std::size_t, std::uint64_t> expected_;       // number of frames, by scene
   std::uint64_t uses_ = 0;
-  std::uint64_t largest_ = 0;  // bytes, of the scenes that were loaded, with what their methods have made of them
+  std::uint64_t largest_ = 0;  // bytes of the largest scene so far, including what its method has built
   StageClock clock_;
 };
 

@@ -18,15 +18,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kAhead = 2;  // samples that are being made or wait to be taken, for each worker
+constexpr std::size_t kAhead = 2;  // samples per worker that are being made or wait to be taken
 
 struct OpenShard {
   std::size_t shard = 0;
   std::size_t samples = 0;
   std::size_t begun = 0;
   std::size_t taken = 0;
-  std::set<std::size_t> made;  // and not taken
-  bool beingTaken = false;     // some thread takes what is made
+  std::set<std::size_t> made;  // samples that are made and not taken
+  bool beingTaken = false;     // a thread is taking samples
 };
 
 class ShardWorkers {
@@ -39,7 +39,7 @@ class ShardWorkers {
     TaskOrder done;
     {
       const TaskOrder::Wait wait(begun, done);
-      // Not isolated, as parallelFor() would be: threads that are done here are to help the others.
+      // Unlike parallelFor(), this is not isolated, so that threads that are done here help the others.
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, workers_, 1),
           [&](const tbb::blocked_range<std::size_t>&) SCANMILL_UNWATCHED {
@@ -90,7 +90,7 @@ class ShardWorkers {
     return open_.emplace_back(std::make_shared<OpenShard>(OpenShard{shard, samples, 0, 0, {}, false}));
   }
 
-  // Of the shards that others have opened, and that have samples nobody has begun.
+  // Returns the open shard with the most samples that no thread has begun; null if there is none.
   std::shared_ptr<OpenShard> mostLeft() const {
     std::shared_ptr<OpenShard> most;
     for (const auto& shard : open_) {
@@ -134,10 +134,10 @@ class ShardWorkers {
   const ShardWork& work_;
   std::mutex mutex_;
   std::condition_variable changed_;  // a sample was taken, or the work has ended early
-  std::size_t next_ = 0;             // the shard that is opened next
+  std::size_t next_ = 0;             // next shard to open
   std::list<std::shared_ptr<OpenShard>> open_;
   std::size_t inFlight_ = 0;    // samples that are begun and not taken
-  std::exception_ptr failure_;  // the first
+  std::exception_ptr failure_;  // the first exception
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
 #pragma once
 
-// Shards on all threads.
+// Distributes the work on shards over all threads.
 
 #include <atomic>
 #include <cstddef>
@@ -8,21 +8,21 @@
 
 namespace scanmill {
 
-// What is done for a shard. Every call comes from any thread; those of one shard come in this order: open() once,
-// make() for each of its samples, in any order and several at a time, take() for each of them, in order and one at a
-// time, and close() once.
+// The work on shards. Each call may come from any thread. For one shard the calls are: open() once, make() for each of
+// its samples, in any order and several at a time, take() for each sample that is made, in order and one at a time, and
+// close() once.
 struct ShardWork {
-  // How many samples there are to make; 0: none, then nothing more is called for it.
+  // Returns the number of samples to make; if it is 0, nothing more is called for the shard.
   std::function<std::size_t(std::size_t shard)> open;
   std::function<void(std::size_t shard, std::size_t sample)> make;
   std::function<void(std::size_t shard, std::size_t sample)> take;
   std::function<void(std::size_t shard)> close;
 };
 
-// Does the work of the shards 0 to shards - 1, each by a thread of its own, at most `workers` threads. Threads that
-// find no shard any more make samples of those that are not done, and then help whoever shares out his work by
-// parallelFor(). No more samples are being made, or wait to be taken, than two for each worker. Ends early once `stop`
-// (or null) is set or a call throws, and throws what that did.
+// Does the work of the shards 0 to shards - 1 with at most `workers` threads, each on a shard of its own. Threads that
+// find no further shard make samples of unfinished shards, and then help other threads with their parallelFor(). At any
+// time at most two samples per worker are being made or wait to be taken. Ends early once `stop` (may be null) is set
+// or a call throws, and rethrows that exception.
 void workOnShards(std::size_t shards, std::size_t workers, const std::atomic<bool>* stop, const ShardWork& work);
 
 }  // namespace scanmill

@@ -38,7 +38,7 @@ std::vector<std::uint16_t> distinct(const std::vector<std::uint16_t>& ids) {
   return list;
 }
 
-// "3, 7, 9"; the first few of them.
+// Returns the first few values as a text such as "3, 7, 9".
 template <class Values>
 std::string listOf(const Values& values) {
   constexpr std::size_t kMost = 8;
@@ -51,9 +51,9 @@ std::string listOf(const Values& values) {
   return text;
 }
 
-// What the scans say of an image that they name.
+// An image, with facts from the scans that name it.
 struct Image {
-  std::string namedBy;  // the first of them
+  std::string namedBy;  // the first scan
   std::set<std::uint32_t> tables;
   std::set<std::size_t> sensors;
 };
@@ -83,7 +83,7 @@ class RecordingCheck {
   }
 
  private:
-  // A scan as its file tells it.
+  // A scan as its file describes it.
   struct Scan {
     std::string file;
     bool missing = false;
@@ -91,13 +91,13 @@ class RecordingCheck {
     std::vector<std::string> images;
   };
 
-  // Problems name files as recording.json does: without the folder.
+  // Returns a message without the folder's path at its start: problems name files as recording.json does.
   std::string relative(std::string_view message) const {
     if (message.starts_with(prefix_)) message.remove_prefix(prefix_.size());
     return std::string(message);
   }
 
-  // All frames of a sequence. Frames in a row that are missing are one problem.
+  // Checks a sensor's scans of all frames of a sequence. Missing frames in a row count as one problem.
   void checkScans(const RecordedSequence& recorded, std::size_t sensor) {
     Sequence sequence;
     sequence.scene = recorded.scene;
@@ -180,7 +180,7 @@ class RecordingCheck {
     result_.images = list.size();
   }
 
-  // Gives the number of its pixels; 0 where it cannot be read.
+  // Checks an image and returns its number of pixels; 0 if it cannot be read.
   std::uint64_t checkImage(const std::string& file, const Image& image, std::vector<std::string>& problems) const {
     if (!files_.contains(file)) {
       problems.push_back(fmt::format("{}: is missing, but {} names it", file, image.namedBy));
@@ -237,9 +237,9 @@ class RecordingCheck {
 
   const Recording& recording_;
   std::string prefix_;
-  std::set<std::string> files_;  // of the folder
+  std::set<std::string> files_;  // names of the files in the folder
   std::set<std::string> named_;
-  std::map<std::string, Image> images_;  // by their files
+  std::map<std::string, Image> images_;  // by file name
   RecordingVerification result_;
 };
 

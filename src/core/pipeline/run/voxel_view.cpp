@@ -14,21 +14,21 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBeams = 1024;  // that a thread takes at a time
+constexpr std::size_t kBeams = 1024;  // beams that a thread takes at a time
 
-// What beams do in a voxel.
+// Marks of a voxel: a beam ends in it, a beam passes through it.
 constexpr std::uint8_t kEnds = 1;
 constexpr std::uint8_t kPasses = 2;
 
-// Several threads mark the same voxels, whose marks only grow.
+// Adds a mark to a voxel. Several threads may mark the same voxel; marks are never removed.
 void mark(std::uint8_t& voxel, std::uint8_t what) {
   const std::atomic_ref<std::uint8_t> marks(voxel);
   if ((marks.load(std::memory_order_relaxed) & what) == 0) marks.fetch_or(what, std::memory_order_relaxed);
 }
 
-// Marks the voxels that a ray leaves before its length (m), and the one that it ends in (Amanatides and Woo, "A fast
-// voxel traversal algorithm for ray tracing", Eurographics 1987). `origin` (m) and `direction` (unit): in the grid's
-// frame.
+// Marks the voxels that a ray of the given length (m) passes through, and the one that it ends in (Amanatides and Woo,
+// "A fast voxel traversal algorithm for ray tracing", Eurographics 1987). `origin` (m) and `direction` (unit) are in
+// the grid's frame.
 void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, double length,
           std::vector<std::uint8_t>& marks) {
   if (const auto end = grid.at(origin + direction * length)) mark(marks[*end], kEnds);
@@ -76,7 +76,7 @@ void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, do
   }
 }
 
-// How far each beam's axis goes (m); 0 where nothing is known of it.
+// Returns the length of each beam's axis (m); 0 if the beam is unresolved, or has no hit and the own vehicle blocks it.
 std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
   std::vector<double> lengths(hits.size());
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {
@@ -88,7 +88,7 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  // Of several rays of a beam it is not told which went on.
+  // If beams have several rays, it is not known which of them continued through glass.
   const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
@@ -99,11 +99,11 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
   return lengths;
 }
 
-// From the sensor's frame in each step of the revolution to the grid's.
+// Returns the transforms from the sensor's frame in each step of the revolution to the grid's frame.
 std::vector<Affine> gridFromSteps(const Shot& shot) {
   const Pose& front = shot.worldFromSensor.front();
   const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
-  std::vector<Affine> gridFromStep;  // where the sensor is, subtracted first: it may be far from the world's origin
+  std::vector<Affine> gridFromStep;  // positions are subtracted first: they may be far from the world's origin
   for (const Pose& pose : shot.worldFromSensor) {
     gridFromStep.push_back(
         {frontFromWorld * toMatrix(pose.rotation), frontFromWorld * (pose.translation - front.translation)});
@@ -111,7 +111,8 @@ std::vector<Affine> gridFromSteps(const Shot& shot) {
   return gridFromStep;
 }
 
-// Points of a sensor that moves lie in the frame of their own column, unless they are deskewed.
+// Returns 1 for each voxel with a point in it. Points of a moving sensor are in the frame of their own column, unless
+// they are deskewed.
 std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const Scan& scan) {
   const std::vector<Affine> gridFromStep = gridFromSteps(shot);
   const bool skewed = gridFromStep.size() > 1 && !shot.deskew;
@@ -128,7 +129,7 @@ std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const
   return input;
 }
 
-// What the beams do in each voxel.
+// Returns the marks that the beams leave in each voxel.
 std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
                                   const Hits& hits) {
   const BeamTable& beams = *shot.beams;
@@ -146,7 +147,7 @@ std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::
   return marks;
 }
 
-// Calls visit(index) for the voxels that share a face with one.
+// Calls visit(index) for each voxel that shares a face with `voxel`.
 template <class Visit>
 void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visit) {
   std::size_t rest = voxel;
@@ -160,7 +161,7 @@ void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visi
   }
 }
 
-// The empty voxels that a way leads to.
+// Returns 1 for each open voxel: an empty one that is connected to a voxel that a beam passes through.
 std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::uint8_t>& solid,
                                  const std::vector<std::uint8_t>& marks) {
   std::vector<std::uint8_t> open(solid.size());

@@ -1,6 +1,6 @@
 #pragma once
 
-// Drives whose poses depend on the scene.
+// Completes trajectories whose poses depend on the scene.
 
 #include <memory>
 #include <string>
@@ -11,11 +11,11 @@
 
 namespace scanmill {
 
-// Whether a trajectory has poses only when its scene is known.
+// True if a trajectory has no poses until its scene is known.
 bool needsScene(const Trajectory& trajectory);
 
-// It with the way and on the ground that it asks for, in the scene of a sequence. Throws InputError where the scene has
-// none.
+// Returns the trajectory with the random path and on the ground that it asks for, both found in the probe's scene.
+// Throws InputError if the scene has no such path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 #pragma once
 
-// How sensors stand in a frame and what their receivers make of hits: the same in all frames, unless the pipeline draws
-// it at random.
+// How sensors are mounted in a frame, and the effects of their receivers: the same in all frames, unless the pipeline
+// gives random distributions for them.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,26 +20,26 @@ namespace scanmill {
 struct SensorSetting {
   Pose vehicleFromSensor;
   std::shared_ptr<const Effects> effects;
-  const LightPaths* paths = nullptr;    // those of one of the effects; null: rays end at what they meet first
-  std::shared_ptr<const Hits> vehicle;  // what its rays meet of the own vehicle; null: there is none
+  const LightPaths* paths = nullptr;    // those of one of the effects; null: rays end at their first hit
+  std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the own vehicle; null: no own vehicle
 };
 
 struct FrameSettings {
   std::vector<SensorSetting> sensors;
-  std::vector<DrawnValue> draws;  // what was drawn at random for them
+  std::vector<DrawnValue> draws;  // the random values in these settings
 };
 
-using VehicleHits = std::vector<std::shared_ptr<const Hits>>;  // of each sensor; empty: no vehicle
+using VehicleHits = std::vector<std::shared_ptr<const Hits>>;  // one per sensor; empty: no own vehicle
 
-// Returns the settings as the pipeline says them.
+// Returns the settings with the mounts and effects of Pipeline::sensors.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles);
 
-// Settings of a pipeline that draws some at random. Those of the sequences that were used last are kept. Any thread may
-// call it at any time.
+// Settings of a pipeline in which some are random. Caches those of the sequences that were used last. Safe to call from
+// several threads.
 class DrawnSettings {
  public:
-  // `first`: the settings as the pipeline says them. `traceVehicles`: gives what the rays meet of the own vehicle with
-  // the sensors mounted so.
+  // Returns the settings of a frame. `first`: the result of settingsOf(). `traceVehicles`: returns the hits of the rays
+  // on the own vehicle for given mounts of the sensors.
   template <class TraceVehicles>
   std::shared_ptr<const FrameSettings> of(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame,
                                           const FrameSettings& first, const TraceVehicles& traceVehicles) {
@@ -62,7 +62,7 @@ class DrawnSettings {
   struct Kept {
     std::size_t sequence = 0;
     std::shared_ptr<const VehicleHits> vehicles;
-    std::shared_ptr<const FrameSettings> whole;  // null where frames differ
+    std::shared_ptr<const FrameSettings> whole;  // null if frames differ
   };
 
   static VehicleHits vehiclesOf(const FrameSettings& settings);
@@ -71,7 +71,7 @@ class DrawnSettings {
   void keep(Kept kept);
 
   std::mutex mutex_;
-  std::list<Kept> kept_;  // those used last come first
+  std::list<Kept> kept_;  // the most recently used first
 };
 
 }  // namespace scanmill

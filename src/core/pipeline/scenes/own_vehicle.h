@@ -1,6 +1,6 @@
 #pragma once
 
-// The vehicle that carries the sensors: it hides sectors of their lowest rings.
+// The vehicle that carries the sensors: it occludes sectors of their lowest rings.
 
 #include <filesystem>
 
@@ -11,16 +11,16 @@
 
 namespace scanmill {
 
-// What each ray of a sensor's table meets of its own vehicle, however near. The same in all shots: sensor and vehicle
-// move together. `vehicle`: a scene in the vehicle's frame.
+// Returns the hit of each ray of a sensor's beam table on its own vehicle, however near. All shots have the same hits,
+// since sensor and vehicle move together. `vehicle`: a scene in the vehicle's frame.
 Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
 
-// The share of the rays that the vehicle is in the way of.
+// Returns the share of the rays that hit the vehicle.
 double blockedShare(const Hits& vehicle);
 
-// Puts the vehicle in front of what the rays meet otherwise: where it is nearer, the ray meets the vehicle (path
-// OwnVehicle, no instance, no material, which is matt), or nothing where that is nearer than the sensor's least range
-// `minRange` (m). Both tables are of the same rays.
+// Replaces each hit that lies behind the vehicle by the ray's hit on the vehicle (path OwnVehicle, no instance, no
+// material, matt), or by a miss if the vehicle is nearer than the sensor's least range `minRange` (m). Both tables have
+// the same rays.
 void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits);
 
 }  // namespace scanmill

@@ -18,26 +18,26 @@
 namespace scanmill {
 namespace {
 
-constexpr double kCell = 0.25;        // m, of what is known of the surface
-constexpr double kReach = 1;          // m, by which the surface may rise or fall from one look to the next
-constexpr double kClear = 2.5;        // m, above the surface
+constexpr double kCell = 0.25;        // m, cell size of the cached heights
+constexpr double kReach = 1;          // m by which the surface may rise or fall from one test to the next
+constexpr double kClear = 2.5;        // m of free height above the surface
 constexpr double kHalfWidth = 1;      // m, of a vehicle
 constexpr double kHalfLength = 2;     // m
-constexpr double kStep = 4;           // m, of an arc
-constexpr double kTightest = 6;       // m, of radius
-constexpr double kFromEdge = 2;       // m, on its side
-constexpr double kOpen = 12;          // m to the edge, from where on a road is taken for a place
-constexpr double kWishLasts = 24;     // m of way, for which a vehicle means to turn or not
-constexpr double kTurns = 0.4;        // share of its ways on which a vehicle means to turn
-constexpr int kLook = 12;             // m, behind an arc
-constexpr int kStarts = 24;           // places that are tried
-constexpr int kMostTurnsBack = 2000;  // of a search
+constexpr double kStep = 4;           // m, length of an arc
+constexpr double kTightest = 6;       // m, least radius
+constexpr double kFromEdge = 2;       // m to the edge of the road on the vehicle's side
+constexpr double kOpen = 12;          // m to the edge, from which on the surface is an open place, not a road
+constexpr double kWishLasts = 24;     // m of path for which a vehicle means to turn or to go straight
+constexpr double kTurns = 0.4;        // share of these stretches on which it means to turn
+constexpr int kLook = 12;             // m that are tested ahead of an arc
+constexpr int kStarts = 24;           // starting points that are tried
+constexpr int kMostTurnsBack = 2000;  // backtracking steps of a search
 
 struct State {
   Vec3d place;
   double yaw = 0;
 
-  // So far on, in an arc that turns to the left by so much a metre.
+  // Returns the state `metres` further along an arc of this curvature (rad/m, positive to the left).
   State on(double metres, double curvature) const {
     const double middle = yaw + curvature * metres / 2;
     const double bend = curvature * metres / 2;
@@ -47,13 +47,14 @@ struct State {
   Vec3d left(double metres) const { return place + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
 };
 
-// Where the surface is free.
+// Tells where surfaces of these classes are free of obstacles; caches the answers by cell.
 class FreeSurface {
  public:
   FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
       : probe_(probe), classes_(std::move(classes)) {}
 
-  // The height of the surface at a place, where it is about as high as that and nothing hangs over it.
+  // Returns the height of the surface at a place (m); nothing if no surface of these classes is about as high as the
+  // place, or if something hangs less than kClear above it.
   std::optional<double> height(const Vec3d& place) const {
     const auto cell = [](double d) { return static_cast<std::int64_t>(std::floor(d / kCell)); };
     const auto layer = static_cast<std::int64_t>(std::floor(place.z));
@@ -64,14 +65,14 @@ class FreeSurface {
     return known_[key] = look(middle);
   }
 
-  // Room for a vehicle: the height of its middle.
+  // Returns the height of the surface under the vehicle's middle (m) if the vehicle has room there, else nothing.
   std::optional<double> room(const State& s) const {
     const std::optional<double> middle = height(s.place);
     if (!middle || !height(s.left(kHalfWidth)) || !height(s.left(-kHalfWidth))) return std::nullopt;
     return middle;
   }
 
-  // Whether nothing stands between two states in which there is room, less than a few metres apart.
+  // True if there is no obstacle between two states. Both must have room and be less than a few metres apart.
   bool passes(const State& from, const State& to) const {
     std::vector<SceneProbe::Ray> rays;
     double reach = 0;
@@ -89,7 +90,7 @@ class FreeSurface {
     return std::none_of(met.begin(), met.end(), [](const auto& m) { return m.has_value(); });
   }
 
-  // One metre on in an arc; nothing where there is no room, or something stands in the way.
+  // Returns the state one metre further along an arc; nothing if it has no room or an obstacle lies before it.
   std::optional<State> metreOn(const State& from, double curvature) const {
     State s = from.on(1, curvature);
     const std::optional<double> height = room(s);
@@ -98,7 +99,7 @@ class FreeSurface {
     return passes(from, s) ? std::optional(s) : std::nullopt;
   }
 
-  // How far it is to the edge, to the left or to the right (m), at most kOpen.
+  // Returns the distance to the edge of the surface (m), at most kOpen. `side`: 1 to the left, -1 to the right.
   double toEdge(const State& s, double side) const {
     double far = 0;
     while (far < kOpen && height(s.left(side * (far + kCell)))) far += kCell;
@@ -110,7 +111,7 @@ class FreeSurface {
     const double high = 0.5 + kReach;
     const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
     if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
-    // What hangs lower than where the rays begin has been met by the one down.
+    // The ray down has already tested the space below its start; the ray up tests the rest.
     const double over = below->place.z + kClear - (middle.z + high);
     if (over > 0 && probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, over)) return std::nullopt;
     return below->place.z;
@@ -121,7 +122,7 @@ class FreeSurface {
   mutable std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::optional<double>> known_;
 };
 
-// Draws numbers one after the other, which follow from the seed and the name.
+// A sequence of random numbers that follows from the seed and the name.
 class Draws {
  public:
   Draws(std::uint64_t seed, const std::string& name) {
@@ -133,7 +134,7 @@ class Draws {
     ++address_.frame;
     return uniform(randomBlock(address_)[0]);
   }
-  // The same for the same number.
+  // Returns a random number that depends on `number` alone, not on earlier calls.
   double at(std::uint32_t number) const {
     RandomAddress a = address_;
     a.frame = number;
@@ -145,7 +146,7 @@ class Draws {
   RandomAddress address_;
 };
 
-// The upward triangles of these classes, with the sums of their areas (m^2) as seen from above.
+// Triangles less than 60 degrees steep, with the running sums of their areas (m^2) as seen from above.
 struct Floor {
   std::vector<std::array<Vec3d, 3>> triangles;
   std::vector<double> sums;
@@ -174,13 +175,13 @@ Vec3d placeOn(const Floor& floor, Draws& draws) {
   return t[0] * (1 - root) + t[1] * (root * (1 - v)) + t[2] * (root * v);
 }
 
-// A depth-first search of arcs, the best first.
+// A depth-first search over arcs, which tries the cheapest arc first.
 class Search {
  public:
   Search(const FreeSurface& surface, const RandomWay& random, const Draws& draws)
       : surface_(surface), random_(random), draws_(draws) {}
 
-  // The longest way from there that was found, as long as is asked for if there is one.
+  // Returns the longest path from `start` that was found; the search ends once it is as long as `random` asks.
   std::vector<Vec3d> from(const State& start) {
     std::vector<Node> nodes{open({start, 0}, 0)};
     std::vector<Vec3d> longest;
@@ -214,12 +215,12 @@ class Search {
   };
   struct Node {
     End at;
-    std::vector<Arc> arcs;  // from here, the best first
+    std::vector<Arc> arcs;  // from this node, the cheapest first
     std::size_t next = 0;
   };
   using Spot = std::tuple<std::int64_t, std::int64_t, std::int64_t, int>;
 
-  // States that are much the same.
+  // Returns a key that states of about the same position and heading share.
   static Spot spotOf(const State& s, double size, int headings) {
     const auto heading = static_cast<int>(std::lround(s.yaw / (2 * kPi) * headings));
     return {std::llround(s.place.x / size), std::llround(s.place.y / size), std::llround(s.place.z / kClear),
@@ -249,7 +250,7 @@ class Search {
     return node;
   }
 
-  // Null where a vehicle has no room on it.
+  // Returns the arc of this curvature from `at`; nothing if a vehicle has no room on it or its end is a dead end.
   std::optional<Arc> arcOf(const End& at, double curvature, double wished) const {
     State s = at.state;
     for (int i = 0; i < static_cast<int>(kStep); ++i) {
@@ -261,7 +262,7 @@ class Search {
     const double bend = kTightest * curvature;
     const double change = kTightest * (curvature - at.curvature);
     double cost = 0.3 * bend * bend + 1.5 * change * change;
-    // Where it gets, and where it heads to: without that it would swing about its side of the road.
+    // Rate the end of the arc and the points straight ahead of it; by the end alone the path would oscillate.
     for (const double ahead : {0.0, 4.0, 8.0}) cost += offSide(s.on(ahead, 0), curvature, wished);
     const auto [far, end] = lookAhead(s);
     if (const auto been = been_.find(widely(end)); been != been_.end()) cost += 3 * been->second;
@@ -269,9 +270,10 @@ class Search {
     return Arc{{s, curvature}, cost};
   }
 
-  // By how much it is not where it wants to be, across the road; in the open, not turning as it means to.
+  // Returns the cost of a state: of its lateral distance from the wanted line on the road, and, where the surface is
+  // open on its side, of not turning as wished. Off the surface it is constant.
   double offSide(State s, double curvature, double wished) const {
-    constexpr double kMost = 2;  // m, within which the cost is quadratic; beyond it grows evenly
+    constexpr double kMost = 2;  // m, up to which the cost grows quadratically; beyond it grows linearly
     const std::optional<double> height = surface_.height(s.place);
     if (!height) return 2 * kMost * kMost;
     s.place.z = *height;
@@ -287,7 +289,7 @@ class Search {
     return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;
   }
 
-  // How far a vehicle gets from there by the best of a few plain arcs (m), at most kLook, and to where.
+  // Returns how far a vehicle gets (m, at most kLook) on the best of a few arcs from a state, and the state there.
   std::pair<double, State> lookAhead(const State& from) const {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
@@ -307,11 +309,12 @@ class Search {
   const FreeSurface& surface_;
   const RandomWay& random_;
   const Draws& draws_;
-  std::map<Spot, int> been_;  // how often the way so far has been there
-  std::set<Spot> dead_;       // from where no way is long enough
+  std::map<Spot, int> been_;  // how often the path so far has passed each spot
+  std::set<Spot> dead_;       // spots from which no path is long enough
 };
 
-// Facing the way that is free for longest.
+// Returns the state at a place that faces where a straight line stays free for longest; nothing if no such line is
+// longer than two arcs.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
   std::optional<State> best;
   int farthest = 2 * static_cast<int>(kStep);
@@ -329,7 +332,7 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
   return best;
 }
 
-// Where the size of a scene may be why nobody drives far in it; else empty.
+// Returns a hint at the scene's size if it may be the reason why no long path fits; else an empty text.
 std::string sizeHint(const Scene& scene) {
   constexpr double kSmall = 20;       // m
   constexpr double kLarge = 100'000;  // m

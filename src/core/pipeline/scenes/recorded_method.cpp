@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-// Effects look materials up by the hits' index.
+// Throws InputError if a material index of the hits, by which effects look materials up, is not in the recording.
 void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
   if (hits.material.empty() || !hits.roughness.empty()) return;
   const std::size_t table = recording.sequences[shot.scene].materials;
@@ -90,7 +90,8 @@ class RecordedPasses : public Method {
   std::uint64_t memoryBytes() const override { return 0; }
 
  private:
-  // With the look that the file tells, in place of its materials'; then these may be absent.
+  // Reads the passes of a file. If it stores surface parameters, they replace those of the materials, and the material
+  // ids may be missing (then 0).
   static PassImage read(const std::filesystem::path& file, PassChoice asked) {
     const PassChoice there = passesIn(file);
     asked.surfaceParameters = there.surfaceParameters;

@@ -7,7 +7,8 @@
 
 namespace scanmill {
 
-// Hits, or samples passes, of the pipeline's recording. The pipeline must outlive it.
+// Returns a method that gives the hits of the pipeline's recording, or samples its passes. The pipeline must outlive
+// the method.
 std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline);
 
 }  // namespace scanmill

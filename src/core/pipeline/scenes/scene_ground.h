@@ -1,6 +1,6 @@
 #pragma once
 
-// The surfaces of a scene that vehicles stand on.
+// Finds the surfaces of a scene on which vehicles stand.
 
 #include <vector>
 
@@ -9,11 +9,11 @@
 
 namespace scanmill {
 
-// Ids of classes by their names. Throws InputError at `where` for one that the ontology does not have.
+// Returns the ids of classes by their names. Throws InputError at `where` for a name that the ontology does not have.
 std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
                                     const Location& where);
 
-// Surfaces that are no steeper than 60 degrees, of certain classes; where none is named, of all that are no things.
+// Surfaces no steeper than 60 degrees, of the given classes; if no class is given, of all that are not thing classes.
 class SceneGround : public Ground {
  public:
   // The probe must outlive it.

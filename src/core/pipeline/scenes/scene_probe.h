@@ -1,6 +1,6 @@
 #pragma once
 
-// Asks a scene what rays meet, before anything is scanned: for ways, heights of the ground, and checks.
+// Traces single rays in a scene before it is scanned: to find paths and ground heights, and for checks.
 
 #include <memory>
 #include <optional>
@@ -25,15 +25,15 @@ class SceneProbe {
     std::uint32_t instance = 0;
   };
 
-  // By `method` where that is exact, else by one that is, which it makes. The scene, as it is at the time 0, and the
-  // method must outlive it.
+  // Traces with `method` if `entry` says that it is exact, else with a reference method that the probe creates. Objects
+  // are where they are at the time 0. The scene and the method must outlive the probe.
   explicit SceneProbe(const Scene& scene, const Method* method = nullptr, const MethodEntry* entry = nullptr);
 
   const Scene& scene() const { return scene_; }
-  // The first that each ray meets within `reach` m. Faster than ray by ray.
+  // Returns the first hit of each ray within `reach` m. Faster than a call for each ray.
   std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach) const;
   std::optional<Met> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
-  // All that a ray meets one behind the other, a hundred at most.
+  // Returns all hits along a ray, the nearest first, a hundred at most.
   std::vector<Met> all(const Ray& ray, double reach) const;
 
  private:

@@ -18,10 +18,10 @@ namespace scanmill {
 namespace {
 
 constexpr double kHeight = 1.73;  // m, of the sensor above the lane
-constexpr double kBetween = 25;   // m, from place to place
-constexpr int kTries = 8;         // scenes that are made, at most, before the nearest is taken
+constexpr double kBetween = 25;   // m, from pose to pose
+constexpr int kTries = 8;         // scenes that are generated at most, before the best of them is taken
 constexpr double kMostFactor = 40;
-constexpr double kLeastFactor = 1.0 / 100;  // below it: none at all
+constexpr double kLeastFactor = 1.0 / 100;  // a smaller factor becomes 0
 
 std::shared_ptr<const BeamTable> coarseBeams() {
   auto beams = std::make_shared<BeamTable>();
@@ -40,7 +40,7 @@ std::shared_ptr<const BeamTable> coarseBeams() {
   return beams;
 }
 
-// Evenly along a polyline, and above it.
+// Returns poses evenly spaced along a polyline and kHeight above it.
 std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
   const Path path(lane);
   const int count = std::max(1, static_cast<int>(path.length() / kBetween));
@@ -52,7 +52,7 @@ std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
   return poses;
 }
 
-// How far the bounds are from being met: 0 where all are.
+// Returns a measure of how far the found shares are outside of their bounds; 0 if all bounds are met.
 double distanceOf(const std::vector<ShareBound>& bounds) {
   double sum = 0;
   for (const ShareBound& b : bounds)
@@ -60,12 +60,13 @@ double distanceOf(const std::vector<ShareBound>& bounds) {
   return sum;
 }
 
-// A supply's factor: between one that gave too little and one that gave too much, once both are known.
+// The factor by which a supply is multiplied. `low` gave too little and `high` too much; once both are known, the
+// factor stays between them.
 struct Dial {
   double factor = 1;
   std::optional<double> low, high;
 
-  // To more of it, or less: by the ratio of what is wanted and what was found.
+  // Raises or lowers the factor. `ratio`: the wanted share over the found one, used until `low` and `high` are known.
   void turn(bool more, double ratio) {
     (more ? low : high) = factor;
     if (low && high) {
@@ -77,9 +78,10 @@ struct Dial {
   }
 };
 
-// Turns the dials of the bounds that are not met. A supply of which one bound asks for more and another for less stays.
+// Adjusts the factors of supplies whose bounds are not met. A factor stays if one bound asks for more of the supply and
+// another for less.
 void turn(std::array<Dial, kSupplies>& dials, const std::vector<ShareBound>& bounds) {
-  constexpr double kInside = 0.15;  // of a bound, as far as one aims within it
+  constexpr double kInside = 0.15;  // share of a bound by which the wanted value lies inside of it
   for (std::size_t s = 0; s < kSupplies; ++s) {
     double more = 0;
     double less = 0;
@@ -129,7 +131,7 @@ void measureShares(Scene& scene, const std::vector<Vec3d>& lane) {
 Scene readSceneToShares(const std::filesystem::path& file, SceneOptions options) {
   Scene scene = readScene(file, options);
   if (scene.shares.empty()) return scene;
-  // The shares are of the scene's own classes, so that it is the same whatever its points are labelled with.
+  // Shares are counted in the scene's own classes, so that the scene is the same for every ontology of the labels.
   const std::filesystem::path labels = std::exchange(options.ontology, {});
   if (!labels.empty()) scene = readScene(file, options);
   const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Loads the scenes of a plan and makes the shots of its frames, from what scenes and random values give.
+// Loads the scenes of a plan and makes the shots of its frames.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,8 +18,8 @@
 
 namespace scanmill {
 
-// Makes the method that a pipeline or a study names; not `auto`, which names none. Throws InputError for what is wrong
-// with the options.
+// Creates the method that a pipeline or a study names; `auto` must have been settled before. Throws InputError for
+// wrong options, and if the scene moves and the method cannot follow it.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
 struct Frame {
@@ -27,36 +27,35 @@ struct Frame {
   std::vector<Shot> shots;  // one per sensor
 };
 
-// Any thread may call it at any time. It keeps the drives that it has found in scenes, and the settings that it has
-// drawn for the sequences used last; neither changes a result.
+// Safe to call from several threads. Caches the drives that it has found in scenes, and the random settings of the
+// sequences used last; neither cache changes a result.
 class ShotSource {
  public:
-  // Reads the own vehicle and traces it. The plan must outlive what is made. Throws InputError.
+  // Reads the own vehicle and traces it. The plan must outlive this object. Throws InputError.
   explicit ShotSource(const Plan& plan);
   ShotSource(const ShotSource&) = delete;
   ShotSource& operator=(const ShotSource&) = delete;
 
   const Plan& plan() const { return plan_; }
 
-  // Loads the scene of a sequence; textures only where a channel needs them. Of a recording: what scans need of its
-  // scene, which is its classes and materials. Throws InputError.
+  // Loads the scene of a sequence, with textures only if a channel needs them. For a recording, the scene has only the
+  // classes and materials, which are all that scans need. Throws InputError.
   Scene load(std::size_t sequence);
   std::unique_ptr<Method> method(const Scene& scene) const;
 
-  // Returns the drive of a sequence, with the way and on the ground that it has in its scene, which is loaded unless
-  // load() has done so; not of a recording.
+  // Returns the trajectory of a sequence, with its random path and on the ground if it asks for them. Loads the scene
+  // if they depend on it and load() was not called yet. Not for recordings, which have no trajectories.
   std::shared_ptr<const Trajectory> drive(std::size_t sequence);
 
-  // Returns the settings of the first frame of the first sequence; where nothing is drawn at random, those of all.
+  // Returns the settings of the first frame of the first sequence; if nothing is random, they are those of all frames.
   const FrameSettings& settings() const { return *settings_; }
-  // Returns how the sensors stand in a frame and what runs on their scans. Throws InputError where what is drawn at
-  // random cannot be.
+  // Returns the mounts and effects of the sensors in a frame. Throws InputError if random values do not fit together.
   std::shared_ptr<const FrameSettings> settings(std::size_t sequence, std::uint32_t frame);
   // Returns the settings and the shots of a frame. Throws InputError as settings() and drive() do.
   Frame frame(std::size_t sequence, std::uint32_t number);
 
-  // Of each sensor, as it is mounted in the first frame: the share of its rays that the own vehicle is in the way of.
-  // Empty where there is no vehicle.
+  // Returns for each sensor, as it is mounted in the first frame, the share of its rays that the own vehicle blocks;
+  // an empty list without an own vehicle.
   std::vector<double> blockedShares() const;
 
  private:
@@ -70,8 +69,8 @@ class ShotSource {
   std::shared_ptr<const Scene> vehicle_;           // null: no own vehicle
   std::shared_ptr<const FrameSettings> settings_;  // of the first frame of the first sequence
   DrawnSettings drawn_;
-  std::mutex mutex_;                                                 // of what follows
-  std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;  // that follow from scenes, by sequence
+  std::mutex mutex_;                                                 // guards drives_
+  std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;  // those found in scenes, by sequence
 };
 
 }  // namespace scanmill

@@ -23,7 +23,8 @@ Value defaultSettings() {
   return parseYaml(list, "settings of auto");
 }
 
-// A percentile of a union is at most the larger one of its parts', a mean too.
+// Returns upper bounds for the union of two sets of errors: its percentiles and means are at most the larger ones of
+// the two sets.
 Spread worstOf(const Spread& a, const Spread& b) {
   Spread s;
   s.count = a.count + b.count;
@@ -53,7 +54,7 @@ GroupErrors worstOf(const GroupErrors& a, const GroupErrors& b) {
   return e;
 }
 
-// Sequences of different scenes, spread over the pipeline's.
+// Returns sequences of different scenes, spread over all sequences of the pipeline.
 std::vector<std::size_t> sequencesOf(const Pipeline& pipeline, std::size_t most) {
   std::vector<std::size_t> firsts;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
@@ -104,18 +105,18 @@ class Calibrator {
   struct Sum {
     double setup = 0;    // s
     double perBeam = 0;  // s
-    int scenes = 0;      // that it was measured on
+    int scenes = 0;      // number of scenes on which the setting was measured
   };
 
-  // What errs too much on the scenes so far need not be measured on more of them.
+  // True if a setting breaks an error limit on the scenes so far: then it need not be measured on more scenes.
   bool erring(const CalibratedSetting& row) const {
     ErrorLimits errors = choice_.limits;
     errors.minRate.reset();
     return !broken(row.candidate, errors).empty();
   }
 
-  // Objects move: methods that take them as standing still are not to be chosen. The others are measured on them as
-  // they stand when the drive begins.
+  // Rules out methods that take objects as standing still, if objects move. The other methods are measured with the
+  // objects where they are when the drive begins.
   static void refuseStill(Calibration& calibration) {
     for (CalibratedSetting& row : calibration.settings) {
       const MethodEntry& entry = *row.setting.choice.entry;
@@ -130,7 +131,7 @@ class Calibrator {
     Scene scene = source_.load(sequence);
     if (scene.moves()) refuseStill(calibration);
     standStill(scene, 0);
-    // Every scene has a share of the shots; the first ones take what is left over.
+    // The shots are divided evenly among the scenes; the first scenes take the remainder.
     const auto shares = static_cast<std::uint32_t>(scenes_.size());
     const std::uint32_t count = choice_.shots / shares + (index < choice_.shots % shares ? 1 : 0);
     std::vector<Shot> shots;
@@ -200,7 +201,7 @@ class Calibrator {
   std::vector<std::size_t> scenes_;
   Progress progress_;
   std::vector<Sum> sums_;
-  std::uint32_t frames_ = 0;  // that were measured
+  std::uint32_t frames_ = 0;  // number of frames that were measured
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
-// The truth: every beam against every triangle that it might meet, in double.
+// Computes the truth: intersects every beam with every triangle that it might hit, in double.
 //
-// Embree only finds candidates. Its boxes and rays are float32, so boxes are given slack for all that rounding moves;
-// which triangle is met, and where, is decided in double from the mesh's own corners.
+// Embree only finds candidate triangles. Its boxes and rays are float32, so the boxes are enlarged by all that rounding
+// may change. Which triangle is hit, and where, is decided in double from the mesh's own corners.
 
 #include "evaluate/exact/exact.h"
 
@@ -23,17 +23,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kGrid = 1024;           // m, between origins; anchored at the scene's centre
-constexpr std::size_t kKeptOrigins = 2;  // that a drive across a grid line needs at once
-constexpr double kRounding = 0x1p-24;    // of a float32, relative
-constexpr double kAlongAnAxis = 1e-12;   // smaller components of a direction are zero for Embree, see component()
+constexpr double kGrid = 1024;           // m, spacing of the worlds' origins, counted from the scene's centre
+constexpr std::size_t kKeptOrigins = 2;  // cached worlds: a drive across a grid line needs two at once
+constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
+constexpr double kAlongAnAxis = 1e-12;   // smaller components of a direction become zero for Embree, see component()
 constexpr HierarchyOptions kUnfiltered{};
 
-// Surfaces are coplanar where they lie within kCoplanar x distance + this of each other along their normals (m), as for
-// ray tracing with the sensor at its origin: what float32 corners near the sensor are rounded by.
+// m. Surfaces are coplanar if they are at most kCoplanar x distance + kFloor apart along their normals, as in ray
+// tracing with the sensor at the world's origin. kFloor is the rounding of float32 corners near the sensor.
 const double kFloor = double{coplanarFloor(0)};
 
-// How far behind the nearest surface its rivals are looked for (m).
+// Returns the range (m) up to which surfaces may be coplanar with the nearest one, which is at `range`.
 double reachOf(double range) {
   return range + (range * double{kReach} + kFloor);
 }
@@ -44,26 +44,26 @@ struct PlacedGeometry {
   double radius;  // m, see ExactWorld
 };
 
-// The scene relative to one origin: each placed mesh is a geometry of Embree, its number the mesh's index in `placed`.
+// The scene relative to one origin. Each placed mesh is an Embree geometry; its geometry id is the index in `placed`.
 struct ExactWorld {
   World world;
   std::vector<PlacedGeometry> placements;
-  double radius = 0;  // m: beams start within it of the origin
+  double radius = 0;  // m; beams start at most this far from the origin
 };
 
 struct Found {
   double range;            // m
   std::uint32_t placed;    // index into World::placed
-  std::uint32_t triangle;  // of its block
+  std::uint32_t triangle;  // index in its block
 };
 
-// Follows a ray through Embree.
+// The data of a ray for Embree's callbacks.
 struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
   double far;                 // m
-  std::vector<Found>* found;  // all that lie within `far`, and some beyond
+  std::vector<Found>* found;  // all hits within `far`, and some beyond
 };
 
 struct WorldCorners {
@@ -85,8 +85,8 @@ float above(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-// A ray of Embree starts off by the rounding of its origin, and strays by that of its direction on the way to the
-// triangle; twice that is added.
+// Gives Embree the box of a triangle, enlarged by twice the error of Embree's rays: the rounding of a ray's origin, and
+// that of its direction times the distance to the triangle.
 void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   const auto& placement = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr);
   const WorldCorners t = cornersOf(*placement.placed, arguments->primID);
@@ -103,7 +103,7 @@ void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = above(box.high.z + slack);
 }
 
-// Embree traces single rays: there is one lane.
+// Intersects a ray with a triangle. Embree traces single rays here, so lane 0 is the only one.
 void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& context = *reinterpret_cast<ExactContext*>(arguments->context);
@@ -121,7 +121,8 @@ void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
   RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = above(far);
 }
 
-// The order among coplanar surfaces: that of ray tracing's filter over a flattened scene.
+// Returns the rank of a hit among coplanar surfaces. The lowest rank wins, as in ray tracing's filter of a flattened
+// scene.
 auto rank(const World& world, const Found& f) {
   const PlacedBlock& placed = world.placed[f.placed];
   const std::uint32_t id = instanceId(placed.firstInstanceId, placed.block->surfaceOf(f.triangle).instance);
@@ -133,7 +134,8 @@ double cosineOf(const World& world, const Found& f, const Vec3d& direction) {
   return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[f.triangle].normal), direction));
 }
 
-// Of all that is coplanar with the nearest, the first by rank; whatever order they were found in. `found` is not empty.
+// Returns the hit with the lowest rank among those coplanar with the nearest one, whatever the order in which they were
+// found. `found` must not be empty.
 Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& direction) {
   if (found.size() == 1) return found.front();
   const Found nearest = *std::min_element(found.begin(), found.end(), [&](const Found& a, const Found& b) {
@@ -151,7 +153,8 @@ Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& 
   return first;
 }
 
-// Embree 3.13 misses hits of rays with components below 1e-18; see also ray tracing.
+// Returns a component of a direction for Embree; tiny ones become 0, as in ray tracing. Embree 3.13 misses hits of rays
+// with components below 1e-18.
 float component(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
@@ -203,7 +206,7 @@ class ExactTracer::Impl {
         shared_(buildSharedMeshes(device_.get(), scene, std::vector<bool>(scene.meshes.size(), true), kUnfiltered)),
         materials_(compactMaterials(scene)) {
     if (scene.moves()) throw Error("the exact reference takes scenes whose objects stand still");
-    shared_.scenes.clear();  // only the triangles are of use here
+    shared_.scenes.clear();  // only the triangles are needed
     if (materials_.empty()) materials_.emplace_back();
   }
 
@@ -257,7 +260,8 @@ class ExactTracer::Impl {
     std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
   }
 
-  // The world whose origin is nearest to the sensor, with slack for all places that beams of the shot start from.
+  // Returns the world whose origin is nearest to the sensor, built or cached, with a radius that includes all positions
+  // from which beams of the shot start.
   std::shared_ptr<const ExactWorld> near(const Shot& shot) const {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;

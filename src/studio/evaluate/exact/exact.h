@@ -1,7 +1,7 @@
 #pragma once
 
-// Traces what beams meet in double precision throughout: the truth that methods are measured against. It is slow, and
-// pipelines cannot name it as a method.
+// Traces the hits of beams in double precision throughout: the truth against which methods are measured. It is slow,
+// and pipelines cannot name it as a method.
 
 #include <memory>
 #include <vector>
@@ -26,8 +26,8 @@ class ExactTracer {
   ExactTracer(const ExactTracer&) = delete;
   ExactTracer& operator=(const ExactTracer&) = delete;
 
-  // Traces a shot by the rules of Method::trace(): range limits, channels, alpha cut-outs, and of coplanar surfaces the
-  // lowest instance id. Several threads may call it at once.
+  // Traces a shot by the rules of Method::trace(): range limits, channels, alpha cut-outs, and the lowest instance id
+  // among coplanar surfaces. Several threads may call it at once.
   void trace(const Shot& shot, Channels channels, ExactHits& hits) const;
 
  private:

@@ -1,8 +1,8 @@
 #pragma once
 
-// Where a beam meets a triangle, in double precision: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT
-// 2(1), 2013. Triangles that share an edge agree to the bit on which side of it a beam passes, so that no beam slips
-// between them.
+// Intersects a beam with a triangle in double precision: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection",
+// JCGT 2(1), 2013. Triangles that share an edge get exactly the same answer on which side of it a beam passes, so that
+// no beam slips between them.
 
 #include <cmath>
 #include <utility>
@@ -12,11 +12,11 @@
 namespace scanmill {
 
 struct TriangleMeet {
-  double range = 0;     // m, along a unit direction; 0 where the beam meets nothing ahead of it
+  double range = 0;     // m, along a unit direction; 0: the beam does not hit the triangle
   double u = 0, v = 0;  // barycentric coordinates of the second and third corner
 };
 
-// A beam in coordinates that are sheared so that its largest component is the z axis.
+// A beam in coordinates that are permuted and sheared so that the beam runs along the z axis.
 class ShearedBeam {
  public:
   ShearedBeam(const Vec3d& origin, const Vec3d& direction) : origin_(origin) {
