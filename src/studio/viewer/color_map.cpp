@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// h, s and v from 0 to 1.
+// Converts a colour from HSV; h, s and v from 0 to 1.
 Rgb fromHsv(double h, double s, double v) {
   Rgb out{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -20,7 +20,7 @@ Rgb fromHsv(double h, double s, double v) {
   return out;
 }
 
-// Steps of the golden ratio spread hues evenly, however many are drawn.
+// Steps of the golden ratio spread hues evenly for any number of ids.
 Rgb colorOfNumber(std::uint32_t number) {
   const double turn = std::fmod(number * 0.6180339887498949, 1.0);
   return fromHsv(turn, 0.45 + 0.15 * (number % 3), 0.95 - 0.15 * (number / 3 % 2));
@@ -49,7 +49,7 @@ Rgb instanceColor(std::uint32_t instance) {
 Rgb classColor(const Ontology* ontology, std::uint16_t id) {
   const SemanticClass* known = ontology == nullptr ? nullptr : ontology->find(id);
   if (known == nullptr) return id == 0 ? kNoValue : colorOfNumber(id);
-  constexpr double kDarkest = 60;  // luma of Rec. 601
+  constexpr double kDarkest = 60;  // luma by Rec. 601, 0 to 255
   const Rgb color = known->color;
   const double luma = 0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2];
   return luma >= kDarkest ? color : mix(color, {255, 255, 255}, (kDarkest - luma) / (255 - luma));

@@ -40,13 +40,13 @@ ColorBy defaultFor(const Scan& scan) {
   return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
-// A colour for each id, and how many finite points have it.
+// The colour of an id, and the number of finite points with this id.
 struct ColorOfId {
   Rgb color{};
   std::uint64_t points = 0;
 };
 
-// `idOf(i)` is the id of point i.
+// Colours each point by its id and returns the ids that occur. `idOf(i)` is the id of point i.
 template <class IdOf, class ColorOf>
 std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, const ColorOf& colorOf,
                                          std::vector<Rgb>& colors) {
@@ -97,7 +97,7 @@ Coloring byInstance(const Scan& scan) {
   return out;
 }
 
-// A colour each: the values are kinds, and no scale.
+// Colours points by cause, each cause in a colour of its own, since causes are categories without an order.
 Coloring byCause(const Scan& scan) {
   Coloring out;
   out.legend.title = kCause.row.name;
@@ -112,9 +112,9 @@ Coloring byCause(const Scan& scan) {
   return out;
 }
 
-// Likewise: the numbers are few.
+// Colours points by return number, each number in a colour of its own, since there are few.
 Coloring byReturn(const Scan& scan) {
-  constexpr double kFirstReturn = 0.7;  // of the colour map
+  constexpr double kFirstReturn = 0.7;  // position on the colour map
   const bool single = scan[kReturn].empty() && scan.planes == 1;
   const auto number = [&](std::size_t i) {
     return single ? 1U : scan[kReturn].empty() ? keyOf(scan, i).number + 1U : scan[kReturn][i];
@@ -139,17 +139,17 @@ double percentile(std::vector<double>& values, double share) {
 
 struct Scale {
   std::string title;
-  double clipped = 0;  // share of the values beyond either end that is given by the values
+  double clipped = 0;  // share of the values beyond each end that follows from the values
   double power = 1;
-  std::optional<double> low{};  // ends that are given by what is shown
+  std::optional<double> low{};  // ends that the quantity fixes; absent: they follow from the values
   std::optional<double> high{};
   bool integers = false;
 };
 
 constexpr double kClipped = 0.01;
-constexpr std::size_t kMostSorted = 1'000'000;  // values that percentiles are taken from
+constexpr std::size_t kMostSorted = 1'000'000;  // greatest number of values that percentiles are computed from
 
-// `at(i)` is the value of point i; `given`, the ends of the scale.
+// Colours points by a number. `at(i)` is the value of point i. `given`: the ends of the scale; absent: from `scale`.
 template <class At>
 Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<ScaleRange>& given, const At& at) {
   Coloring out;
@@ -237,7 +237,7 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
       column.values);
 }
 
-// The figures that are no columns, and the viewer's keys for them.
+// A quantity that is not a column, and the viewer's key for it.
 struct Figure {
   const ColorBy& by;
   char key;

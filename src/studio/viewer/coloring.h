@@ -1,6 +1,6 @@
 #pragma once
 
-// What the colours of a picture mean.
+// Colours the points of a scan and describes the colours in a legend.
 
 #include <compare>
 #include <cstdint>
@@ -18,8 +18,8 @@
 
 namespace scanmill {
 
-// What colours show, by its name: a column of the table (scan/columns.h; "class" for the label), a foreign column of
-// the scan, or one of the figures that follow from what is known of a point: range, height, error.
+// The name of the quantity that colours show: a column of the table (scan/columns.h; "class" for the label), a foreign
+// column of the scan, or a quantity that is computed for each point: range, height, error.
 class ColorBy {
  public:
   explicit ColorBy(std::string name) : name_(std::move(name)) {}
@@ -30,7 +30,7 @@ class ColorBy {
   static std::string_view titleOf(const Column& column) {
     return column.display.title.empty() ? column.name : column.display.title;
   }
-  // The row of the table of columns; null where there is none.
+  // Returns the quantity's row in the table of columns; null if it has none.
   const Column* column() const;
 
  private:
@@ -46,20 +46,20 @@ inline const ColorBy kByRange{"range"};
 inline const ColorBy kByHeight{"height"};
 inline const ColorBy kByError{"error"};
 
-// The names of all but foreign columns. The first ten are those of the viewer's keys 1 to 9 and 0.
+// Returns the names of all quantities except foreign columns. The viewer's keys 1 to 9 and 0 choose the first ten.
 const std::vector<std::string>& colorNames();
 
-// Whether the scan can be coloured so, where errors, which a scan does not say of itself, are known or not.
+// True if the scan can be coloured by this quantity. `errorKnown`: the errors, which no scan contains, are known.
 bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown);
 
-// The names of colorNames(), then the scan's foreign columns.
+// Returns the names of colorNames(), then the scan's foreign columns.
 std::vector<ColorBy> colorsOf(const Scan& scan);
 
 struct LegendEntry {
   std::string name;
   Rgb color{};
   std::int64_t id = -1;      // class id; -1: none
-  std::uint64_t points = 0;  // finite ones of this colour
+  std::uint64_t points = 0;  // number of finite points of this colour
 };
 
 // The ends of a scale.
@@ -69,7 +69,7 @@ struct ScaleRange {
   bool operator==(const ScaleRange&) const = default;
 };
 
-// Colours by numbers, which have a scale.
+// True if the quantity is a number, which is coloured by a scale.
 inline bool isNumeric(const ColorBy& by) {
   return by != kByClass && by != kByInstance && by != kByReturn && by != kByCause;
 }
@@ -81,10 +81,10 @@ struct Legend {
   bool scale = false;
   double low = 0;
   double high = 0;
-  double power = 1;           // the colour at t of the map stands for low + (high - low) * t^power
-  bool integers = false;      // of a scale: its values are whole numbers
-  bool held = false;          // of a scale: its ends were given, and do not follow from the values
-  std::uint64_t unknown = 0;  // finite points whose value is not known: they have the colour kNoValue
+  double power = 1;           // the map's colour at t means the value low + (high - low) * t^power
+  bool integers = false;      // the values of the scale are whole numbers
+  bool held = false;          // the ends of the scale were given and do not follow from the values
+  std::uint64_t unknown = 0;  // number of finite points whose value is unknown; their colour is kNoValue
   std::string whyUnknown{};   // "no partner in the reference"; may be empty
 };
 
@@ -93,24 +93,25 @@ struct Coloring {
   Legend legend;
 };
 
-// What a scan does not say of itself.
+// Input of colorScan() that no scan contains.
 struct ColorContext {
   const Ontology* ontology = nullptr;
-  std::span<const float> error{};     // m, one per point; NaN: not known; empty: none
+  std::span<const float> error{};     // m, one per point; NaN: unknown; empty: no errors are given
   std::string errorTitle{};           // "distance to the reference (m)"; empty: "error (m)"
-  std::string whyNoError{};           // what it means that an error is not known: "no partner in the reference"
-  std::optional<ScaleRange> scale{};  // in place of the ends that follow from the values
+  std::string whyNoError{};           // what an unknown error means: "no partner in the reference"
+  std::optional<ScaleRange> scale{};  // the ends of the scale; absent: they follow from the values
 };
 
-// Throws InputError where the scan lacks the column. Without a choice: class, else intensity, else range. The legend
-// names the classes that the scan holds, in the order of their ids. The scale of a column is what its row of the table
-// says: from the least to the greatest value, or from the 1st to the 99th percentile (of every n-th point where there
-// are millions), or over all values that are valid; foreign columns, range and height have percentiles. Intensity,
-// range and error go by their square roots: intensity falls with the square of the distance, and most points are near.
-// The scale of errors starts at 0. Values beyond a scale have its ends' colours. Uses all threads. Without errors in
-// the context, a point's is the difference of its distance from the sensor's origin and `range_true`; where beams start
-// off that origin, or points are moved into the frame of the revolution's start, that offset is in it. A scan without a
-// column `return` has first returns only, unless it is organised in several planes, which tell the return.
+// Colours the scan's points by `colorBy`; if it is absent by class, else by intensity, else by range. Throws InputError
+// if the scan lacks the column. The legend lists the classes that occur in the scan, in the order of their ids. A
+// column's row of the table says what its scale spans: the least to the greatest value, the 1st to the 99th percentile
+// (of every n-th point if there are millions), or all valid values; foreign columns, range and height span percentiles.
+// The scales of intensity, range and error follow the square root: intensity falls with the square of the distance, and
+// most points are near. The scale of errors starts at 0. Values beyond a scale get the colour of its nearer end. Uses
+// all threads. If the context has no errors, a point's error is its distance from the sensor's origin minus
+// `range_true`; if beams start off that origin, or points are moved into the frame of the revolution's start, the error
+// includes that offset. A scan without a column `return` has only first returns, unless it is organised in several
+// planes, one per return.
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology);
 

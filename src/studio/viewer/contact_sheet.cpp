@@ -37,33 +37,33 @@ struct Model {
   std::vector<const Instance*> instances;
 };
 
-// An instance's name, taken apart: "house" of "house", "house#3", "house/wall 2" and "house#3/wall 2", as ObjectPlacer
-// makes them.
+// The parts of an instance's name as ObjectPlacer forms it: `object` is "house" in "house", "house#3", "house/wall 2"
+// and "house#3/wall 2".
 struct InstanceName {
   std::string object;
-  bool first = true;   // of the object's copies
-  bool whole = false;  // nothing but the object's name
+  bool first = true;   // the instance belongs to the object's first copy
+  bool whole = false;  // the name is just the object's name
 };
 
 InstanceName nameOf(const std::string& instance) {
   static const std::regex form("((?:.*?[^ #])?)(?:#([0-9]+))?(?:/[^/]* [0-9]+)?",
                                std::regex::ECMAScript | std::regex::optimize);
-  constexpr std::size_t kLongest = 4096;  // std::regex recurses over the text
+  constexpr std::size_t kLongest = 4096;  // characters: std::regex recurses over the text
   std::smatch match;
   if (instance.size() > kLongest || !std::regex_match(instance, match, form)) return {instance, true, true};
   return {match[1].str(), !match[2].matched || match[2] == "1", match[1].length() == match[0].length()};
 }
 
-// Without its numbers: "house 12 plinth" and "house 3 plinth" are of one series.
+// Returns a name without its numbers: "house 12 plinth" and "house 3 plinth" belong to one series.
 std::string seriesOf(std::string name) {
   std::erase_if(name, [](unsigned char c) { return std::isdigit(c) != 0; });
   return name;
 }
 
-// The objects in their order.
+// Returns the objects in the order of the scene.
 std::vector<Model> modelsOf(const Scene& scene) {
   std::vector<Model> models;
-  std::map<std::string, std::size_t> known;  // the index of the last of each name
+  std::map<std::string, std::size_t> known;  // index of the last model of each name
   for (const Instance& instance : scene.instances) {
     const InstanceName name = nameOf(instance.name);
     const bool again = known.contains(name.object) && name.whole;  // another object of this name
@@ -72,17 +72,18 @@ std::vector<Model> modelsOf(const Scene& scene) {
       models.push_back({name.object, {}});
     }
     Model& model = models[known[name.object]];
-    // An object without its first copy, which may be left out by chance, shows the first that it has.
+    // If the object's first copy is missing, since copies may be left out at random, show its first existing copy.
     if (name.first || model.instances.empty()) model.instances.push_back(&instance);
   }
   return models;
 }
 
-// Of too many, the first of each series, then the second of each, and so on, in the order that they had.
+// Keeps at most kMostSheetCells models: the first of each series, then the second of each, and so on. Their order stays
+// the same.
 void keepSome(std::vector<Model>& models) {
   if (models.size() <= kMostSheetCells) return;
   std::map<std::string, std::size_t> seen;
-  std::vector<std::pair<std::size_t, std::size_t>> order;  // the place in its series, and the index
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // position in the series, and index of the model
   for (std::size_t i = 0; i < models.size(); ++i) order.emplace_back(seen[seriesOf(models[i].name)]++, i);
   std::sort(order.begin(), order.end());
   order.resize(kMostSheetCells);
@@ -94,13 +95,13 @@ void keepSome(std::vector<Model>& models) {
 }
 
 struct Shape {
-  std::vector<Vec3f> corners;  // m, in the frame of the first instance, where it does not lie on its side
+  std::vector<Vec3f> corners;  // m, after upright() of the first instance
   std::vector<Rgb> colors;
   Box box;
   std::vector<std::pair<std::string, Rgb>> classes;  // the most frequent first
 };
 
-// The heading of an object is undone, its scale and its tilt stay.
+// Returns the transform from the world that undoes an object's heading and position, but not its scale and tilt.
 Affine upright(const Affine& worldFromMesh) {
   const Vec3d x = worldFromMesh.linear.x;
   const double heading = std::hypot(x.x, x.y) > 0 ? std::atan2(x.y, x.x) : 0;
@@ -152,7 +153,7 @@ void addPerson(Shape& shape) {
   }
 }
 
-// From the middle of the front along x, flat on the ground: the ends of segments.
+// Returns an arrow as ends of segments: from the middle of the front along x, flat on the ground.
 std::vector<Vec3f> arrowOf(Box& box) {
   const Vec3d size = box.high - box.low;
   const double length = 0.25 * std::max({size.x, size.y, size.z});
@@ -165,7 +166,8 @@ std::vector<Vec3f> arrowOf(Box& box) {
           Vec3f(tip),  Vec3f(tip + Vec3d{-barb, -barb, 0})};
 }
 
-// Of a model of any size: coordinates are in units of its own size, so that a bus of 12 cm fills its cell too.
+// Draws a model of any size in its cell: coordinates are scaled by the model's size, so that a bus of 12 cm, too, fills
+// its cell.
 Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
   addPerson(shape);
   std::vector<Vec3f> arrow = arrowOf(shape.box);
@@ -179,7 +181,7 @@ Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
   camera.yaw = radians(218);  // looks at the front and the left side
   camera.pitch = radians(22);
   camera.frame({(shape.box.low - middle) * perMetre, (shape.box.high - middle) * perMetre});
-  // What is not tall is lower in the picture than the ball that the camera takes in.
+  // frame() leaves much room above and below a flat model, so the camera moves nearer.
   camera.distance *= size.z < 0.7 * std::max(size.x, size.y) ? 0.75 : 1;
   const CanvasView view{{0, 0, width, height}, camera.camera(width, height), 1000, kCell, true};
   canvas.setViews(std::array{view});

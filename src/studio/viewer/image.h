@@ -1,6 +1,6 @@
 #pragma once
 
-// Pictures in memory and as PNG.
+// Images in memory and as PNG.
 
 #include <array>
 #include <cstddef>
@@ -27,10 +27,10 @@ struct Image {
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
 };
 
-// From a to b, t from 0 to 1.
+// Returns the colour between a (t = 0) and b (t = 1).
 Rgb mix(const Rgb& a, const Rgb& b, double t);
 
-// 8 bit RGB. The same picture gives the same bytes: no clock is written.
+// Encodes the image as 8 bit RGB. The same image gives the same bytes: no time stamp is written.
 std::string encodePng(const Image& image);
 
 }  // namespace scanmill

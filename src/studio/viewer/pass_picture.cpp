@@ -20,15 +20,15 @@ namespace scanmill {
 
 namespace {
 
-// What a file holds, of a camera or of a sensor.
+// The contents of an EXR file of a camera or of a sensor.
 struct ExrImage {
   int width = 0;
   int height = 0;
   std::string size;       // "40 x 20 pixels, 90.0 x 53.1 degrees"
-  bool ofSensor = false;  // hits: their ranges are in the place of depths
+  bool ofSensor = false;  // the file has a sensor's hits; their ranges are stored as depths
   PassPlanes planes;
-  std::vector<float> incidence{};           // of hits: cosine
-  std::vector<std::uint32_t> unresolved{};  // pixels, ascending
+  std::vector<float> incidence{};           // for hits: cosine of the incidence angle
+  std::vector<std::uint32_t> unresolved{};  // indices of pixels, ascending
   std::optional<Ontology> ontology{};
   std::vector<std::string> materials{};
 
@@ -72,7 +72,7 @@ struct Span {
   double high = 1;
 };
 
-// 1st and 99th percentile of what is seen; every 97th pixel will do.
+// Returns the 1st and 99th percentile of the positive finite values; in large images every 97th pixel is enough.
 Span spanOf(const std::vector<float>& values) {
   std::vector<float> seen;
   for (std::size_t i = 0; i<values.size(); i += values.size()> 100'000 ? 97 : 1) {
@@ -86,7 +86,7 @@ Span spanOf(const std::vector<float>& values) {
   return {at(0.01), at(0.99)};
 }
 
-// Makes the planes of an image. What they say of a pixel refers to the image, which they keep.
+// Creates the planes of an image. The planes' `value` functions share ownership of the image.
 class PlaneMaker {
  public:
   explicit PlaneMaker(std::shared_ptr<const ExrImage> image) : image_(std::move(image)) {}
@@ -115,7 +115,7 @@ class PlaneMaker {
     addEntries(p.semantic, semanticColor, semanticName);
     addIds("instance", "a colour each", p.instance, instanceColor,
            [](std::uint32_t id) { return id == 0 ? std::string("none") : std::to_string(id); });
-    const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };  // 0 would be none
+    const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };  // 0 is the colour of no instance
     addIds("material", image_->materials.empty() ? "a colour each" : "", p.material, colorEach,
            [image = image_.get()](std::uint16_t id) {
              return image->materials.empty() ? std::to_string(id) : fmt::format("{} ({})", image->materialName(id), id);
@@ -131,7 +131,7 @@ class PlaneMaker {
   }
 
  private:
-  // `colorOf` and `valueOf` are asked for pixels in which something is seen.
+  // Adds a plane. `colorOf` and `valueOf` are called only for pixels that show a surface.
   template <class ColorOf, class ValueOf>
   void add(const std::string& name, std::string note, const ColorOf& colorOf, const ValueOf& valueOf) {
     PassPlane plane{name, Image(image_->width, image_->height, kBackground), {}, std::move(note), {}};
@@ -169,7 +169,7 @@ class PlaneMaker {
         [&ids, valueOf](std::size_t i) { return valueOf(ids[i]); });
   }
 
-  // Named colours of the ids of the last plane that are seen, the most frequent first.
+  // Adds legend entries to the last plane for the ids that occur in it, the most frequent first.
   template <class Id, class ColorOf, class NameOf>
   void addEntries(const std::vector<Id>& ids, const ColorOf& colorOf, const NameOf& nameOf) {
     if (ids.empty()) return;
@@ -206,7 +206,7 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
   return PlaneMaker(image).make();
 }
 
-// Enlarged or not, each pixel is one of the plane's: an id must not be mixed with another.
+// Scales planes without interpolation, since ids must not be mixed.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
   constexpr double kReadableShare = 1.0 / 7;  // height over width
   constexpr int kInOneRow = 4;

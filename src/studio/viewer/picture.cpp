@@ -34,7 +34,7 @@ std::string text(const Vec3d& place) {
   return fmt::format("{:.4g},{:.4g},{:.4g}", place.x, place.y, place.z);
 }
 
-// The points that a close-up leaves out lose their place, as an organised scan's misses have none.
+// Sets the positions of points outside the close-up to NaN, like misses in an organised scan.
 void keepShown(std::vector<Vec3f>& points, const std::optional<CloseUp>& closeUp) {
   if (!closeUp) return;
   constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -68,11 +68,11 @@ std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
   return fmt::format("{}, {} point{}", title, grouped(static_cast<std::uint64_t>(points)), points == 1 ? "" : "s");
 }
 
-// After the colours of the methods; from Okabe and Ito's palette ("Color universal design", 2008).
+// Used after the colours of the methods; from Okabe and Ito's palette ("Color universal design", 2008).
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
-// A point covers so much of the world as the gap between neighbouring beams, which grows with the range. `unit` is a
-// pixel of a picture 850 pixels high. px.
+// Returns a point's diameter (px) so that it fills the gap between neighbouring beams, which grows with the range.
+// `unit` is a pixel of a picture 850 pixels high.
 double pointDiameter(double range, double scale, double factor, double unit) {
   constexpr double kWorldDiameter = 0.05;      // m
   constexpr double kDiameterPerMetre = 0.003;  // rad; beams 0.2 degrees apart nearly touch
@@ -81,7 +81,7 @@ double pointDiameter(double range, double scale, double factor, double unit) {
   return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
 }
 
-// Of points on a pixel and of equal depth the first is seen.
+// Draws the points. If several points of equal depth fall on one pixel, the first is seen.
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
   constexpr double kMostDiameter = 200;  // px
@@ -96,7 +96,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     std::vector<Vec3f> points;
     std::vector<Rgb> colors;
   };
-  std::map<int, Item> items;  // by their size, px
+  std::map<int, Item> items;  // by the diameter of their points, px
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!isFinite(points[i])) continue;
     const Projected p = view.camera.project(Vec3d(points[i]));
@@ -112,12 +112,12 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     canvas.setPoints(static_cast<ItemId>(size), item.points, item.colors);
     ItemLook look;
     look.size = size;
-    look.round = size > 3;  // smaller ones have too few pixels for a shape
+    look.round = size > 3;  // smaller points have too few pixels for a disc
     canvas.setLook(static_cast<ItemId>(size), look);
   }
 }
 
-// Points beside what their colours mean.
+// Draws the points with a title and, beside them, the legend.
 Image drawBoard(const std::vector<Vec3f>& points, const std::vector<Rgb>& colors, const PictureOptions& options,
                 const Legend& legend, const std::string& left, const std::string& right, const std::string& message) {
   const PanelNeeds needs = needsOfPicture(options.width, options.height, legend.scale || !legend.entries.empty());

@@ -1,6 +1,6 @@
 #pragma once
 
-// A scan as a picture, without a display. All of it wants a device as openOffscreen() does, and throws Error.
+// Draws a scan as a picture, without a display. All functions need a device as openOffscreen() does, and throw Error.
 
 #include <optional>
 #include <string>
@@ -17,28 +17,30 @@ namespace scanmill {
 
 constexpr int kLeastPictureSide = 64;
 constexpr int kMostPictureSide = 8192;
-constexpr int kMostPicturePixels = 36'000'000;  // 8K; drawing takes about 28 bytes for each
+constexpr int kMostPicturePixels = 36'000'000;  // 8K; drawing takes about 28 bytes per pixel
 
 struct PictureOptions {
-  std::optional<ColorBy> colorBy;  // absent: what colorScan() takes
+  std::optional<ColorBy> colorBy;  // absent: colorScan() chooses
   View view = View::Chase;
   int width = 1600;
   int height = 900;
   double zoom = 1;
-  std::optional<CloseUp> closeUp;  // absent: everything; present: only the points that its ball holds
-  double pointSize = 1;            // factor
+  std::optional<CloseUp> closeUp;  // only points within its ball are drawn; absent: all points
+  double pointSize = 1;            // factor of the usual diameter
   bool depthEdges = true;          // points behind a nearer surface are darkened (eye-dome lighting)
 };
 
-// The scan seen from outside. `title` says what it is; points and colours are named beside it. An empty scan gives a
-// picture that says so; a close-up without points throws InputError that says where the nearest are.
+// Draws the scan in perspective or from above, with `title` over it and the number of points and the legend beside it.
+// The picture of an empty scan says that it is empty. Throws InputError if a close-up has no points; the message says
+// where the nearest points are.
 Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
-// The same in colours of one's own; those of points that a close-up leaves out do not matter.
+// Draws the scan as drawPicture() does, in the colours of `coloring`. `options.colorBy` and the colours of points
+// outside a close-up are ignored.
 Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
 
-// Scans on top of one another, each in a colour of its own; where they meet, the first is seen: how methods or settings
-// differ.
+// Draws scans over one another, each in a colour of its own, to show how methods or settings differ. Where points
+// coincide, the one of the first scan is seen.
 struct NamedScan {
   std::string name;
   Scan scan;
@@ -46,9 +48,10 @@ struct NamedScan {
 Rgb overlayColor(std::size_t scan);  // counted from 0
 Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title);
 
-// The scan as its beams look: a row per ring, the highest beams on top, and a pixel per beam, see makeRangeStrip().
-// Pixels are enlarged in whole steps until the image is readable. Of two points on a pixel the nearer wins.
-// Throws InputError where the scan is not organised and lacks ring or column, or is too large for a picture.
+// Draws the scan as a range image: a row per ring, the highest beams on top, and a pixel per beam, see
+// makeRangeStrip(). Pixels are enlarged by a whole factor until the image is readable. If two points fall on one pixel,
+// the nearer is shown. Throws InputError if the scan is not organised and lacks ring or column, or is too large for a
+// picture.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, StripOrder order = StripOrder::Sensor);
 

@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostTicks = 6;
-constexpr double kApart = 0.13;  // of the bar: nearer ones would write over one another
+constexpr double kApart = 0.13;  // least distance of ticks as a share of the bar: nearer labels would overlap
 
 // Mantissa times 10^exponent.
 struct Step {
@@ -19,7 +19,8 @@ struct Step {
   int exponent = 0;
 
   double size() const { return times(1); }
-  // Divided rather than multiplied by what is no binary fraction, so that figures come out round.
+  // Divides by a power of ten instead of multiplying by its inverse, which has no exact binary value, so that the
+  // results print as round numbers.
   double times(double n) const {
     const double whole = n * mantissa;
     return exponent < 0 ? whole / std::pow(10.0, -exponent) : whole * std::pow(10.0, exponent);
@@ -39,9 +40,9 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   std::vector<ScaleTick> ticks;
   Step step{1, static_cast<int>(std::ceil(std::log10(span)))};
   const auto multiples = [&] {
-    constexpr double kSlack = 1e-9;  // of the span: ends that are round are ticks
+    constexpr double kSlack = 1e-9;  // share of the span: with this tolerance round ends get a tick
     constexpr int kMostMultiples = 1000;
-    constexpr double kLargest = 1e15;  // beyond it not every whole number is one of double precision
+    constexpr double kLargest = 1e15;  // beyond this bound doubles do not represent every whole number
     std::vector<ScaleTick> found;
     const double first = std::ceil((low - kSlack * span) / step.size());
     for (int k = 0; k < kMostMultiples && std::abs(first) < kLargest; ++k) {
@@ -56,12 +57,12 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   for (int tried = 0; tried < kMostSteps; ++tried, step = step.smaller()) {
     if (legend.integers && step.exponent < 0) break;
     std::vector<ScaleTick> found = multiples();
-    if (legend.power == 1) {  // all of one step
+    if (legend.power == 1) {  // on a linear scale all ticks have the same step
       if (found.size() > kMostTicks) break;
       if (found.size() > ticks.size()) ticks = std::move(found);
       continue;
     }
-    // The rounder ones go first; smaller steps fill what they leave free.
+    // Ticks of larger steps come first; ticks of smaller steps fill the gaps between them.
     for (ScaleTick& tick : found) {
       const bool free = std::all_of(ticks.begin(), ticks.end(), [&](const ScaleTick& other) {
         return std::abs(other.share - tick.share) >= kApart;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What stands beside the bar of a scale.
+// The ticks and the title of a colour scale's bar.
 
 #include <string>
 #include <vector>
@@ -10,15 +10,15 @@
 namespace scanmill {
 
 struct ScaleTick {
-  double share = 0;  // of the bar, from its low end
+  double share = 0;  // 0 to 1: position on the bar, from its low end
   std::string figure;
 };
 
-// At round values: 1, 2 or 5 times a power of ten, and their multiples; whole ones where the values are. Never more
-// than six. One value alone stands in the middle.
+// Returns at most six ticks at round values: multiples of 1, 2 or 5 times a power of ten; whole numbers if the legend's
+// values are whole. A scale with a single value has one tick, in the middle.
 std::vector<ScaleTick> scaleTicks(const Legend& legend);
 
-// What the scale is of, and how it runs: "range (m), by its square root".
+// Returns the quantity of the scale and how colours follow it: "range (m), by its square root".
 std::string scaleTitle(const Legend& legend);
 
 }  // namespace scanmill

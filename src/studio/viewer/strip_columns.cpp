@@ -20,13 +20,13 @@ double medianOf(std::vector<double>& values) {
   return *middle;
 }
 
-// Azimuths of the beams that met something, ring by ring.
+// Azimuths of the beams that hit something, ring by ring.
 class AzimuthGrid {
  public:
   AzimuthGrid(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
               std::size_t rings, std::size_t columns)
       : rings_(rings), columns_(columns), azimuth_(rings * columns, std::numeric_limits<float>::quiet_NaN()) {
-    constexpr double kOnAxis = 1e-3;  // m: there is no azimuth
+    constexpr double kOnAxis = 1e-3;  // m, from the z axis: nearer points have no azimuth
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Vec3f& p = scan.position[i];
       if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
@@ -34,7 +34,7 @@ class AzimuthGrid {
     }
   }
 
-  // `visit(ring, column, azimuth)` of each.
+  // Calls `visit(ring, column, azimuth)` for each beam.
   template <class Visit>
   void each(const Visit& visit) const {
     for (std::size_t r = 0; r < rings_; ++r) {
@@ -44,7 +44,8 @@ class AzimuthGrid {
     }
   }
 
-  // What the azimuth turns from column to column beyond `roughly`, by beams that are so many columns apart.
+  // Returns by how much azimuth steps per column exceed the estimate `roughly`, each step measured between two beams
+  // that are `apart` columns apart.
   std::vector<double> turns(std::size_t apart, double roughly) const {
     constexpr std::size_t kEnough = 100'000;
     const std::size_t stride = std::max<std::size_t>(azimuth_.size() / kEnough, 1);
@@ -66,12 +67,12 @@ class AzimuthGrid {
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
   constexpr std::size_t kLeastPairs = 16;
-  constexpr double kTurnSlack = 0.03;  // of a revolution: a sensor that itself turns meanwhile
+  constexpr double kTurnSlack = 0.03;  // share of a revolution: the vehicle may turn during the revolution
   StripColumns look;
   std::vector<double> turns = grid.turns(1, 0);
   if (turns.size() < kLeastPairs) return {};
   look.step = medianOf(turns);
-  // Beams that are far apart tell it better.
+  // Beams that are farther apart give a more accurate step.
   for (std::size_t apart = 4; apart <= columns / 4; apart *= 4) {
     turns = grid.turns(apart, look.step);
     if (turns.size() >= kLeastPairs) look.step += medianOf(turns);
@@ -105,10 +106,10 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
     near += static_cast<std::size_t>(
         std::count_if(strays[r].begin(), strays[r].end(), [&](double s) { return std::abs(s - offset) <= reach; }));
   }
-  constexpr double kFollowing = 0.6;  // of the points
+  constexpr double kFollowing = 0.6;  // share of the points
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
-  // Columns of an image, whose azimuths are not evenly apart: they stay below each other.
-  constexpr double kOneWay = 0.9;  // of the steps
+  // Columns of a camera image, whose azimuths are not evenly spaced: rings are not shifted.
+  constexpr double kOneWay = 0.9;  // share of the steps
   turns = grid.turns(1, 0);
   const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });
   if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
@@ -143,7 +144,7 @@ std::size_t StripShifts::place(std::size_t ring, std::size_t column) const {
 }
 
 std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns) {
-  // A beam between two pixels goes the same way in every ring, whatever the rounding.
+  // A beam halfway between two pixels is rounded the same way in every ring, in spite of floating-point errors.
   constexpr double kTie = 1e-6;
   StripShifts shifts;
   shifts.clockwise = look.step < 0;
@@ -168,7 +169,7 @@ std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t 
   const auto apart = static_cast<std::size_t>(*most - *least);
   if (apart >= columns) return {};
   shifts.width = columns + apart;
-  // The leftmost pixel of the leftmost ring is the first.
+  // The leftmost pixel of the leftmost ring gets column 0.
   const std::ptrdiff_t left = *least - (shifts.clockwise ? 0 : static_cast<std::ptrdiff_t>(columns) - 1);
   for (std::ptrdiff_t& base : shifts.base) base -= left;
   return shifts;

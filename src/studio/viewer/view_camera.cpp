@@ -18,7 +18,7 @@ Projected ViewCamera::project(const Vec3d& point) const {
 }
 
 ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp) {
-  constexpr double kStandOff = 4;  // radii of the ball: nearly without foreshortening, 29 degrees across
+  constexpr double kStandOff = 4;  // distance in radii of the ball: little foreshortening, 29 degrees across
   constexpr double kFilled = 0.97;
   OrbitCamera turned = presetCamera(view);
   if (closeUp) {
@@ -28,7 +28,7 @@ ViewCamera makeCamera(View view, int width, int height, double zoom, const std::
   }
   ViewCamera camera = turned.camera(width, height);
   if (closeUp) {
-    // The tangents on the ball touch the picture's edges.
+    // The tangents from the eye to the ball touch the picture's edges.
     camera.focal = kFilled * std::min(width, height) / 2 * std::sqrt(kStandOff * kStandOff - 1);
     camera.nearest = closeUp->within;
   }

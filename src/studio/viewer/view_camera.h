@@ -1,6 +1,6 @@
 #pragma once
 
-// Where a picture of a scan is taken from.
+// The camera of a picture of a scan.
 
 #include <array>
 #include <optional>
@@ -11,7 +11,7 @@
 namespace scanmill {
 
 enum class View {
-  Driver,  // the sensor's eye, straight ahead
+  Driver,  // from the sensor's origin, straight ahead
   Above,   // straight down, x to the right and y up, without perspective
   Chase,   // from behind and above the sensor
 };
@@ -24,7 +24,7 @@ struct Projected {
   double scale = 0;  // pixels per metre at that depth
 };
 
-// A place to look at, and how much of it: the ball of radius `within` about `at`. Metres, sensor frame.
+// The part of a scan to look at: the ball of radius `within` about `at`. Metres, sensor frame.
 struct CloseUp {
   Vec3d at;
   double within = 1;
@@ -45,13 +45,13 @@ struct ViewCamera {
 
   double nearest = 0.5;  // m; nearer points are not seen
 
-  // x, y and scale are meaningless where the depth is below `nearest`.
+  // Projects a point. x, y and scale are meaningless if the depth is below `nearest`.
   Projected project(const Vec3d& point) const;
 };
 
-// For a picture of width x height pixels; `zoom` makes everything that many times larger. A close-up keeps the view's
-// direction of looking, but stands where its ball just fits into the picture, with the same perspective for a ball of
-// any size.
+// Returns the camera for a picture of width x height pixels; `zoom` makes everything that many times larger. With a
+// close-up the camera keeps the view's direction, but is placed where the ball just fits into the picture; the
+// perspective is the same for a ball of any size.
 ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp = {});
 
 }  // namespace scanmill

@@ -1,10 +1,10 @@
 #pragma once
 
-// A canvas is a window, or an image without one, on which VTK draws points, triangles and lines. It knows nothing of
-// scans. Everything is in metres in one frame, the canvas's own (float32 near its origin); an item may stand in it at a
-// pose of its own. Pixels count from the upper left corner. All calls of a canvas come from the thread that opened it.
-// Of windows there is one at a time. VTK is in a module (viewer/canvas/canvas_interface.h), loaded with the first
-// canvas.
+// A canvas is a window, or an image without a window, on which VTK draws points, triangles and lines. It knows nothing
+// of scans. Everything is in metres in one frame, the canvas frame (float32 near its origin); an item may be placed in
+// that frame at a pose of its own. Pixels count from the upper left corner. All calls of a canvas come from the thread
+// that opened it. Only one window is open at a time. VTK is in a plug-in (viewer/canvas/canvas_interface.h), loaded
+// with the first canvas.
 
 #include <array>
 #include <cstdint>
@@ -21,16 +21,16 @@
 
 namespace scanmill {
 
-// A window cannot be opened, since there is no display. The text says what to do.
+// Thrown if a window cannot be opened because there is no display. The text says what to do.
 class NoDisplay : public Error {
  public:
   using Error::Error;
 };
 
-constexpr std::size_t kCanvasViews = 8;  // at once
+constexpr std::size_t kCanvasViews = 8;  // greatest number of views at the same time
 
-using ItemId = std::uint32_t;              // a number of the caller's choice
-using ImageId = std::uint32_t;             // of images, another one
+using ItemId = std::uint32_t;              // chosen by the caller
+using ImageId = std::uint32_t;             // chosen by the caller, independent of item ids
 using Rgba = std::array<std::uint8_t, 4>;  // sRGB, alpha not premultiplied
 
 struct PixelRect {
@@ -43,8 +43,8 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
-// The camera looks through the middle of the rectangle (its centerX and centerY are half the rectangle's sides). What
-// it sees up to `farthest` (m, along its line of sight) is drawn.
+// The camera looks through the middle of the rectangle (its centerX and centerY are half the rectangle's sides). It
+// draws everything up to the depth `farthest` (m, along the line of sight).
 struct CanvasView {
   PixelRect rect;
   ViewCamera camera;
@@ -55,31 +55,31 @@ struct CanvasView {
 
 struct ItemLook {
   Affine canvasFromItem;
-  double size = 1;          // px: the side of a point, the width of a line
+  double size = 1;          // px: side of a point, width of a line
   double opacity = 1;       // 0 to 1
   std::uint32_t views = 1;  // bit k: drawn in view k
   bool lit = true;          // triangles are shaded by a light at the eye
-  bool round = false;       // points are discs, in place of squares
+  bool round = false;       // points are discs instead of squares
 };
 
-// What lies over the views, as panels and their text are made of: triangles, each of which multiplies its colours with
-// an image's. Later ones lie over earlier ones.
+// The overlay is drawn over the views: the triangles of panels and their text. Each triangle multiplies its colours by
+// those of an image. Later triangles are drawn over earlier ones.
 struct OverlayVertex {
   float x = 0;  // px of the canvas
   float y = 0;
-  float u = 0;  // of the image: 0 to 1, from its left and upper edge
+  float u = 0;  // texture coordinates: 0 to 1, from the image's left and upper edge
   float v = 0;
   Rgba color{};
 };
 struct OverlayPart {
-  PixelRect clip;     // px of the canvas: nothing is drawn outside
-  ImageId image = 0;  // that setImage() has been given
-  std::size_t first = 0;
-  std::size_t count = 0;  // of Overlay::corners, three a triangle
+  PixelRect clip;         // px of the canvas: nothing is drawn outside
+  ImageId image = 0;      // an image that setImage() has set
+  std::size_t first = 0;  // index into Overlay::corners
+  std::size_t count = 0;  // number of Overlay::corners, three per triangle
 };
 struct Overlay {
   std::vector<OverlayVertex> vertices;
-  std::vector<std::uint32_t> corners;  // into `vertices`
+  std::vector<std::uint32_t> corners;  // indices into `vertices`
   std::vector<OverlayPart> parts;
 };
 
@@ -90,66 +90,67 @@ struct CanvasEvent {
     Down,    // a button went down
     Up,      // a button went up
     Wheel,   // the wheel turned by `amount`
-    Resize,  // width and height are new; also when the window first stands
-    Redraw,  // the window wants to be drawn again
-    Tick,    // so many milliseconds have passed
-    Close,   // the window is closed by its frame: the last event
+    Resize,  // width and height are new; also sent when the window first appears
+    Redraw,  // the window must be drawn again
+    Tick,    // the tickMilliseconds of run() have passed
+    Close,   // the user closes the window: the last event
   };
   Kind kind = Kind::Tick;
-  std::string key;   // what it types: "a", "A", "[", " "; or its name where it types nothing: "Left", "Return", "F1"
-  std::string text;  // what it types, UTF-8; may be empty
-  int x = 0;         // px, the pointer; may lie outside while a button is down
+  std::string key;   // the character typed: "a", "A", "[", " "; or the name of another key: "Left", "Return", "F1"
+  std::string text;  // the text typed, UTF-8; may be empty
+  int x = 0;         // px, the pointer; may lie outside the canvas while a button is down
   int y = 0;
   int button = 0;  // 1 left, 2 middle, 3 right
   int clicks = 1;  // 2: the second press of a double click
   bool shift = false;
   bool control = false;
-  double amount = 0;  // of Wheel: steps, away from the person positive
+  double amount = 0;  // steps of the wheel, positive away from the user
   int width = 0;      // px, of the canvas
   int height = 0;
 };
 
-// What is passed to a canvas is copied. Its calls throw Error.
+// A canvas copies all data that it is given. All its functions may throw Error.
 class Canvas {
  public:
   virtual ~Canvas() = default;
-  virtual std::string device() const = 0;  // what draws, for reports
+  virtual std::string device() const = 0;  // name of the device that draws, for reports
   virtual int width() const = 0;           // px
   virtual int height() const = 0;
-  // How many times as many pixels as usual a display has for its letters: 2 for the densest; 1 without a window.
+  // Returns the display's scale of text: 1 is usual, 2 the scale of the densest displays; 1 without a window.
   virtual double scale() const = 0;
   virtual void resize(int width, int height) = 0;
-  // Sets the rectangles that are drawn, at most kCanvasViews, none over another. What none covers is black.
+  // Sets the views that are drawn: at most kCanvasViews rectangles, which do not overlap. Pixels outside all are black.
   virtual void setViews(std::span<const CanvasView> views) = 0;
-  // Three corners make a triangle, two ends a segment; each has one colour. An item that is there already is replaced,
-  // and keeps its look. Points that are not finite are never drawn.
+  // Set the elements of an item. Three corners make a triangle, two ends a segment; each element has one colour. An
+  // existing item is replaced, and keeps its look. Points that are not finite are never drawn.
   virtual void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) = 0;
   virtual void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) = 0;
   virtual void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) = 0;
-  // Gives new colours to an item, as many as it has points, triangles or segments.
+  // Gives new colours to an item, one for each of its points, triangles or segments.
   virtual void setColors(ItemId item, std::span<const Rgb> colors) = 0;
-  // Only these points, triangles or segments of an item are drawn from now on. The indices ascend; there may be none.
+  // Draws only these points, triangles or segments of an item from now on. The indices ascend; the list may be empty.
   virtual void showOnly(ItemId item, std::span<const std::uint32_t> indices) = 0;
   virtual void showAll(ItemId item) = 0;
   virtual void setLook(ItemId item, const ItemLook& look) = 0;
-  virtual void drop(ItemId item) = 0;  // does nothing where there is no such item
-  // An image that overlays may show, the upper row first; it replaces one that is there. Where it is enlarged, its
-  // pixels stay squares.
+  virtual void drop(ItemId item) = 0;  // does nothing if the item does not exist
+  // Sets an image for overlays, the upper row first; replaces an image of the same id. Enlarged images are not
+  // interpolated: their pixels stay squares.
   virtual void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) = 0;
-  // Lies above everything until the next.
+  // Sets the overlay, which is drawn over all views until it is replaced.
   virtual void setOverlay(Overlay overlay) = 0;
-  // Draws. Of every item of points only so many are drawn, spread over it, for speed while something moves; 0: all.
+  // Draws the views and the overlay. At most `mostPoints` points of each item, spread over the item, are drawn, for
+  // speed while something moves; 0: all points.
   virtual void render(std::uint64_t mostPoints = 0) = 0;
-  virtual Image read() = 0;  // what was last drawn
-  // Shows a window and gives its events to `handle` until that returns false or the window is closed. `handle` may call
-  // everything but run(). What it throws ends the run and is thrown on.
+  virtual Image read() = 0;  // returns the last picture drawn
+  // Shows a window and gives its events to `handle` until `handle` returns false or the window is closed. `handle` may
+  // call every function except run(). An exception of `handle` ends the run and is rethrown.
   virtual void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) = 0;
 };
 
-// Opens a window on the display that DISPLAY names. Throws NoDisplay, and Error where there is no OpenGL or the module
-// is missing.
+// Opens a window on the display that DISPLAY names. Throws NoDisplay, and Error if there is no OpenGL or the plug-in is
+// missing.
 std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height);
-// Makes an image, without a display, by the device that namedDevice() names (gpu/device.h). Throws Error.
+// Creates an image without a display, drawn by the device that namedDevice() names (gpu/device.h). Throws Error.
 std::unique_ptr<Canvas> openOffscreen(int width, int height);
 
 }  // namespace scanmill

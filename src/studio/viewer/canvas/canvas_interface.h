@@ -1,7 +1,7 @@
 #pragma once
 
-// The interface of libscanmill_viewer.so, in which VTK draws on a window of GLFW, or on EGL without one
-// (base/module.h).
+// The interface of the plug-in libscanmill_viewer.so (base/module.h), in which VTK draws on a GLFW window, or on EGL
+// without a window.
 
 #include <memory>
 #include <string>

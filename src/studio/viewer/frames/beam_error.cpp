@@ -18,9 +18,9 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kGrain = 16384;
-constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // of a table to join by; 4 bytes each
+constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // in the table for the join; 4 bytes each
 
-constexpr int kMostReturns = 16;  // of a beam that are looked at: damaged scans give thousands of points to one beam
+constexpr int kMostReturns = 16;  // read per beam: in damaged scans one beam can have thousands of points
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool isFalsePositive(const Scan& scan, std::size_t point) {
@@ -31,7 +31,7 @@ bool numbersReturns(const Scan& scan) {
   return scan.organised || !scan[kReturn].empty();
 }
 
-// The points of each beam of a scan that have a position, in its order. Beams beyond the extent have none.
+// Lists for each beam its points with a finite position, in the order of the scan. Beams beyond `extent` have none.
 class PointsOfBeams {
  public:
   PointsOfBeams(const Scan& scan, const PointKey& extent)
@@ -47,9 +47,9 @@ class PointsOfBeams {
     }
   }
 
-  // Whether some beam has several.
+  // True if some beam has several points.
   bool several() const { return several_; }
-  // kNone: it has none.
+  // Returns the beam's first point, or kNone.
   std::uint32_t first(const PointKey& key) const {
     const bool within = key.ring < extent_.ring && key.column < extent_.column;
     return within ? first_[std::size_t{key.ring} * extent_.column + key.column] : kNone;
@@ -64,22 +64,22 @@ class PointsOfBeams {
  private:
   PointKey extent_;
   std::vector<std::uint32_t> first_;  // by beam
-  std::vector<std::uint32_t> next_;   // by point: the next one of its beam
+  std::vector<std::uint32_t> next_;   // by point: the next point of its beam
   bool several_ = false;
 };
 
-// Says which point of the reference a point belongs to.
+// Finds the point of the reference that a point of the scan is joined to.
 class Join {
  public:
   Join(const Scan& scan, const Scan& reference, const PointKey& extent)
       : scan_(scan), reference_(reference), ofReference_(reference, extent) {
-    // Where each beam of the reference has one point at most, the scan's count changes nothing.
+    // If each beam of the reference has at most one point, the counts of returns are not needed.
     if (ofReference_.several() && numbersReturns(scan) && numbersReturns(reference)) {
       ofScan_.emplace(scan, extent);
     }
   }
 
-  // kNone: to none.
+  // Returns the point's partner in the reference, or kNone.
   std::uint32_t partnerOf(std::size_t point) const {
     const PointKey key = keyOf(scan_, point);
     const std::uint32_t first = ofReference_.first(key);
@@ -98,7 +98,7 @@ class Join {
   }
 
  private:
-  // Whether the beam has as many returns in both scans, all of surfaces.
+  // True if the beam has equally many returns in both scans and none is a false positive.
   bool sameReturns(const PointKey& key) const {
     int more = 0;
     bool surfaces = true;

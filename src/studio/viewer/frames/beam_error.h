@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures how far the points of a scan lie from where they would be without noise.
+// Measures how far noise has moved the points of a scan.
 
 #include <string>
 #include <vector>
@@ -10,20 +10,20 @@
 
 namespace scanmill {
 
-// The distance (m) of each point of the scan from the point of the same beam and return in its noise-free reference;
-// NaN where the beam has none there, and of false positives, which no surface made. Points are joined by ring, column
-// and number of the return, which an organised scan knows by its order.
+// Returns the distance (m) of each point of the scan from the point of the same beam and return in its noise-free
+// reference; NaN if the beam has no return in the reference, and for false positives, which no surface caused. Points
+// are joined by ring, column and return number, which follow from the order of the points in an organised scan.
 //
-// The number is that of a beam's returns as they are in the scan, the nearest first. Hence it names the same return in
-// both scans only where the beam has as many in both. Where drop-out or false positives have changed their count, or
-// one of the scans does not number its returns, each point is joined to the nearest of the beam's returns in the
-// reference: the same surface, as long as the noise is less than half of what lies between two surfaces.
+// The return number counts the beam's returns in this scan, the nearest first. Hence it identifies the same return in
+// both scans only if the beam has equally many returns in both. If drop-out or false positives have changed the count,
+// or one of the scans does not number its returns, each point is joined to the nearest of the beam's returns in the
+// reference. This is the same surface as long as the noise is less than half the distance between two surfaces.
 //
-// Empty where the scans cannot be joined; then `why` says to the user what they lack.
+// Empty if the scans cannot be joined; then `why` tells the user what the scans lack.
 std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why);
 
-// The difference (m) of each point's range from `range_true`; NaN where a point has no range. Ranges count from where
-// the beam starts; without a beam table, from the sensor's origin. Empty where the scan lacks the column `range_true`.
+// Returns the difference (m) of each point's range from `range_true`; NaN if a point has no range. Ranges count from
+// the beam's origin; without a beam table, from the sensor's origin. Empty if the scan lacks the column `range_true`.
 std::vector<float> rangeErrors(const Scan& scan, const BeamTable* beams);
 
 }  // namespace scanmill

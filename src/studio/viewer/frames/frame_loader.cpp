@@ -35,7 +35,7 @@ std::uint64_t frameBytes(const ViewFrame& frame) {
 ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
   try {
     return source.load(frame);
-  } catch (const std::exception& e) {  // such as too little memory
+  } catch (const std::exception& e) {  // for example if memory runs out
     return {source.keys().at(frame), {}, {e.what()}};
   }
 }
@@ -46,12 +46,12 @@ struct FrameLoader::State {
   struct Kept {
     std::shared_ptr<const ViewFrame> frame;
     std::uint64_t bytes = 0;
-    std::uint64_t used = 0;  // when it was last asked for
+    std::uint64_t used = 0;  // value of `clock` when the frame was last requested
   };
 
   State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), keptBytes(limit) {}
 
-  // All below need the lock.
+  // Callers of the functions below must hold the lock.
 
   bool has(std::size_t number) const { return kept.contains(number); }
 
@@ -62,14 +62,15 @@ struct FrameLoader::State {
     return found->second.frame;
   }
 
-  // Whether the mesh that is there shows a scene: at any time where nothing moves.
+  // True if the loaded mesh shows the scene; if nothing moves in it, the time does not matter.
   bool meshShows(const SceneChoice& scene) const {
     if (mesh == nullptr) return false;
     return meshScene == scene || (!mesh->moves && meshScene.file == scene.file && meshScene.seed == scene.seed);
   }
   bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
 
-  // From the wanted frame to where reading ahead has come, and what threads wait for: these stay.
+  // True if the frame must stay in the cache: a thread waits for it, or it lies between the wanted frame and the next
+  // frame to read ahead.
   bool isNeeded(std::size_t number) const {
     if (awaited.contains(number)) return true;
     if (!wanted) return false;
@@ -84,7 +85,7 @@ struct FrameLoader::State {
     return bytes;
   }
 
-  // Drops what was not used for longest until there is room for so many bytes more. False where there is none.
+  // Drops the least recently used frames until `bytes` more fit into the cache. False if they cannot fit.
   bool makeRoom(std::uint64_t bytes) {
     std::uint64_t held = total();
     while (held + bytes > keptBytes) {
@@ -99,8 +100,8 @@ struct FrameLoader::State {
     return true;
   }
 
-  // The next frame in the direction of stepping that is not there. Reading ahead takes half of the room, for one more
-  // frame like the largest; the rest is for what was seen.
+  // Returns the next frame to read ahead: in the direction of `step` and not cached. Read-ahead frames, together with
+  // one more frame of the largest size, may fill half of the cache; the rest is for frames that were seen.
   std::optional<std::size_t> nextAhead() {
     if (!wanted || readAheadDone) return std::nullopt;
     const auto count = static_cast<std::int64_t>(source->keys().size());
@@ -137,7 +138,7 @@ struct FrameLoader::State {
     }
   }
 
-  // The thread: what is asked for, then the mesh, then what may be asked for next.
+  // Runs on the loading thread: loads requested frames first, then the mesh, then frames that are read ahead.
   void run() {
     std::unique_lock lock(mutex);
     while (!stopping) {
@@ -175,7 +176,7 @@ struct FrameLoader::State {
   std::uint64_t clock = 0;
   std::optional<std::size_t> wanted;
   int step = 1;
-  std::int64_t ahead = 0;  // the next frame to read ahead; beyond either end where there is none
+  std::int64_t ahead = 0;  // the next frame to read ahead; out of range if there is none
   bool readAheadDone = false;
   std::multiset<std::size_t> awaited;
 
@@ -231,7 +232,7 @@ void FrameLoader::wantMesh(const SceneChoice& scene) {
   const std::lock_guard lock(state_->mutex);
   state_->wantedMesh = scene;
   state_->work.notify_all();
-  state_->done.notify_all();  // whoever waits for another one must ask again
+  state_->done.notify_all();  // threads that wait for other frames must request them again
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
@@ -243,7 +244,7 @@ std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) 
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   while (!s.meshShows(scene)) {
-    if (!s.meshMissing()) {  // else another thread's comes first
+    if (!s.meshMissing()) {  // else another thread's mesh is loaded first
       s.wantedMesh = scene;
       s.work.notify_all();
     }

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A scene alone: one frame without scans.
+// A scene without a dataset: one frame without scans.
 class SceneFrames : public FrameSource {
  public:
   explicit SceneFrames(const ViewInput& input)

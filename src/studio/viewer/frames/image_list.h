@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists the EXR images of a recording, or a single one, and what their numbers mean.
+// Lists the EXR images of a recording, or a single image, and what the numbers in them mean.
 
 #include <cstddef>
 #include <filesystem>
@@ -19,15 +19,15 @@ struct ImageList {
   std::vector<std::string> names;            // the names of the files without the suffix
   std::size_t first = 0;                     // index of the file that is shown first
   std::optional<Ontology> ontology;
-  std::optional<Recording> recording;  // the recording that they belong to
+  std::optional<Recording> recording;  // the recording that the files belong to
 
-  // The names of the materials that a file's numbers stand for, by index; empty where they are unknown.
+  // Returns the names of the materials that a file's numbers stand for, by index; empty if they are unknown.
   std::vector<std::string> materials(std::size_t file) const;
 };
 
-// Lists an EXR file, or the images in the folder of a recording in the order of their names, where digits count as
-// numbers. `wanted` is a part of the name, or the index from 0, of the image that is shown first; where it is empty,
-// the first one is. `ontology` stands in place of the recording's. Throws InputError.
+// Lists an EXR file, or the images in the folder of a recording, sorted by name with digits compared as numbers.
+// `wanted` is a part of the name, or the index from 0, of the image that is shown first; if `wanted` is empty, the
+// first image is. `ontology` replaces the recording's. Throws InputError.
 ImageList openImages(const std::filesystem::path& path, const std::string& wanted, std::optional<Ontology> ontology);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// Which triangle of a mesh a ray meets first.
+// Finds the first triangle of a mesh that a ray hits.
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@ namespace scanmill {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kBoxSlack = 1e-6;  // m: flat boxes are met in spite of rounding
+constexpr double kBoxSlack = 1e-6;  // m: rays hit flat boxes in spite of rounding
 
-// Where the ray enters the box (0: it starts inside); the slabs of T. Kay and J. Kajiya, "Ray tracing complex scenes",
-// SIGGRAPH 1986.
+// Returns the distance at which the ray enters the box (0: it starts inside), by the slab method of T. Kay and
+// J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986.
 double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
   double enter = 0;
   double leave = kNever;
@@ -36,7 +36,8 @@ double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
   return enter <= leave ? enter : kNever;
 }
 
-// Both sides count. T. Moeller and B. Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
+// Returns the ray's distance to a triangle, which can be hit from both sides. T. Moeller and B. Trumbore, "Fast,
+// minimum storage ray-triangle intersection", 1997.
 double distanceTo(const Vec3f* corners, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d a(corners[0]);
   const Vec3d ab = Vec3d(corners[1]) - a;

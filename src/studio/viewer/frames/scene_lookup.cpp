@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::string_view kSuffix = ".yaml";
 
-// As pipeline/pipeline.cpp makes a scene's name fit for a key.
+// Converts a scene's name to the form that it has in keys, as pipeline/pipeline.cpp does.
 std::string inKey(std::string name) {
   for (char& c : name) {
     const auto byte = static_cast<unsigned char>(c);
@@ -48,7 +48,7 @@ bool hasSeed(const Value& entry, std::uint64_t seed) {
                      [&](const PlacedInteger& s) { return s.value == static_cast<std::int64_t>(seed); });
 }
 
-// The seed that follows a scene's name at the start of a key.
+// Returns the seed that follows a scene's name at the start of a key.
 std::optional<std::uint64_t> seedBehind(const std::string& key, const std::string& scene) {
   if (!key.starts_with(scene + "-s")) return std::nullopt;
   const std::size_t begin = scene.size() + 2;
@@ -58,12 +58,13 @@ std::optional<std::uint64_t> seedBehind(const std::string& key, const std::strin
 }
 
 struct Entry {
-  std::string file;  // as written
+  std::string file;  // as written in the pipeline
   std::uint64_t seed = 1;
   bool moving = true;
 };
 
-// Of two names that fit ("town" and "town-s1-old"), the longer one.
+// Returns the pipeline's entry whose scene and seed the key starts with. If the names of two entries fit ("town" and
+// "town-s1-old"), the longer one counts.
 std::optional<Entry> entryOf(const Value& root, const std::string& key) {
   const Value* scenes = root.find("scenes");
   std::optional<Entry> best;
@@ -73,7 +74,7 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
     const Value* file = entry.find("scene");
     if (file == nullptr) continue;
     const fs::path name = fs::path(file->text).filename();
-    for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {  // ".yaml" may be left out
+    for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {  // with and without ".yaml"
       const auto seed = seedBehind(key, scene);
       if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;
       const Value* moving = entry.find("moving");

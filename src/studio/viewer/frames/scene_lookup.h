@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the scene that a sample was made of.
+// Finds the scene that a sample was scanned in.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,14 +11,14 @@
 
 namespace scanmill {
 
-// Finds the entry under `scenes:` of the pipeline whose scene and seed make the sample's key. Since the manifest does
-// not say where the pipeline was, a relative file is looked for where the program runs, in the dataset's folder and
-// among the program's own files. Absent where it is not found; then `why` says what is missing. `time` is the sample's
-// (s since the drive began).
+// Finds the entry under `scenes:` of the pipeline whose scene and seed form the beginning of the sample's key. Since
+// the manifest does not record the pipeline's folder, a relative path is looked up in the current folder, in the
+// dataset's folder and among the program's own files. Absent if the scene is not found; then `why` says what is
+// missing. `time`: of the sample (s since the drive began).
 std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const std::filesystem::path& datasetFolder,
                                          const std::string& key, double time, std::string& why);
 
-// The seed of the scene by the sample's key: 3 for "street-s3-lane-000012"; 1 where a key holds no seed.
+// Returns the seed of the scene in the sample's key: 3 for "street-s3-lane-000012"; 1 if the key contains no seed.
 std::uint64_t seedOfKey(const std::string& key);
 
 // Throws InputError unless the file is a scene.

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The names of files or folders, each with as many of the folders above as it takes to tell all apart.
+// Returns the names of files or folders, each with as many parent folders as are needed to make all names different.
 std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
   constexpr int kMostFolders = 8;
   std::vector<fs::path> whole;
@@ -45,7 +45,7 @@ std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
   return labels;
 }
 
-// The first class that the two name differently; empty where there is none.
+// Returns the first class that the ontologies name differently; empty if there is none.
 std::string differenceOf(const Ontology& a, const Ontology& b) {
   const auto name = [](const Ontology& ontology, std::uint16_t id) {
     const SemanticClass* found = ontology.find(id);
@@ -61,7 +61,8 @@ std::string differenceOf(const Ontology& a, const Ontology& b) {
   return {};
 }
 
-// Points of a revolution that were moved to its start cannot be measured from where their beams began.
+// True if the scan's points were moved into the frame of the revolution's start. Then their ranges cannot be measured
+// from the origins of their beams.
 bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
   return manifest != nullptr && manifest->deskewed && record != nullptr && record->worldFromSensor.size() > 1 &&
          record->worldFromSensor.front() != record->worldFromSensor.back();
@@ -69,7 +70,7 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
 
 }  // namespace
 
-// One scan on its way.
+// A scan that is being loaded.
 struct StoredFrames::Loading {
   const Store* store = nullptr;
   std::size_t sample = 0;
@@ -154,7 +155,7 @@ void StoredFrames::takeOntology() {
   }
 }
 
-// What there is of a sample in all stores.
+// Finds the scans of a sample in all stores.
 std::vector<StoredFrames::Loading> StoredFrames::find(const std::string& key,
                                                       std::vector<std::string>& problems) const {
   std::vector<Loading> all;
@@ -285,9 +286,9 @@ std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& 
   return objects_.front();
 }
 
-// What the sample lists, with tracks over its neighbours in time.
+// Returns the objects that the sample lists, with their tracks over the neighbouring frames.
 std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vector<std::string>& problems) const {
-  constexpr std::ptrdiff_t kNeighbours = 10;  // before and after
+  constexpr std::ptrdiff_t kNeighbours = 10;  // frames before and after
   const std::string& key = keys().at(frame);
   std::vector<ViewObject> all;
   const auto sequence = sequences_.find(partsOfKey(key).sequence);
@@ -319,7 +320,7 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
   return all;
 }
 
-// Where the first of its scans that are shown was taken.
+// Returns the sensor's pose in the first scan of the sample that is shown.
 const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
   for (const ScanRecord& scan : sample.scans) {
     const bool shown = input_.sensor.empty() || lowerCase(scan.sensor) == lowerCase(input_.sensor);
@@ -374,7 +375,7 @@ std::vector<std::uint16_t> StoredFrames::classes() const {
 }
 
 std::vector<std::size_t> StoredFrames::damaged() const {
-  // What lies over the first one's scans may be whole.
+  // If there are several stores, a sample that is damaged in the first may be readable in another.
   return stores_.size() == 1 ? first().unreadableSamples() : std::vector<std::size_t>{};
 }
 

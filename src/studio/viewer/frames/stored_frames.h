@@ -32,8 +32,8 @@ class StoredFrames : public FrameSource {
  private:
   struct Store {
     std::unique_ptr<const ScanStore> scans;
-    std::string label;    // as much of the path as tells it from the other stores
-    std::string classes;  // why its classes are not those that are shown; empty where they are
+    std::string label;    // the shortest end of its path that is unique among the stores
+    std::string classes;  // why its classes differ from those shown; empty if they are the same
   };
   struct Loading;
 
@@ -50,12 +50,12 @@ class StoredFrames : public FrameSource {
   std::shared_ptr<const SampleObjects> objectsOf(const std::string& key) const;
 
   ViewInput input_;
-  std::vector<Store> stores_;  // the one that is shown, then those that lie over it
+  std::vector<Store> stores_;  // the store that is shown, then those overlaid on it
   std::unique_ptr<const ScanStore> reference_;
   std::optional<Ontology> ontology_;
   std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // samples in the order of their frames
   mutable std::mutex objectsMutex_;
-  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;  // lists of samples; those used last come first
+  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;  // of samples; the most recently used first
 };
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kTriangleGrain = 16384;
 constexpr std::size_t kBoxGrain = 64;
 
-// Where the triangles of the instances start, and behind the last; one more than there are instances.
+// Returns the index of each instance's first triangle, followed by the number of all triangles.
 std::vector<std::size_t> firstTriangles(const Scene& scene) {
   std::vector<std::size_t> first{0};
   first.reserve(scene.instances.size() + 1);
@@ -32,13 +32,13 @@ std::vector<std::size_t> firstTriangles(const Scene& scene) {
   return first;
 }
 
-// "hall: Wall.003"; the node's name alone where it is the object's, as that of "car" in "car#3".
+// Returns "hall: Wall.003", or only the node's name if it equals the object's, as "car" does for "car#3".
 std::string partName(const std::string& object, const std::string& node) {
   const bool same = object.starts_with(node) && (object.size() == node.size() || object[node.size()] == '#');
   return node.empty() || same ? object : object + ": " + node;
 }
 
-// Numbers names as they come.
+// Numbers names in the order of their first use.
 class NameList {
  public:
   explicit NameList(std::vector<std::string>& names) : names_(names) {}
@@ -54,7 +54,7 @@ class NameList {
   std::map<std::string, std::uint32_t> numbers_;
 };
 
-// "line 9", of a file that the scene includes "walls.yaml, line 9".
+// Returns "line 9", or "walls.yaml, line 9" for a file that the scene includes.
 std::string shortPlace(const Scene& scene, const Location& where) {
   const std::filesystem::path file = std::filesystem::path(where.file).filename();
   return file == scene.file.filename() ? fmt::format("line {}", where.line)
@@ -66,15 +66,15 @@ std::string ruleKey(const Surface& surface) {
   return surface.semantic == 0 ? "none" : "own";
 }
 
-// What gave a surface its class where it was no rule.
+// Returns the source of a surface's class if no rule gave it: the place in the scene's file, and the class.
 std::string ofTheObject(const Scene& scene, const Surface& surface) {
   const SemanticClass* const known = scene.ontology.find(surface.semantic);
   return fmt::format("{}: {} (of the object)", shortPlace(scene, surface.labelledBy),
                      known == nullptr ? std::to_string(surface.semantic) : known->name);
 }
 
-// Lists the surfaces of the scene and what they name, objects without triangles left out. Gives the place of each
-// instance's first surface.
+// Lists the surfaces of the scene, with their parts, textures and rules, except for objects without triangles. Returns
+// the index of each instance's first surface.
 std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
   NameList textures(view.textures);
   NameList rules(view.rules);
@@ -144,14 +144,14 @@ void fillBoxes(ViewMesh& view) {
   for (const Box& box : view.boxes) view.bounds.add(box);
 }
 
-// Where the most of a scene is. Large triangles, such as those of the ground around all things, do not count beside
-// small ones, nor does a tree of many leaves for more than the houses around it: corners count by the coarse cells that
-// they are in, with the logarithm of their number. `corners`: three a triangle.
+// Returns a box that holds most of a scene. Large triangles, such as those of the surrounding ground, are ignored if
+// there are small ones. Each coarse cell is weighted by the logarithm of its number of corners, so that a tree of many
+// leaves does not outweigh the houses around it. `corners`: three per triangle.
 Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   constexpr std::size_t kCells = 32;          // along the longest side
   constexpr std::size_t kEnough = 1'000'000;  // triangles
-  constexpr double kLeftOut = 0.05;           // at each end
-  constexpr double kLarge = 0.5;              // of the longest side
+  constexpr double kLeftOut = 0.05;           // share of the weight beyond each side of the box
+  constexpr double kLarge = 0.5;              // share of the longest side
   struct Cell {
     Box box;
     double corners = 0;
@@ -185,7 +185,7 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   std::erase_if(cells, [](const Cell& cell) { return cell.corners == 0; });
   double all = 0;
   for (const Cell& cell : cells) all += 1 + std::log2(cell.corners);
-  std::vector<std::pair<double, double>> ends;  // of each cell, and its weight
+  std::vector<std::pair<double, double>> ends;  // end of each cell along the axis, and its weight
   const auto edge = [&](double Vec3d::*axis, double sign) {
     ends.clear();
     for (const Cell& cell : cells) {
@@ -206,8 +206,8 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   return core;
 }
 
-// Objects that move far away from all that stands, such as a town's traffic that is still to come: they would only draw
-// the eye away from it.
+// Removes moving objects that are far away from all static ones, such as a town's traffic that has not arrived yet:
+// they would only distract from the scene.
 void leaveOutWhoIsAway(Scene& scene, double time) {
   Box standing;
   for (const Instance& i : scene.instances) {
@@ -219,7 +219,7 @@ void leaveOutWhoIsAway(Scene& scene, double time) {
     }
   }
   if (standing.empty()) return;
-  constexpr double kNear = 40;  // m
+  constexpr double kNear = 40;  // m, from the box of all static objects
   std::erase_if(scene.instances, [&](const Instance& i) {
     if (!i.moves()) return false;
     const Vec3d p = i.worldFromMeshAt(time) * scene.meshes[i.meshAt(time)].bounds().center();

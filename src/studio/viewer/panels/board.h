@@ -1,6 +1,6 @@
 #pragma once
 
-// A picture without a window: views, and panels over them.
+// Draws a picture without a window: views, and panels over them.
 
 #include <functional>
 #include <memory>
@@ -12,14 +12,14 @@ namespace scanmill {
 
 class PictureBoard {
  public:
-  // Throws Error as openOffscreen() does.
+  // `letter`: px, see Toolkit. Throws Error as openOffscreen() does.
   PictureBoard(int width, int height, double letter)
       : canvas_(openOffscreen(width, height)), toolkit_(*canvas_, letter) {}
 
   Canvas& canvas() { return *canvas_; }
   void setImage(ImageId image, const Image& picture) { toolkit_.setImage(image, picture); }
   Image draw(const std::function<void()>& panels) {
-    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // the second time all sizes are known
+    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // in the second frame all sizes are known
     canvas_->render();
     return canvas_->read();
   }

@@ -21,7 +21,7 @@ namespace {
 
 constexpr ImageId kFontImage = 0xFFFFFFFF;
 
-// Of Debian's packages fonts-inter and fonts-dejavu-core; without either, the letters that Dear ImGui carries.
+// Fonts of Debian's packages fonts-inter and fonts-dejavu-core; without both, Dear ImGui's built-in font is used.
 constexpr std::array<const char*, 2> kFonts{"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
                                             "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
 
@@ -54,7 +54,7 @@ void addFont(ImFontAtlas& atlas, double letter) {
   atlas.AddFontDefault(&config);
 }
 
-// Dear ImGui 1.89 and later (Debian 13) take keys as events, earlier versions (Debian 12) by a table and flags.
+// Dear ImGui 1.89 and later (Debian 13) take keys as events, earlier versions (Debian 12) as a table and flags.
 #if IMGUI_VERSION_NUM >= 18900
 void nameKeys(ImGuiIO&) {}
 
@@ -87,7 +87,7 @@ struct Toolkit::State {
   Canvas& canvas;
   ImGuiContext* context;
   int clicks = 1;
-  std::vector<ImGuiKey> pressed;  // until the next frame
+  std::vector<ImGuiKey> pressed;  // keys that are released after the next frame
 };
 
 Toolkit::Toolkit(Canvas& canvas, double letter)

@@ -1,7 +1,7 @@
 #pragma once
 
-// Dear ImGui on a canvas: its fonts, its looks, the events that it gets and the triangles that it makes. What is in the
-// panels is said by whoever calls it in frame().
+// Connects Dear ImGui to a canvas: its fonts, its colours, its events and its triangles. The function that is passed to
+// frame() fills the panels.
 
 #include <functional>
 #include <memory>
@@ -13,7 +13,7 @@ namespace scanmill {
 
 class Toolkit {
  public:
-  // Letters are `letter` pixels high with what is above and below them.
+  // `letter`: px, height of a line of text.
   Toolkit(Canvas& canvas, double letter);
   ~Toolkit();
   Toolkit(const Toolkit&) = delete;
@@ -22,23 +22,23 @@ class Toolkit {
   double letter() const;  // px
   double row() const;     // px, the height of a menu, a button or a slider
 
-  // Light or dark, as what lies behind the panels is.
+  // Makes the panels light or dark, like the background of the views.
   void suit(const Rgb& background);
-  // Takes an event, which counts in the frames that follow.
+  // Takes an event for the next frame.
   void take(const CanvasEvent& event);
-  // Runs `panels`, which calls Dear ImGui, and hands the canvas what it draws. Sizes that follow from what a panel
-  // holds are right from the second frame on.
+  // Runs `panels`, which calls Dear ImGui, and gives the resulting triangles to the canvas as its overlay. Sizes that
+  // depend on a panel's content are right from the second frame on.
   void frame(const std::function<void()>& panels);
-  // As of the last frame: the pointer is over a panel or holds something of one; a text is being typed.
+  // True if in the last frame the pointer was over a panel or dragging a part of it, or if the user was typing a text.
   bool hasPointer() const;
   bool hasKeys() const;
-  // Closes menus and lists that are open. False: none was.
+  // Closes open menus and lists. False if none was open.
   bool closeMenus();
-  // The button went down so many times at one place: 2 is a double click.
+  // Returns how often the button was pressed at one place in quick succession: 2 is a double click.
   int clicks() const;
   bool shift() const;
 
-  // An image for panels, whose texture is its number.
+  // Uploads an image for panels; textureOf() returns its texture.
   void setImage(ImageId image, const Image& picture);
 
  private:
@@ -46,7 +46,7 @@ class Toolkit {
   std::unique_ptr<State> state_;
 };
 
-// An image as Dear ImGui names it.
+// Returns the image's id as Dear ImGui's texture type.
 void* textureOf(ImageId image);
 
 }  // namespace scanmill

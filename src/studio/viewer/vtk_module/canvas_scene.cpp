@@ -73,7 +73,7 @@ void CanvasScene::setViews(std::span<const CanvasView> views) {
 
 void CanvasScene::placeViews() {
   drawn_ = false;
-  // The black comes first, so that it is laid under the views.
+  // The black background is added first, so that it is drawn under the views.
   if (window_->HasRenderer(uncovered_) == 0) window_->AddRenderer(uncovered_);
   for (std::size_t k = 0; k < renderers_.size(); ++k) {
     const bool used = k < views_.size() && views_[k].rect.left < width_ && views_[k].rect.top < height_;
@@ -146,7 +146,7 @@ void CanvasScene::drop(ItemId number) {
   items_.erase(found);
 }
 
-// Puts it into the views that it is in, and takes it out of the others.
+// Adds the item to the views that its look names, and removes it from the others.
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
     const bool wanted = (item.look().views >> k & 1u) != 0;
@@ -178,7 +178,8 @@ void CanvasScene::setOverlay(Overlay overlay) {
   overlay_.set(std::move(overlay));
 }
 
-// VTK draws the views to one framebuffer, where they stay, and copies them to another; there the overlay is laid over.
+// VTK draws the views to one framebuffer, which keeps them, and copies them to another, where the overlay is drawn over
+// the copy.
 void CanvasScene::draw(std::uint64_t mostPoints) {
   vtkOpenGLState* state = window_->GetState();
   if (!drawn_ || drawnPoints_ != mostPoints) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What is on a canvas, and its picture.
+// The items, views and overlay of a canvas, and the picture drawn of them.
 
 #include <vtkNew.h>
 #include <vtkRenderer.h>
@@ -22,8 +22,8 @@
 
 namespace scanmill {
 
-// A scene belongs to one OpenGL context, which is current whenever it is used. VTK draws the views and keeps them: as
-// long as only the overlay changes, a picture costs no more than that. Wrong use throws std::invalid_argument.
+// A scene belongs to one OpenGL context, which must be current in every call. The views that VTK has drawn are kept: as
+// long as only the overlay changes, only the overlay is drawn again. Wrong use throws std::invalid_argument.
 class CanvasScene {
  public:
   CanvasScene(int width, int height);
@@ -38,7 +38,7 @@ class CanvasScene {
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);
-  // nullopt: all.
+  // Draws only these elements (ascending); nullopt: all.
   void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);
@@ -60,15 +60,15 @@ class CanvasScene {
   int width_;
   int height_;
   vtkNew<GlWindow> window_;
-  vtkNew<vtkRenderer> uncovered_;  // black, under all views
+  vtkNew<vtkRenderer> uncovered_;  // black background under all views
   std::array<vtkNew<ViewRenderer>, kCanvasViews> renderers_;
   std::vector<CanvasView> views_;
   std::map<ItemId, std::unique_ptr<Item>> items_;
   DepthEdges edges_;
   OverlayPainter overlay_;
-  bool drawn_ = false;  // the window's framebuffer holds the views as they are
+  bool drawn_ = false;  // the window's framebuffer holds the views in their current state
   std::uint64_t drawnPoints_ = 0;
-  bool pictured_ = false;  // there is a picture of the canvas's size
+  bool pictured_ = false;  // a picture of the canvas's size exists
 };
 
 }  // namespace scanmill

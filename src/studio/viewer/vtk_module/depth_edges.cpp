@@ -12,8 +12,8 @@ namespace scanmill {
 
 namespace {
 
-// One triangle that covers the viewport: VTK's own vtkOpenGLQuadHelper insists on shaders that use its texture
-// coordinates; these go by gl_FragCoord.
+// Draws one triangle that covers the viewport. VTK's own vtkOpenGLQuadHelper requires shaders that use its texture
+// coordinates; these shaders use gl_FragCoord.
 constexpr const char* kVertex = R"(//VTK::System::Dec
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
@@ -21,12 +21,12 @@ void main() {
 }
 )";
 
-// Boucheny's own form sums how much nearer each neighbour is, by the logarithms of the depths, which darkens every
-// slope that falls away from the eye, and a road most of all. Here the two neighbours on opposite sides are taken
-// together: on a plane they cancel out, and an edge is left. A neighbour that is nothing is as if it were this point.
-// Without perspective depths themselves are compared. Logarithms are left out, since they cost more than all else: with
-// u the inverse of a depth, the pair's difference is log2(a * b / u^2), and the sum of these the logarithm of a
-// product.
+// Boucheny's own form sums how much nearer each neighbour is, by the logarithms of the depths. This darkens every slope
+// that falls away from the eye, a road most of all. Here the two neighbours on opposite sides are added: on a plane
+// they cancel out, so that only edges are darkened. A neighbour without a depth is given the depth of this pixel.
+// Without perspective the depths themselves are compared. Logarithms of single depths are avoided, since they cost more
+// than everything else: with u, a and b the inverse depths of this pixel and of a pair of neighbours, the pair's
+// difference is log2(a * b / u^2), and the sum over the pairs is the logarithm of a product.
 constexpr const char* kFragment = R"(//VTK::System::Dec
 //VTK::Output::Dec
 uniform sampler2D depths;
@@ -60,7 +60,7 @@ void main() {
 }
 )";
 
-// An orthographic picture's pixels are taken for those of a camera of so many pixels of focal length.
+// Orthographic pictures are darkened as if they had this focal length (px).
 constexpr double kUsualFocal = 800;
 
 }  // namespace

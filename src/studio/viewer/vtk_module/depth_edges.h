@@ -1,7 +1,7 @@
 #pragma once
 
-// Eye-dome lighting: what lies behind a nearer surface is darkened at its edge, so that a cloud of points, which has no
-// normals to be lit by, shows its shapes (Boucheny, "Interactive scientific visualization of large datasets: towards a
+// Eye-dome lighting: pixels beside the edge of a nearer surface are darkened, so that a point cloud, which has no
+// normals for shading, shows its shapes (Boucheny, "Interactive scientific visualization of large datasets: towards a
 // perceptive-based approach", 2009).
 
 #include <vtkNew.h>
@@ -14,14 +14,13 @@ namespace scanmill {
 
 class DepthEdges {
  public:
-  // Multiplies colours in the view's rectangle of a window `height` pixels high. Depths and the background stay as they
-  // are.
+  // Darkens colours in the view's rectangle of a window `height` pixels high. Depths and the background stay unchanged.
   void darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height);
   void release(vtkWindow* window);
 
  private:
   unsigned vertexArray_ = 0;
-  vtkNew<vtkOpenGLFramebufferObject> frame_;  // the window's colours without its depths, which are read
+  vtkNew<vtkOpenGLFramebufferObject> frame_;  // the window's colours without its depths, which the shader reads
 };
 
 }  // namespace scanmill

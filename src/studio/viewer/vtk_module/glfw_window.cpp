@@ -25,9 +25,9 @@ using Clock = std::chrono::steady_clock;
 using Kind = CanvasEvent::Kind;
 
 constexpr double kDoubleClick = 0.4;  // s
-constexpr double kSamePlace = 4;      // px
+constexpr double kSamePlace = 4;      // px, greatest distance between the presses of a double click
 
-// GLFW's handler of errors knows no window; of windows there is one at a time.
+// The error message is global, since GLFW's error handler gets no window; only one window is open at a time.
 std::string& complaint() {
   static std::string text;
   return text;
@@ -37,7 +37,8 @@ void keepComplaint(int /*code*/, const char* text) {
   if (complaint().empty()) complaint() = text;
 }
 
-// It must not return: Xlib would end the program by itself, by way of the destructors of what is in use.
+// Ends the program when the connection to the X server is lost. It must not return: Xlib would then call exit(), which
+// destroys objects that are still in use.
 int endProgram(Display*) {
   constexpr std::string_view kMessage = "error: the connection to the X server, and with it the window, is lost\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
@@ -47,11 +48,11 @@ int endProgram(Display*) {
 void connect() {
   complaint().clear();
   glfwSetErrorCallback(keepComplaint);
-  // Mesa tells by a warning that the server has no graphics card, and goes on without one.
+  // Suppresses Mesa's warning that the X server has no graphics card; Mesa works without a card.
   ::setenv("EGL_LOG_LEVEL", "fatal", 0);
   XSetIOErrorHandler(endProgram);
 #ifdef GLFW_PLATFORM
-  glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, and VTK draws by X11 alone
+  glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, but VTK only supports X11
 #endif
   if (glfwInit() == GLFW_TRUE) return;
   const char* const name = std::getenv("DISPLAY");
@@ -71,7 +72,7 @@ GLFWwindow* create(const std::string& title, int width, int height) {
     glfwDefaultWindowHints();
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_FOCUS_ON_SHOW, GLFW_TRUE);
-    glfwWindowHint(GLFW_ALPHA_BITS, 0);  // the desktop would shine through
+    glfwWindowHint(GLFW_ALPHA_BITS, 0);  // with alpha the desktop would be visible through the window
     glfwWindowHint(GLFW_DEPTH_BITS, 0);  // VTK draws to a framebuffer of its own
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
     glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
@@ -86,8 +87,8 @@ GLFWwindow* create(const std::string& title, int width, int height) {
   throw NoDevice(fmt::format("there is no OpenGL 3.2 for a window on this display: {}", complaint()));
 }
 
-// The names of keys that type nothing; without num lock those of the number pad mean what is printed below their
-// digits.
+// Returns the name of a key that types nothing. Without num lock, the number pad's keys have the meanings that are
+// printed below their digits.
 std::string_view nameOf(int key, bool numLock) {
   if (!numLock && key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) {
     constexpr std::array<std::string_view, 10> kPad{"", "End",   "Down", "Page_Down", "Left",
@@ -172,7 +173,7 @@ struct GlfwWindow::State {
     return event;
   }
 
-  // Of a run of moves or sizes the last counts.
+  // Queues an event. Of consecutive moves or resizes only the last is kept.
   void add(CanvasEvent event) {
     const bool replaces = event.kind == Kind::Move || event.kind == Kind::Resize || event.kind == Kind::Redraw;
     if (replaces && !events.empty() && events.back().kind == event.kind) events.pop_back();
@@ -184,7 +185,8 @@ struct GlfwWindow::State {
     control = (mods & GLFW_MOD_CONTROL) != 0;
   }
 
-  // Keys that type something come by typed(), in their keyboard's layout; with control they type nothing.
+  // Handles keys that type nothing, which includes all keys pressed with control. typed() handles the others, by the
+  // keyboard's layout.
   void key(int code, int scan, int mods) {
     modifiers(mods);
     std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
@@ -226,7 +228,7 @@ struct GlfwWindow::State {
     glfwSetInputMode(window, GLFW_LOCK_KEY_MODS, GLFW_TRUE);
     glfwSetKeyCallback(window, [](GLFWwindow* from, int code, int scan, int action, int mods) {
       if (action != GLFW_RELEASE) return of(from).key(code, scan, mods);
-      // What X says of a modifier's own release is how it was before.
+      // When a modifier is released, X still reports it as pressed, so the keys' state is read here.
       const auto held = [&](int left, int right) {
         return glfwGetKey(from, left) == GLFW_PRESS || glfwGetKey(from, right) == GLFW_PRESS;
       };
@@ -262,7 +264,7 @@ struct GlfwWindow::State {
 };
 
 GlfwWindow::GlfwWindow(const std::string& title, int width, int height) : state_(std::make_unique<State>()) {
-  constexpr int kLargest = 32767;  // X's numbers have 16 bits
+  constexpr int kLargest = 32767;  // X's sizes have 16 bits
   constexpr int kLeastWidth = 160;
   constexpr int kLeastHeight = 120;
   if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
@@ -291,7 +293,7 @@ double GlfwWindow::scale() const {
 }
 
 void GlfwWindow::present() {
-  glfwPollEvents();  // notices a lost connection, on which Mesa would go round for long
+  glfwPollEvents();  // detects a lost connection, on which Mesa would loop for a long time
   glfwSwapBuffers(state_->window);
 }
 
@@ -311,7 +313,7 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   glfwPollEvents();
   s.events.clear();
   if (!handler(s.plain(Kind::Resize))) return;
-  // Hands out one event; false where the handler, or the window, is at its end.
+  // Passes one event to the handler; false if the handler ends the run or the window is closed.
   const auto next = [&] {
     const CanvasEvent event = std::move(s.events.front());
     s.events.pop_front();
@@ -322,15 +324,15 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   Clock::time_point due = Clock::now() + tick;
   for (;;) {
     glfwPollEvents();
-    // A tick that is due goes before further events, or a moving mouse could keep it away for ever.
+    // A tick that is due comes before further events, or a moving mouse could delay it for ever.
     while ((tickMilliseconds <= 0 || Clock::now() < due) && !s.events.empty()) {
       if (!next()) return;
     }
     if (tickMilliseconds > 0 && Clock::now() >= due) {
       if (!handler(s.plain(Kind::Tick))) return;
       check();
-      due = std::max(due + tick, Clock::now());  // those missed are not made up for
-      if (!s.events.empty() && !next()) return;  // at least one event between two ticks
+      due = std::max(due + tick, Clock::now());  // missed ticks are skipped
+      if (!s.events.empty() && !next()) return;  // handles at least one event between two ticks
       continue;
     }
     if (tickMilliseconds <= 0) {

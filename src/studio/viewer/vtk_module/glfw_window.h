@@ -1,6 +1,6 @@
 #pragma once
 
-// A window by GLFW, with an OpenGL context.
+// A GLFW window with an OpenGL context.
 
 #include <functional>
 #include <memory>
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// VTK's own window ends the program by abort() where the server lacks what it wants, and its interactor binds keys.
-// This one is invisible until run(). Its OpenGL is that of EGL, as without a window. Where the connection to the server
-// breaks, the program ends with a message and exit code 1: Xlib does not go on.
+// VTK's own window is not used: it calls abort() if the X server lacks a feature, and its interactor binds keys. This
+// window is invisible until run(). It uses OpenGL through EGL, as drawing without a window does. If the connection to
+// the X server breaks, the program ends with a message and exit code 1, since Xlib cannot continue.
 class GlfwWindow {
  public:
   // Leaves the context current. Throws NoDisplay, and NoDevice.
@@ -25,11 +25,11 @@ class GlfwWindow {
   double scale() const;  // see Canvas
   // Shows what was drawn to the context's own framebuffer.
   void present();
-  // Asks for another size. Whoever manages the windows may give it or not: an event tells.
+  // Requests another size, which the window manager may refuse: a Resize event reports the new size.
   void resize(int width, int height);
   // See Canvas::run().
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler);
-  // Throws what GLFW has complained about since the last call.
+  // Throws the first error that GLFW has reported since the last call.
   void check();
 
  private:

@@ -22,17 +22,17 @@
 
 namespace scanmill {
 
-enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };  // by the corners of an element
+enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };  // value: corners per element
 
-// What is drawn of an item is a list of indices beside its positions: neither another list nor other colours touch
-// them.
+// The elements that are drawn are a list of indices, separate from the positions: a new list or new colours leave the
+// positions unchanged.
 class Item {
  public:
   explicit Item(ItemKind kind);
 
   ItemKind kind() const { return kind_; }
-  std::uint32_t count() const { return count_; }  // of elements
-  // Replaces all elements and shows them. Throws std::length_error where there are too many.
+  std::uint32_t count() const { return count_; }  // number of elements
+  // Replaces all elements and shows them. Throws std::length_error if there are too many.
   void set(std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(std::span<const Rgb> colors);
   // Shows only these elements (ascending); nullopt: all.
@@ -40,7 +40,7 @@ class Item {
   void setLook(const ItemLook& look);
   const ItemLook& look() const { return look_; }
 
-  // Makes ready what is drawn where only so many points shall be drawn; 0: all.
+  // Prepares drawing of at most `mostPoints` points; 0: all.
   void choose(std::uint64_t mostPoints);
   std::array<vtkActor*, 2> actors() { return {all_.actor.Get(), few_.actor.Get()}; }
 
@@ -60,14 +60,14 @@ class Item {
   std::uint32_t count_ = 0;
   ItemLook look_;
   vtkNew<vtkPoints> points_;
-  vtkNew<vtkUnsignedCharArray> colors_;               // rgba, one a corner: VTK takes these as they are
-  std::optional<std::vector<std::uint32_t>> finite_;  // elements whose coordinates are; nullopt: all
-  std::optional<std::vector<std::uint32_t>> drawn_;   // of these, those shown; nullopt: all
+  vtkNew<vtkUnsignedCharArray> colors_;               // RGBA, one per corner: VTK uses this format without a copy
+  std::optional<std::vector<std::uint32_t>> finite_;  // elements with finite coordinates; nullopt: all
+  std::optional<std::vector<std::uint32_t>> drawn_;   // elements of finite_ that are shown; nullopt: all
   vtkNew<vtkMatrix4x4> canvasFromItem_;
   vtkNew<vtkProperty> property_;
   Part all_;
   Part few_;
-  std::uint64_t chosen_ = 0;  // the number of points that few_ was made for; 0: for none
+  std::uint64_t chosen_ = 0;  // the number of points in few_; 0: few_ is not filled
 };
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// libscanmill_viewer.so: canvases on a window of GLFW, or on EGL without one, behind the interface of
-// viewer/canvas/canvas_interface.h.
+// The plug-in libscanmill_viewer.so: canvases on a GLFW window, or on EGL without a window. It implements the interface
+// of viewer/canvas/canvas_interface.h.
 
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
@@ -25,7 +25,7 @@ namespace scanmill {
 
 namespace {
 
-// Does the work, and throws what fails in the words of the canvas.
+// Does the work, and converts exceptions to those that Canvas documents.
 template <class Work>
 decltype(auto) told(const Work& work) {
   try {
@@ -133,9 +133,9 @@ class VtkCanvas final : public Canvas {
     return image;
   }
 
-  // VTK is quiet in the calls that `handle` makes, which see to it themselves.
+  // VTK's messages are not silenced here: the canvas calls that `handle` makes silence them.
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) override {
-    std::exception_ptr thrown;  // by `handle`: it is thrown on as it is
+    std::exception_ptr thrown;  // exception of `handle`, rethrown unchanged
     const auto handled = [&](const CanvasEvent& event) {
       if (event.kind == CanvasEvent::Kind::Resize) {
         makeCurrent();
@@ -168,7 +168,7 @@ class VtkCanvas final : public Canvas {
     }
   }
 
-  // Does work on the scene with the context current and VTK quiet.
+  // Does work on the scene with the context current and VTK's messages silenced.
   template <class Work>
   void change(const Work& work) {
     told([&] {
@@ -180,8 +180,8 @@ class VtkCanvas final : public Canvas {
     });
   }
 
-  std::unique_ptr<GlfwWindow> window_;   // of a window
-  std::unique_ptr<EglContext> context_;  // of an image without one
+  std::unique_ptr<GlfwWindow> window_;   // null for an image without a window
+  std::unique_ptr<EglContext> context_;  // null for a window
   std::unique_ptr<CanvasScene> scene_;
   std::string device_;
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws what lies over the views.
+// Draws the overlay over the views.
 
 #include <vtkNew.h>
 #include <vtkOpenGLRenderWindow.h>
@@ -16,16 +16,16 @@ namespace scanmill {
 class OverlayPainter {
  public:
   void setImage(vtkOpenGLRenderWindow* window, ImageId image, int width, int height, std::span<const Rgba> pixels);
-  // Throws std::invalid_argument where the overlay does not fit together, or names an image that is not there.
+  // Throws std::invalid_argument if an index of the overlay is out of range, or one of its images does not exist.
   void set(Overlay overlay);
-  // Draws onto the framebuffer that is bound, of this size (px).
+  // Draws onto the bound framebuffer, which has this size (px).
   void draw(vtkOpenGLRenderWindow* window, int width, int height);
   void release(vtkWindow* window);
 
  private:
   std::map<ImageId, vtkNew<vtkTextureObject>> images_;
   Overlay overlay_;
-  bool uploaded_ = false;  // the overlay is in the buffers
+  bool uploaded_ = false;  // the buffers hold the overlay
   unsigned vertexArray_ = 0;
   unsigned vertices_ = 0;
   unsigned corners_ = 0;

@@ -15,9 +15,9 @@ vtkStandardNewMacro(ViewRenderer);
 void ViewRenderer::setView(const CanvasView& view, int canvasWidth, int canvasHeight) {
   view_ = view;
   canvasHeight_ = canvasHeight;
-  // Cullers ask for bounds, which points that are not finite spoil, and which take as long to find as to draw.
+  // Cullers need bounds. Points that are not finite make bounds invalid, and computing them takes as long as drawing.
   GetCullers()->RemoveAllItems();
-  // What a canvas that has become smaller no longer holds is cut off until its views are set again.
+  // If the canvas has become smaller, its views are cut off at its edges until they are set again.
   const auto fraction = [](int pixel, int side) { return std::min(1.0, static_cast<double>(pixel) / side); };
   const PixelRect& rect = view.rect;
   SetViewport(fraction(rect.left, canvasWidth), 1 - fraction(rect.top + rect.height, canvasHeight),
@@ -48,7 +48,7 @@ void ViewRenderer::DeviceRenderOpaqueGeometry(vtkFrameBufferObjectBase* frame) {
   }
 }
 
-// vtkOpenGLActor leaves the depths alone while a renderer draws what is translucent.
+// While a renderer draws translucent geometry, vtkOpenGLActor writes no depths.
 void ViewRenderer::DeviceRenderTranslucentPolygonalGeometry(vtkFrameBufferObjectBase*) {
   UpdateTranslucentPolygonalGeometry();
 }

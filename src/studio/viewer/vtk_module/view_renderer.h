@@ -7,12 +7,12 @@
 
 namespace scanmill {
 
-// Draws one view: what is opaque, the edges of its depths, and above both, without writing depths, what is translucent.
+// Draws one view: first opaque items, then eye-dome lighting, then translucent items, which write no depths.
 class ViewRenderer : public vtkOpenGLRenderer {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts
  public:
   static ViewRenderer* New();
 
-  // Sets the camera and the place of the view on a canvas of this size (px).
+  // Sets the camera and the rectangle of the view on a canvas of this size (px).
   void setView(const CanvasView& view, int canvasWidth, int canvasHeight);
   void useEdges(DepthEdges* edges) { edges_ = edges; }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which classes are shown.
+// Decides which classes are shown.
 
 #include <cstdint>
 #include <set>
@@ -11,25 +11,25 @@
 
 namespace scanmill {
 
-// By class id, so that it holds whatever the colours stand for.
+// Filters by class id, so that the filter works whatever colours stand for.
 class ClassFilter {
  public:
   ClassFilter() = default;
-  // Classes by name, alias or id that are hidden or, with `only`, alone shown. Throws InputError for one that the
-  // ontology does not know; without an ontology there are only ids.
+  // `names`: classes by name, alias or id that are hidden, or, with `only`, the only classes that are shown. Throws
+  // InputError if the ontology does not list a class; without an ontology only ids are accepted.
   ClassFilter(const std::vector<std::string>& names, bool only, const Ontology* ontology);
 
   bool shows(std::uint16_t id) const { return listed_.contains(id) == only_; }
   bool showsAll() const { return !only_ && listed_.empty(); }
   void toggle(std::uint16_t id);
-  // This class alone.
+  // Shows this class alone.
   void showOnly(std::uint16_t id);
   void showAll();
-  // "without road, car", "only road"; empty where all are shown.
+  // Returns "without road, car" or "only road"; empty if all classes are shown.
   std::string text(const Ontology* ontology) const;
 
  private:
-  bool only_ = false;  // what `listed_` means: those shown, or those hidden
+  bool only_ = false;  // `listed_` are the classes shown (true) or the classes hidden (false)
   std::set<std::uint16_t> listed_;
 };
 

@@ -1,16 +1,16 @@
 #pragma once
 
-// How many points are drawn while something moves.
+// Limits the points that are drawn while something moves.
 
 #include <algorithm>
 #include <cstdint>
 
 namespace scanmill {
 
-// Learns from how long pictures took.
+// Estimates the drawing speed from the time that previous pictures took.
 class DrawPace {
  public:
-  // Of `items` items with `total` points together: at most so many of each (0: all of them).
+  // Returns how many points of each item to draw at most (0: all), for `items` items with `total` points together.
   std::uint64_t mostOfEach(std::uint64_t total, std::size_t items) const {
     const auto all = std::max(static_cast<std::uint64_t>(pointsPerMs_ * kWantedMs), kLeast);
     return total <= all || items == 0 ? 0 : all / items;
@@ -24,7 +24,7 @@ class DrawPace {
 
  private:
   static constexpr double kWantedMs = 30;
-  static constexpr std::uint64_t kLeast = 150'000;  // what any machine draws, a scan of today
+  static constexpr std::uint64_t kLeast = 150'000;  // points: about one scan, which any machine can draw
   static constexpr double kSlowest = 500;
   static constexpr double kFastest = 1e6;
   double pointsPerMs_ = 20'000;

@@ -7,10 +7,10 @@
 
 namespace scanmill {
 
-// `name`_000`suffix` in the current folder, or the next number that is free. Throws Error.
+// Returns `name`_000`suffix` in the current folder, with the first number that no file has yet. Throws Error.
 std::filesystem::path freeFile(const std::string& name, const std::string& suffix);
 
-// Writes what was last drawn to such a file. Throws Error.
+// Writes the last picture drawn to a file named by freeFile(). Throws Error.
 std::filesystem::path savePictureOf(Canvas& canvas);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lines that help to find one's way: axes, rings of equal distance, the way that the sensor goes.
+// Lines for orientation: axes, range rings, the sensor's trajectory, boxes.
 
 #include <array>
 #include <span>
@@ -21,17 +21,18 @@ struct LineSet {
 
 constexpr std::array<double, 4> kRingRadii{10, 20, 50, 100};  // m
 
-// x red, y green, z blue.
+// Draws the axes of a frame, each `length` m long: x red, y green, z blue.
 void addAxes(LineSet& lines, const Affine& pose, double length);
-// Level circles in kRingRadii.
+// Draws level circles with the radii kRingRadii.
 void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color);
-// Through the places, what lies behind place `current` darker; a small circle about that.
+// Draws lines through the places, darker before place `current`, and a small circle about that place.
 void addTrack(LineSet& lines, std::span<const Vec3d> places, std::size_t current, const Rgb& color);
 
-// The edges of a box, whose frame has its origin in the box's middle, and a line that stands out of its front.
+// Draws the edges of a box and, if `front`, a line that sticks out of its front. `pose` places the box's centre.
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, bool front, const Rgb& color);
 
-// Height of the ground about a sensor: the 5th percentile of the finite points' z after `pose` (m); 0 without any.
+// Returns the height (m) of the ground around a sensor: the 5th percentile of z over the finite points, transformed by
+// `pose`; 0 if no point is finite.
 double groundHeight(std::span<const Vec3f> points, const Affine& pose);
 
 }  // namespace scanmill

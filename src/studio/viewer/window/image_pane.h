@@ -1,6 +1,6 @@
 #pragma once
 
-// Where an image stands in the room that a window has for it: fitted, enlarged about a place, moved.
+// Fits an image into its rectangle of the window, enlarges it about a place and moves it.
 
 #include <optional>
 #include <utility>
@@ -9,22 +9,22 @@
 
 namespace scanmill {
 
-// Places are pixels of the canvas.
+// All positions are pixels of the canvas, unless they are a column and a row of the image.
 class ImagePane {
  public:
-  // What is in the middle stays there.
+  // Sets the image's size and the rectangle `room`; the image pixel in the middle of the rectangle stays there.
   void place(int imageWidth, int imageHeight, const PixelRect& room);
-  // What lies at (x, y) stays there. Not smaller than fits.
+  // Enlarges by the factor `by`; the image pixel at (x, y) stays there. The image never gets smaller than fitted.
   void zoomAt(double by, double x, double y);
-  // The middle of the room stays over the image.
+  // Moves the image; the middle of the rectangle stays over the image.
   void moveBy(double right, double down);
   void showWhole();
 
-  // Column and row of the image; none beside it or outside of the room.
+  // Returns the image's column and row at (x, y); none beside the image or outside the rectangle.
   std::optional<std::pair<int, int>> pixelAt(int x, int y) const;
-  // The middle of an image's pixel; may lie outside.
+  // Returns the middle of an image pixel, which may lie outside the rectangle.
   std::pair<double, double> placeOf(int column, int row) const;
-  // The whole image; it may reach beyond the room.
+  // Returns the rectangle of the whole image, which may reach beyond the rectangle `room`.
   PixelRect rect() const;
 
  private:
@@ -38,10 +38,10 @@ class ImagePane {
 
   int width_ = 0, height_ = 0;
   PixelRect room_;
-  double fit_ = 1;      // px of the room per column when all is seen
-  double upright_ = 1;  // rows are so much higher than columns are wide: flat images are stretched
+  double fit_ = 1;      // px of the canvas per column when the whole image is seen
+  double upright_ = 1;  // a row's height over a column's width: flat images are stretched
   double zoom_ = 1;
-  double centerX_ = 0, centerY_ = 0;  // of the room, in the image's pixels
+  double centerX_ = 0, centerY_ = 0;  // column and row of the image in the middle of the rectangle
 };
 
 }  // namespace scanmill

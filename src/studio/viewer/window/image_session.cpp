@@ -70,7 +70,7 @@ struct ImageSession::State {
     planes = readExrPlanes(images.files[index], images.ontology ? &*images.ontology : nullptr, images.materials(index));
   }
 
-  // Of images that cannot be read, nothing is shown but why.
+  // Shows another image; if it cannot be read, only the reason is shown.
   void goTo(std::size_t target) {
     target = std::min(target, images.files.size() - 1);
     if (target == index) return;
@@ -141,7 +141,7 @@ struct ImageSession::State {
     view.background = kBackground;
     canvas.setViews({&view, 1});
     runPanels();
-    runPanels();  // now all sizes are known
+    runPanels();  // in the second run all sizes are known
     canvas.render();
     changed = false;
   }
@@ -281,7 +281,7 @@ struct ImageSession::State {
   std::size_t plane = 0;
   ImagePane pane;
   PanelRooms rooms;
-  PixelRect note;  // what the colours span, above the image
+  PixelRect note;  // of the text above the image: the range of values of the colours
   std::vector<std::string> problems, notices;
   bool playing = false;
   bool legends = true;
@@ -293,7 +293,7 @@ struct ImageSession::State {
   int pointerX = -1, pointerY = -1;
   WallTimer clock;
   double noticeUntil = 0;  // s
-  double lastStep = 0;     // s, of playing
+  double lastStep = 0;     // s, time of the last step while playing
 };
 
 ImageSession::ImageSession(ImageList images, Canvas& canvas, const std::string& plane, bool bare, bool still)
@@ -332,7 +332,7 @@ bool ImageSession::handle(const CanvasEvent& event) {
       s.tick();
       break;
   }
-  // Moves come in crowds: they are drawn with the next tick.
+  // Moves are frequent, so they are drawn together with the next tick.
   if (s.changed && event.kind != CanvasEvent::Kind::Move) s.show();
   return true;
 }

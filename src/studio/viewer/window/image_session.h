@@ -1,6 +1,6 @@
 #pragma once
 
-// The planes of EXR images, one at a time, with their values under the pointer.
+// Shows the planes of EXR images, one at a time, and their values under the pointer.
 
 #include <memory>
 #include <optional>
@@ -15,22 +15,22 @@ namespace scanmill {
 
 class ImageSession {
  public:
-  // Reads the first image. Throws InputError for one that cannot be read, or a plane that it lacks (`plane`: its name;
-  // empty: the first). `still`: for a picture, in which nothing can be pressed.
+  // Reads the first image. Throws InputError if the image cannot be read or lacks the plane (`plane`: its name; empty:
+  // the first). `still`: for a picture, in which nothing can be clicked.
   ImageSession(ImageList images, Canvas& canvas, const std::string& plane, bool bare, bool still = false);
   ~ImageSession();
   ImageSession(const ImageSession&) = delete;
   ImageSession& operator=(const ImageSession&) = delete;
 
-  // False: it wants to be closed.
+  // Handles an event. False if the session is to be closed.
   bool handle(const CanvasEvent& event);
-  // Draws it.
+  // Draws the image and the panels.
   void settle();
-  // What settle() has drawn.
+  // Returns the picture that settle() has drawn.
   Image picture();
-  // Of the image that is shown.
+  // Returns the name of the image that is shown.
   const std::string& name() const;
-  // The name of every plane and its value at a pixel of the canvas; none beside the image.
+  // Returns the name of every plane and its value at a pixel of the canvas; none beside the image.
   std::optional<std::vector<std::pair<std::string, std::string>>> pick(int x, int y) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a scan holds of one instance.
+// Summarises the points of an instance in a scan: their number, classes and box.
 
 #include <cstdint>
 #include <utility>
@@ -13,17 +13,18 @@ namespace scanmill {
 
 struct InstanceSummary {
   std::uint32_t id = 0;
-  std::vector<std::uint32_t> points;                             // of the scan, ascending; finite ones
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> classes;  // id and points, the most first; empty without labels
-  // The smallest upright box that holds the points: its longer and shorter side and its height (m), and its place in
-  // the scan that was turned upright, the longer side along x and the origin in the middle.
+  std::vector<std::uint32_t> points;                             // indices of its finite points, ascending
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> classes;  // id and number of points, the largest number first;
+                                                                 // empty without labels
+  // The smallest upright box that holds the points: its longer and shorter side and its height (m), and its pose in the
+  // scan after levelFromScan; the longer side is along x, the origin is the box's centre.
   Vec3d size;
   Affine levelFromBox;
 };
 
-// `levelFromScan` turns the scan upright.
+// Summarises one instance. `levelFromScan` turns the scan upright.
 InstanceSummary summarizeInstance(const Scan& scan, std::uint32_t instance, const Affine& levelFromScan);
-// Of all instances but 0, by their ids.
+// Summarises all instances except 0, in the order of their ids.
 std::vector<InstanceSummary> summarizeInstances(const Scan& scan, const Affine& levelFromScan);
 
 }  // namespace scanmill

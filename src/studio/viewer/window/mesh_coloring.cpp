@@ -54,7 +54,8 @@ Legend objectLegend(const ViewMesh& mesh) {
   return legend;
 }
 
-// Of what surfaces name. The most frequent first, but for rules. `firstColor`: of the list's first name.
+// Returns the legend of the names (materials, textures or rules) that surfaces refer to by `which`. The most frequent
+// name comes first; rules stay in the order of the file. `firstColor`: number of the first name's colour.
 Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
                   std::uint32_t firstColor) {
   std::vector<std::uint64_t> triangles(names.size(), 0);
@@ -64,7 +65,7 @@ Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, s
     if (triangles[i] == 0) continue;
     legend.entries.push_back({names[i], instanceColor(firstColor + static_cast<std::uint32_t>(i)), -1, triangles[i]});
   }
-  if (which == &ViewSurface::rule) return legend;  // in the order of the file
+  if (which == &ViewSurface::rule) return legend;
   std::stable_sort(legend.entries.begin(), legend.entries.end(),
                    [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });
   return legend;

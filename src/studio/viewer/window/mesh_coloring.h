@@ -10,12 +10,12 @@
 
 namespace scanmill {
 
-// Object: the placed object and the node of its file. Rule: the one that gave the class.
+// Object: the placed object and the node of its file. Rule: the rule that gave the class.
 enum class MeshColor { Class, Instance, Object, Material, Texture, Rule, Reflectance };
 constexpr std::array<std::string_view, 7> kMeshColorNames{"class",   "instance", "object",     "material",
                                                           "texture", "rule",     "reflectance"};
 
-// One colour per triangle. The legend counts triangles.
+// Returns one colour per triangle. The legend counts triangles.
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by);
 
 }  // namespace scanmill

@@ -19,7 +19,8 @@ constexpr double kMostDistance = 1e4;    // m
 constexpr double kFarthestTarget = 1e5;  // m, along each axis
 constexpr double kUsualFocal = 1.15;
 
-// As wide an angle as a picture of 16 : 9 needs, whatever the shape.
+// Returns the height of the largest 16 : 9 rectangle in the picture. The focal length refers to it, so that a picture
+// of any shape shows all of a 16 : 9 view.
 double sideOf(int width, int height) {
   return std::min(width / 16.0 * 9.0, static_cast<double>(height));
 }
@@ -56,9 +57,9 @@ Vec3d OrbitCamera::eye() const {
 }
 
 ViewCamera OrbitCamera::camera(int width, int height) const {
-  // An orthographic eye stands above anything that a LiDAR reports, so that nothing lies behind it.
+  // An orthographic eye is farther away than any point that a LiDAR reports, so that no point lies behind it.
   constexpr double kOrthographicDistance = 1000;
-  constexpr double kNearestShare = 0.05;  // of the distance; half a metre for the presets
+  constexpr double kNearestShare = 0.05;  // share of the distance; half a metre for the presets
   ViewCamera view;
   view.orthographic = orthographic;
   view.forward = forwardOf(yaw, pitch);
@@ -104,7 +105,7 @@ void OrbitCamera::lookAt(const Vec3d& place) {
 void OrbitCamera::frame(const Box& box) {
   if (box.empty()) return;
   target = within(box.center());
-  constexpr double kFilled = 0.9;  // of the picture, which is at least as wide as high
+  constexpr double kFilled = 0.9;  // share of the picture, which is at least as wide as high
   const Vec3d forward = forwardOf(yaw, pitch);
   const Vec3d rightward = rightOf(yaw);
   const Vec3d downward = cross(forward, rightward);
@@ -159,7 +160,7 @@ OrbitCamera presetCamera(View view) {
 }
 
 CameraChoice parseCamera(const std::string& text) {
-  constexpr double kFarthestPlace = 1e8;  // m: coordinates of the earth's grids are within
+  constexpr double kFarthestPlace = 1e8;  // m: map coordinates, such as UTM, are smaller
   for (std::size_t i = 0; i < kViewNames.size(); ++i) {
     const auto view = static_cast<View>(i);
     if (kViewNames[i] == text) return {presetCamera(view), view};

@@ -18,7 +18,7 @@ std::string angle(double rad) {
   return fmt::format("{:.3f} deg", degrees(rad));
 }
 
-// None where the scan does not know its beams.
+// Returns ring, column and return of a point; none if the scan does not know its beams.
 std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
   return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
@@ -27,7 +27,7 @@ double elevationOf(const Vec3d& direction) {
   return std::atan2(direction.z, std::hypot(direction.x, direction.y));
 }
 
-// "range error (m)" as "range error": the value has the unit.
+// Returns "range error" for "range error (m)", since the value is shown with its unit.
 std::string withoutUnit(const std::string& title) {
   const std::size_t unit = title.rfind(" (");
   return unit == std::string::npos || title.back() != ')' ? title : title.substr(0, unit);
@@ -38,7 +38,7 @@ std::string valueIn(const Rows& rows, const std::string& name) {
   return found == rows.end() ? "" : found->second;
 }
 
-// Of the same beam and return.
+// Returns the point of this beam and return; none if there is none.
 std::optional<std::size_t> pointOf(const Scan& scan, const PointKey& wanted) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (keyOf(scan, i) == wanted) return i;
@@ -46,7 +46,8 @@ std::optional<std::size_t> pointOf(const Scan& scan, const PointKey& wanted) {
   return {};
 }
 
-// What the table of columns and the file know of a point, but for what is told in another way: class, instance, beam.
+// Adds the point's values in the columns of the table and in the file's foreign columns, except for class, instance,
+// ring and column, which other rows show.
 void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
   const ColumnSet told(kLabel, kInstance, kRing, kColumn);
   visitTable(scan, [&](auto key, const auto& values) {
@@ -54,7 +55,7 @@ void addColumns(Rows& rows, const Scan& scan, std::size_t point) {
     rows.emplace_back(key.row.name, displayText(key.row, static_cast<double>(values[point])));
   });
   for (const ForeignColumn& column : scan.foreign) {
-    // Other programs have columns of names that we use, too.
+    // A column of another program may have the same name as a column of the table.
     const bool known = std::ranges::any_of(rows, [&](const auto& row) { return row.first == column.name; });
     std::visit(
         [&](const auto& values) {
@@ -80,7 +81,7 @@ void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
   if (scan.scan.organised && scan.scan.planes > 1 && scan.scan[kReturn].empty()) {
     rows.emplace_back("return", fmt::format("{}", key->number + 1));
   }
-  const std::string of = known ? "beam " : "";  // else those of the point itself
+  const std::string of = known ? "beam " : "";  // if false, angles of the point itself
   rows.emplace_back(of + "azimuth", angle(std::atan2(direction.y, direction.x)));
   rows.emplace_back(of + "elevation", angle(elevationOf(direction)));
   if (known && beam < table->time.size()) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A point or a triangle in words.
+// Describes a point or a triangle in text.
 
 #include <cstddef>
 
@@ -11,20 +11,21 @@
 
 namespace scanmill {
 
-// All columns of a point with their units, its class, its beam. `place` is left as it is.
+// Describes a point: all its columns with their units, its class, its beam. `place` is not set.
 PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
 
-// What is told while it is only pointed at: range, ring and column, and the column that is coloured.
+// Adds the rows that are shown while the pointer is over the point: range, ring and column, and the quantity that
+// colours show.
 void addBrief(PickedThing& thing, const ColorBy& shown);
 
-// How many points of the scan the instance has, how large it is, and which classes, where there is more than one.
+// Adds the instance's number of points in the scan, its size, and its classes if it has several.
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);
 
-// What another scan has of the point's beam, where both know their beams and the sensors are alike: the return of the
-// same number, as that scan counts its own.
+// Adds the other scan's return of the same beam and return number, if both scans know their beams and have equally many
+// rings and columns. Each scan numbers its own returns.
 void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology);
 
-// Dataset, sensor and method, as far as known.
+// Returns dataset, sensor and method, as far as known.
 std::string wholeName(const ViewScan& scan, const std::string& dataset);
 
 PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace);

@@ -10,8 +10,8 @@ namespace scanmill {
 
 namespace {
 
-// Rows that give, of a point of the item, pixels right of and below the pointer times w, and w: the depth, or 1 for an
-// orthographic camera. Then the depth again.
+// Rows of the transform from a point of the item to w times its distance right of and below the pointer (px), and to
+// its depth. w is the depth, or 1 for an orthographic camera.
 struct ToPointer {
   Vec3f right, down, depth;
   float rightAt, downAt, depthAt;
@@ -88,7 +88,7 @@ std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewC
       Best own;
       for (std::size_t begin = first; begin < last; begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, last);
-        // Without a branch, so that the compiler does it with wide registers: is any of the block near the pointer?
+        // Tests if any point of the block is near the pointer, without a branch, so that the compiler can vectorise it.
         int near = 0;
         for (std::size_t i = begin; i < end; ++i) {
           const float w = points[i].x * m.depth.x + points[i].y * m.depth.y + points[i].z * m.depth.z + m.depthAt;

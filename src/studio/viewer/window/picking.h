@@ -1,6 +1,6 @@
 #pragma once
 
-// Which point lies under the pointer.
+// Finds the point under the pointer.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,10 +12,10 @@
 
 namespace scanmill {
 
-// What is drawn of one item.
+// The points of one item on the canvas.
 struct PickCloud {
   std::span<const Vec3f> positions;
-  std::span<const std::uint8_t> shown;  // 0: not; empty: all
+  std::span<const std::uint8_t> shown;  // per point, 0: hidden; empty: all are shown
   Affine canvasFromItem;
 };
 
@@ -26,13 +26,14 @@ struct PointHit {
   double distance = 0;  // px, from the pointer
 };
 
-// Of the points whose squares of `size` pixels cover (x, y), pixels of the camera's picture, the nearest to the eye:
-// the one that is seen there. Where none does: the one that is nearest to (x, y), within `reach` pixels. At equal
-// distances the first. Uses all threads; the same for any number of them.
+// Returns the point that is seen at (x, y), pixels of the camera's picture: among the points whose squares of `size`
+// pixels cover (x, y), the one nearest to the eye. If no square covers (x, y), returns the point nearest to (x, y) in
+// the picture, within `reach` pixels. At equal distances the first point is returned. Uses all threads; the result does
+// not depend on their number.
 std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewCamera& camera, double x, double y,
                                   double size, double reach);
 
-// The line of sight through a pixel, from where it starts; canvas frame, unit direction.
+// The line of sight through a pixel: its start and its unit direction; canvas frame.
 struct SightLine {
   Vec3d origin;
   Vec3d direction;

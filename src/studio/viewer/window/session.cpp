@@ -54,7 +54,7 @@ bool ViewSession::handle(const CanvasEvent& event) {
 
 void ViewSession::settle() {
   State& s = *state_;
-  while (s.at != s.wanted) s.adopt(s.loader->wait(s.wanted));  // what cannot be read leads to another one
+  while (s.at != s.wanted) s.adopt(s.loader->wait(s.wanted));  // adopt() wants another frame if this is unreadable
   if (s.meshOn() && s.meshWanted) {
     auto loaded = s.loader->waitMesh(*s.meshWanted);
     if (loaded != s.mesh) s.takeMesh(std::move(loaded));

@@ -14,9 +14,9 @@ namespace scanmill {
 namespace {
 
 constexpr Rgb kUnknownClass{200, 200, 200};
-constexpr double kFaint = 0.75;         // of the background, in the colour of what the sensor does not see
-constexpr double kUnseenWithin = 40;    // m, from the sensor: farther away, boxes of what it does not see are left out
-constexpr std::size_t kMostNames = 30;  // that are written
+constexpr double kFaint = 0.75;         // share of the background in the colour of objects that the sensor does not see
+constexpr double kUnseenWithin = 40;    // m, from the sensor: boxes of unseen objects farther away are left out
+constexpr std::size_t kMostNames = 30;  // greatest number of labels
 
 }  // namespace
 
@@ -29,7 +29,8 @@ const ObjectView* ViewSession::State::shownView(const ObjectRecord& object) cons
   return nullptr;
 }
 
-// As the scan's points lie, where its sensor reaches the object.
+// Returns the pose of the object's box: relative to the scan if its sensor has a view of the object, so that the box
+// fits the points; else in the world.
 Affine ViewSession::State::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = shownView(object);
   if (view != nullptr) return clouds.front().canvasFromScan * toAffine(view->sensorFromBox);
@@ -64,7 +65,7 @@ void ViewSession::State::placeBoxes() {
   itemsChanged = hudChanged = true;
 }
 
-// Of the nearest that are seen: class, id, and how much of them nothing hides.
+// Labels the nearest objects that the sensor sees with class, id and the share (%) that is not occluded.
 void ViewSession::State::addBoxLabels() {
   if (!options.boxes || !frame || !worldFromAnchor || clouds.empty()) return;
   std::vector<std::tuple<double, const ObjectRecord*, const ObjectView*>> seen;

@@ -1,4 +1,4 @@
-// Points on the canvas: which scans stand in which view, in which colours, and what of them is shown.
+// Points on the canvas: which view shows which scans, in which colours, and which of their points.
 
 #include <fmt/core.h>
 
@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// By class, else by range.
+// Returns colours by class, or by range if the scan has no classes.
 std::vector<Rgb> stripColors(const ViewScan& viewed, const ColorContext& context) {
   return colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, context).colors;
 }
@@ -28,7 +28,7 @@ ScaleRange changedScale(const Legend& legend, KeyAction change) {
     case KeyAction::RaiseHighEnd:
       scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
       break;
-    case KeyAction::LowerLowEnd:  // what is never negative starts at 0
+    case KeyAction::LowerLowEnd:  // scales that are not negative stay so
       scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
       break;
     default:
@@ -73,7 +73,8 @@ bool ViewSession::State::hasColor(const ViewScan& viewed, const ColorBy& by) con
   return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
 }
 
-// Without a choice: as colorScan() chooses, and in the second view of one scan something else.
+// Returns the quantity that the view's colours show. Without a choice it is the one that colorScan() chooses, but the
+// second view of a single scan shows another quantity than the first.
 ColorBy ViewSession::State::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!frame || frame->scans.empty()) return kByClass;
@@ -86,7 +87,8 @@ ColorBy ViewSession::State::colorOf(std::size_t view) const {
   return kByHeight;
 }
 
-// Scans side by side are compared: where their ends follow from the values, they have them in common.
+// Returns the ends of the view's scale. Scans side by side share ends that follow from the values of all, so that they
+// can be compared.
 std::optional<ScaleRange> ViewSession::State::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
@@ -247,7 +249,7 @@ void ViewSession::State::chooseColor(const ColorBy& by) {
       if (cloud.view != view) continue;
       const ViewScan& scan = frame->scans[cloud.scan];
       if (hasColor(scan, by) || scan.scan.size() == 0) continue;
-      // Says which column is missing and what to do.
+      // colorScan() throws a message that says which column is missing and what to do.
       try {
         colorScan(scan.scan, by, contextOf(scan));
       } catch (const InputError& e) {
@@ -326,7 +328,7 @@ void ViewSession::State::makeStrip() {
   const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
   try {
     const ViewScan& viewed = frame->scans[cloud.scan];
-    // One colour for all of a scan, as the overlay has it, would show nothing.
+    // In the overlay a scan has a single colour, in which a range image would show nothing.
     const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
     strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown, options.stripOrder,
                            viewed.beams.get());

@@ -1,4 +1,4 @@
-// What is drawn when, and what lies over it.
+// Decides when pictures are drawn, and draws the labels and panels over them.
 
 #include <fmt/core.h>
 
@@ -21,7 +21,7 @@ void ViewSession::State::hint(const std::string& text) {
 }
 
 void ViewSession::State::say(const std::string& text, double seconds) {
-  // A key's newer words replace its older ones.
+  // A notice of a key replaces the older notices of the same key.
   std::erase_if(notices, [&](const ViewNotice& n) { return n.text == text || (acting && n.of == acting); });
   notices.push_back({text, clock.seconds() + seconds, acting});
   hudChanged = true;
@@ -54,7 +54,7 @@ std::string ViewSession::State::summary() const {
   return out;
 }
 
-// Panes, what their colours mean, and the views, whose places follow from that.
+// Updates the panes, their legends, and then the views, whose rectangles depend on these.
 void ViewSession::State::refresh() {
   panes.assign(viewCount(), {});
   bool differ = false;
@@ -118,12 +118,12 @@ void ViewSession::State::addLabel(const Vec3d& spot, const std::string& text, bo
 void ViewSession::State::addLabels() {
   labels.clear();
   if (options.rangeRings && !clouds.empty()) {
-    // Ahead of the camera, where they are seen.
+    // The labels of the rings are ahead of the camera, where they are seen.
     const Vec3d ahead{std::cos(camera.yaw), std::sin(camera.yaw), 0};
     for (const double radius : kRingRadii) addLabel(ground + ahead * radius, fmt::format("{} m", radius), false);
   }
   if (options.axes) {
-    // Sensors that stand apart.
+    // Name the sensors that are at different places.
     std::vector<Vec3d> named;
     for (const ShownCloud& cloud : clouds) {
       const Vec3d& stands = cloud.canvasFromScan.translation;
@@ -163,11 +163,11 @@ void ViewSession::State::flush(bool whole) {
   const double began = clock.seconds();
   if (viewsChanged || itemsChanged || hudChanged) refresh();
   if (itemsChanged && pinned && !isShown(*pinned)) pinned.reset();
-  // What lies under a pointer at rest is another thing when the picture moves.
+  // When the picture changes, another point may be under the pointer, even if the pointer rests.
   if (hoverChanged || viewsChanged || itemsChanged) {
     const bool held = toolkit.hasPointer();
     runPanels();
-    if (held || toolkit.hasPointer()) hudChanged = true;  // a panel shows what is pointed at
+    if (held || toolkit.hasPointer()) hudChanged = true;  // a panel highlights what is under the pointer
     updateHover();
   }
   lightInstance();
@@ -178,12 +178,12 @@ void ViewSession::State::flush(bool whole) {
   if (overlayChanged) {
     addLabels();
     runPanels();
-    runPanels();  // now all sizes are known
+    runPanels();  // in the second run all sizes are known
   }
   if (!overlayChanged && !(whole && partial)) return;
   std::uint64_t total = 0;
   for (const ShownCloud& cloud : clouds) total += cloud.visible;
-  // Quickly first; all points when nothing has changed for a while.
+  // Draw few points quickly at first; all points when nothing has changed for a while.
   const std::uint64_t most = whole ? 0 : sceneChanged ? pace.mostOfEach(total, clouds.size()) : lastMost;
   const double before = clock.seconds();
   canvas.render(most);

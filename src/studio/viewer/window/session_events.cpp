@@ -1,4 +1,4 @@
-// Events, and what keys do.
+// Handles events, and executes the actions of keys.
 
 #include <fmt/core.h>
 
@@ -16,7 +16,7 @@ constexpr std::array<Rgb, 3> kBackgrounds{{{13, 15, 20}, {104, 108, 116}, {255, 
 }  // namespace
 
 bool ViewSession::State::handle(const CanvasEvent& event) {
-  constexpr double kBetweenPictures = 0.012;  // s: moves that come faster are drawn together
+  constexpr double kBetweenPictures = 0.012;  // s: moves that come in quicker succession are drawn together
   switch (event.kind) {
     case CanvasEvent::Kind::Close:
       return false;
@@ -32,7 +32,7 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Down:
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
-      // Panels first: what they hold is not the views'.
+      // Panels get the event first; the views get it only if no panel uses it.
       toolkit.take(event);
       runPanels();
       hudChanged = true;
@@ -67,16 +67,16 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
   const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
   if (!passing || clock.seconds() - lastPicture > std::max(kBetweenPictures, pictureSeconds)) {
     flush(false);
-    for (const std::string& problem : problems()) warn(problem);  // each once
+    for (const std::string& problem : problems()) warn(problem);  // warns of each only once
     for (const std::string& text : hints) warn(text);
   }
   return true;
 }
 
 void ViewSession::State::tick() {
-  const double now = clock.seconds();  // before it: a frame that comes now is drawn once, however fast they play
+  const double now = clock.seconds();  // before takeWhatIsLoaded(): a frame that arrives now is drawn at any speed
   takeWhatIsLoaded();
-  if (!readsAhead && at == wanted && lastPicture > 0) {  // the first picture waits for nothing else
+  if (!readsAhead && at == wanted && lastPicture > 0) {  // reading ahead must not delay the first picture
     readsAhead = true;
     loader->want(wanted, 1);
   }
@@ -98,7 +98,7 @@ void ViewSession::State::tick() {
     busy = std::move(loading);
     hudChanged = true;
   }
-  // The longer it takes, the surer must be that nothing goes on.
+  // The longer a picture of all points takes, the longer the view must be at rest before it is drawn.
   const double rest = 0.15 + 0.5 * wholeSeconds;
   if (partial && !playing && drag.button == 0 && now - lastChange > rest) flush(true);
 }
@@ -111,7 +111,7 @@ void ViewSession::State::key(const CanvasEvent& event) {
   acting.reset();
 }
 
-// What is switched on and off, and its name.
+// Returns the option that the action switches on and off, and the option's name.
 std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
   switch (action) {
     case KeyAction::ToggleAxes:
@@ -227,7 +227,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return changeSpeed(1);
     case KeyAction::GoTo:
       if (options.bare) return;  // there is no panel to type into
-      help = false;              // it would keep the keys
+      help = false;              // the help window would receive the keys
       prompt = "";
       hudChanged = true;
       return;
@@ -238,7 +238,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return setLayout(ViewLayout::Split);
     case KeyAction::NextView:
       if (viewCount() < 2) return say("there is one view only; s splits it");
-      // One after the other, then all of them.
+      // Goes through the views one by one, then selects all of them.
       activeView = activeView ? *activeView + 1 : 0;
       if (*activeView >= viewCount()) activeView.reset();
       if (!activeView && frame->scans.size() == 1) activeView = 0;
@@ -288,7 +288,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::ToggleBoxes:
     case KeyAction::ToggleDepthEdges:
     case KeyAction::ToggleLegends:
-      return;  // switched above
+      return;  // handled by switchOf() above
   }
 }
 

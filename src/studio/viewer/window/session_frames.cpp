@@ -1,4 +1,4 @@
-// Frames and scenes: what is wanted, what has been loaded, playing.
+// Requests frames and scenes, shows those that have been loaded, and plays frames.
 
 #include <fmt/core.h>
 
@@ -40,8 +40,8 @@ void ViewSession::State::togglePlaying() {
 }
 
 double ViewSession::State::frameSeconds() const {
-  constexpr double kLeast = 0.1;  // ten frames a second
-  constexpr double kMost = 0.2;   // recordings at long intervals are not watched as slowly
+  constexpr double kLeast = 0.1;  // s: at most ten frames per second
+  constexpr double kMost = 0.2;   // s: recordings with longer intervals are played faster than they were recorded
   const double times = kPlaySpeeds[speed];
   return times > 0 ? std::clamp(recordedSeconds, kLeast, kMost) / times : 0;
 }
@@ -58,7 +58,7 @@ void ViewSession::State::changeSpeed(int step) {
   say("playing speed: " + speedText());
 }
 
-// Nobody asked for the frame that could not be loaded: the first one that can be is taken in its place.
+// If the user did not choose the frame and it cannot be loaded, requests other frames until one can be loaded.
 void ViewSession::State::seekReadable() {
   const auto known = source->damaged();
   const std::size_t count = source->keys().size();

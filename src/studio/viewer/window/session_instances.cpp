@@ -17,7 +17,7 @@ std::uint16_t classOf(const InstanceSummary& instance) {
   return instance.classes.empty() ? std::uint16_t{0} : instance.classes.front().first;
 }
 
-// The points of a beam, the nearest first.
+// Returns the points of a beam, the nearest first.
 std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
   if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
   const PointKey own = keyOf(scan, point);
@@ -44,7 +44,7 @@ const std::vector<InstanceSummary>& ViewSession::State::instances() {
   return allInstances;
 }
 
-// The smallest upright boxes about their points, in the colours of their classes.
+// Adds the smallest upright box about each instance's points, in the colour of its class.
 void ViewSession::State::placeInstanceBoxes(LineSet& lines) {
   if (!instanceBoxes || clouds.empty() || !frame->objects.empty()) return;
   for (const InstanceSummary& instance : instances()) {
@@ -62,7 +62,7 @@ void ViewSession::State::drawInstances() {
   const float high = ImGui::GetTextLineHeightWithSpacing() * kRows;
   if (!ImGui::BeginTable("instances", 4, kTable, {0, high})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  // Of points and sizes the largest come first.
+  // The columns of points and sizes sort in descending order first.
   for (const auto& [name, share] : {std::pair("class", 0.28F), {"id", 0.12F}, {"points", 0.19F}, {"box (m)", 0.41F}}) {
     const bool large = name[0] == 'p' || name[0] == 'b';
     ImGui::TableSetupColumn(
@@ -118,12 +118,12 @@ void ViewSession::State::drawInstances() {
   hudChanged = true;
 }
 
-// Joins the returns of the beam that is pointed at, or was clicked.
+// Draws a line through the returns of the beam that is under the pointer or was clicked.
 void ViewSession::State::placeBeam() {
   const std::optional<PickedThing>& thing = hover ? hover : pinned;
   std::optional<std::pair<std::size_t, std::size_t>> beam;
   if (thing && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
-  if (beam == beamOf && !itemsChanged) return;  // to look for returns costs a walk over the scan
+  if (beam == beamOf && !itemsChanged) return;  // the search for returns reads the whole scan
   beamOf = beam;
   constexpr Rgb kBeam{255, 220, 80};
   LineSet lines;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The viewer's items on its canvas.
+// The ids of the viewer's items and images on its canvas.
 
 #include <cstddef>
 #include <cstdint>
@@ -22,9 +22,9 @@ constexpr ItemId cloudItem(std::size_t cloud) {
 }
 constexpr ImageId kStripImage = 2;
 constexpr ItemId kSelectedItem = 1'000'001;
-constexpr ItemId kLitItem = 1'000'000;  // the points of the instance that is pointed at
+constexpr ItemId kLitItem = 1'000'000;  // the points of the instance under the pointer
 
-// An item that comes and goes. While it is not there, there is nothing to be changed on it: a canvas refuses that.
+// An item that need not exist. A canvas refuses changes of an item that does not exist, so these calls skip them.
 class CanvasItem {
  public:
   CanvasItem(Canvas& canvas, ItemId id) : canvas_(canvas), id_(id) {}

@@ -1,4 +1,4 @@
-// What colours mean: the rows of classes, scales and scans, and what a click on them does.
+// The legends: the rows of classes, scales and scans, and the effect of a click on them.
 
 #include <fmt/core.h>
 
@@ -32,7 +32,7 @@ LegendEntry* entryOf(Legend& legend, std::int64_t id) {
 
 }  // namespace
 
-// So that rows stay where they are from frame to frame.
+// Adds the classes that occur in other frames to a legend, so that its rows keep their places from frame to frame.
 void ViewSession::State::completeClasses(Legend& legend) const {
   if (!isOfClasses(legend)) return;
   for (const std::uint16_t id : presentClasses) {
@@ -42,7 +42,8 @@ void ViewSession::State::completeClasses(Legend& legend) const {
   std::ranges::sort(legend.entries, {}, &LegendEntry::id);
 }
 
-// What means the same in several views is said once, with the counts of the view that keys act on.
+// Collects the legends of all views. Views whose colours mean the same share one legend, with the counts of the view
+// that keys act on.
 void ViewSession::State::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && options.legends; ++v) {
@@ -101,7 +102,7 @@ void ViewSession::State::pressLegend(const LegendEntry& entry, bool alone) {
   applyFilter();
 }
 
-// Why nothing is to be seen.
+// Sets the messages of views that show nothing.
 void ViewSession::State::addMessages() {
   if (!frame || source->isScene()) return;
   if (frame->scans.empty()) {

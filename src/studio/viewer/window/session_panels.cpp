@@ -1,4 +1,4 @@
-// Menus and panels. They call what keys call.
+// Menus and panels. They execute the same actions as keys.
 
 #include <fmt/core.h>
 #include <imgui.h>
@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// Once over all panels: what was pressed is done.
+// Runs all panels once and executes what the user has clicked.
 void ViewSession::State::runPanels() {
   toolkit.suit(options.background);
   toolkit.frame([&] { drawPanels(); });
@@ -52,7 +52,7 @@ void ViewSession::State::drawPanels() {
     drawFrameBar();
     std::vector<std::string> said;
     for (const ViewNotice& notice : notices) said.push_back(notice.text);
-    if (messages(rooms.body, problems(), said)) {  // those of the frame stay
+    if (messages(rooms.body, problems(), said)) {  // problems of the frame itself are still shown
       colorProblem.clear();
       meshProblem.clear();
       stripProblem.clear();
@@ -65,7 +65,7 @@ void ViewSession::State::drawPanels() {
   drawTips();
 }
 
-// Of what is switched on and off.
+// True if the option that the action switches is on.
 bool ViewSession::State::isOn(KeyAction action) {
   if (const bool* const option = switchOf(action).first) return *option;
   switch (action) {
@@ -113,7 +113,7 @@ void ViewSession::State::drawMenus() {
   ImGui::EndMainMenuBar();
 }
 
-// What colours show: columns of the table, and those that it does not know, by their names.
+// Draws the list of quantities that colours can show: those of colorNames(), and the scan's foreign columns.
 void ViewSession::State::drawColumns() {
   std::vector<ColorBy> all;
   std::string shown;
@@ -141,10 +141,10 @@ void ViewSession::State::drawColumns() {
   if (chosen) chooseColor(*chosen);
 }
 
-// Scales, or rows.
+// Draws the legends that are scales, or those that are rows.
 void ViewSession::State::drawLegends(bool ofScales) {
   const bool choose = !options.still && !overlaid() && !clouds.empty();
-  const auto blocks = legends;  // what is pressed changes them
+  const auto blocks = legends;  // a copy, since a click changes `legends`
   for (const LegendBlock& block : blocks) {
     const Legend& legend = block.legend;
     if (legend.scale != ofScales) continue;
@@ -271,7 +271,7 @@ void ViewSession::State::drawPrompt() {
   }
 }
 
-// Datasets, sensors and methods of the sample.
+// Lists the datasets, sensors and methods of the sample.
 void ViewSession::State::drawSources() {
   for (std::size_t s = 0; s < frame->scans.size(); ++s) {
     const ViewScan& scan = frame->scans[s];
@@ -288,7 +288,7 @@ void ViewSession::State::drawSources() {
   }
 }
 
-// A few rows beside the pointer.
+// Draws a few rows beside the pointer.
 void ViewSession::State::drawTips() {
   const bool told = pinned && hover && pinned->scan == hover->scan && pinned->point == hover->point;
   if (hover && !told && !measuring && !help) tip(hover->heading, colorOf(*hover), hover->brief, hover->alarm);

@@ -1,4 +1,4 @@
-// What lies under the pointer.
+// Finds the point or the triangle under the pointer.
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kReach = 8;  // px, of the pointer
+constexpr double kReach = 8;  // px, greatest distance of a picked point from the pointer
 
 }  // namespace
 
@@ -33,7 +33,7 @@ PickedThing ViewSession::State::pickedPoint(std::size_t k, std::size_t point) co
   return thing;
 }
 
-// With what the other scans that are shown say of the same beam.
+// Adds the returns of the same beam in the other scans that are shown.
 PickedThing ViewSession::State::inFull(PickedThing thing) const {
   if (thing.scan == kNoScan || thing.scan >= frame->scans.size()) return thing;
   const ViewScan& own = frame->scans[thing.scan];
@@ -53,7 +53,7 @@ PickedThing ViewSession::State::inFull(PickedThing thing) const {
   return thing;
 }
 
-// It is neither hidden nor in a scan that is not shown.
+// True if the point or triangle is not hidden and its scan is shown.
 bool ViewSession::State::isShown(const PickedThing& thing) const {
   if (thing.scan == kNoScan) {
     return meshItem.there() && thing.point < mesh->size() && (meshShown.empty() || meshShown[thing.point] != 0);
@@ -87,9 +87,9 @@ std::optional<PickedThing> ViewSession::State::pickMesh(const SightLine& line) c
   const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
   Vec3d origin = meshFromCanvas * line.origin;
   const Vec3d direction = meshFromCanvas.linear * line.direction;
-  // Hidden triangles are looked through.
+  // The line of sight passes through hidden triangles.
   constexpr int kMostLayers = 32;
-  constexpr double kBeyond = 1e-4;  // m
+  constexpr double kBeyond = 1e-4;  // m: the next search starts this far behind a hidden triangle
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const auto hit = pickTriangle(*mesh, origin, direction);
     if (!hit) return {};

@@ -1,4 +1,4 @@
-// What the pointer does.
+// Handles the pointer: dragging, clicking, measuring.
 
 #include <algorithm>
 
@@ -26,7 +26,7 @@ void ViewSession::State::press(const CanvasEvent& event) {
 }
 
 void ViewSession::State::moveTo(const CanvasEvent& event) {
-  constexpr int kStill = 3;  // px
+  constexpr int kStill = 3;  // px: a press that moves no farther is a click
   pointerX = event.x;
   pointerY = event.y;
   hoverChanged = true;
@@ -88,7 +88,7 @@ void ViewSession::State::toggleAlone() {
     applyFilter();
     return say("all instances");
   }
-  refresh();  // moves may not have been drawn yet
+  refresh();  // the last moves of the pointer may not have been drawn yet
   updateHover();
   const std::optional<PickedThing>& thing = hover ? hover : pinned;
   if (!thing) return say("nothing lies there: point at an instance");

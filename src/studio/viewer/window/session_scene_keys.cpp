@@ -1,4 +1,4 @@
-// What keys do where a scene is shown by itself: there are triangles, and neither points nor frames.
+// The actions of keys if a scene is shown without scans: it has triangles, but neither points nor frames.
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,5 @@
-// Where things stand on the canvas: frames of reference, axes, rings, trajectory, the scene's mesh, cameras.
+// Places everything except points on the canvas: frames of reference, axes, rings, trajectory, the scene's mesh,
+// cameras.
 
 #include <fmt/core.h>
 
@@ -16,8 +17,8 @@ constexpr Rgb kRingColor{120, 130, 150};
 constexpr Rgb kTrackColor{255, 214, 64};
 constexpr Rgb kMeasureColor{255, 240, 90};
 
-// Frames the box, then moves the camera aside and nearer until what is seen of it fills the picture: what is near takes
-// more room than what is far.
+// Frames the box, then moves the camera aside and nearer until the box fills the picture, since in perspective its near
+// parts appear larger than its far parts.
 void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
   constexpr int kSteps = 16;
   constexpr double kFilled = 0.9;
@@ -43,7 +44,7 @@ void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
 }  // namespace
 
 void ViewSession::State::place() {
-  instancesOf.reset();  // their boxes lie in the canvas's frame
+  instancesOf.reset();  // the boxes of instances are in the canvas frame
   if (source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
   } else if (!worldFromAnchor) {
@@ -51,14 +52,15 @@ void ViewSession::State::place() {
   } else if (world) {
     canvasFromWorld = {{}, -(trajectory.empty() ? worldFromAnchor->translation : trajectory.front().translation)};
   } else {
-    // Level, however the sensor is mounted.
+    // The canvas frame is level, however the sensor is mounted.
     const Vec3d ahead = toMatrix(worldFromAnchor->rotation).x;
     const double yaw = std::hypot(ahead.x, ahead.y) > 1e-6 ? std::atan2(ahead.y, ahead.x) : 0;
     canvasFromWorld = inverse(toAffine(Pose{fromYawPitchRoll(yaw, 0, 0), worldFromAnchor->translation}));
   }
 }
 
-// A scan without a pose, such as a file over a dataset, stands where the frame's first one does.
+// Returns the pose of a scan. A scan without a pose, such as a file over a dataset, gets the pose of the frame's first
+// scan.
 Affine ViewSession::State::canvasFromScan(const ViewScan& scan) const {
   if (!worldFromAnchor) return {};
   return canvasFromWorld * toAffine(scan.worldFromSensor.value_or(*worldFromAnchor));
@@ -154,13 +156,13 @@ void ViewSession::State::placeMesh() {
   }
 }
 
-// A closed sky box about all the rest fills the picture, from within where the camera looks past the rest, or from
-// outside.
+// Hints at a part that encloses the rest of the scene, such as a closed sky box, if nothing else is seen, from inside
+// or outside.
 void ViewSession::State::tellWhatEncloses() {
   constexpr int kAcross = 7;
-  constexpr double kEnough = 0.1;  // of the lines of sight
+  constexpr double kEnough = 0.1;  // share of the lines of sight that must hit the part
   const ViewCamera view = camera.camera(canvas.width(), canvas.height());
-  std::optional<std::size_t> first;  // triangle
+  std::optional<std::size_t> first;  // the first triangle that a line of sight hits
   int met = 0;
   for (int line = 0; line < kAcross * kAcross; ++line) {
     const int column = line % kAcross;
@@ -212,7 +214,7 @@ void ViewSession::State::toggleWorld() {
 OrbitCamera ViewSession::State::preset(View view) const {
   OrbitCamera chosen = presetCamera(view);
   if (source->isScene()) {
-    // From above all of it has room, unless something is far away from all the rest.
+    // The view from above shows the whole scene, unless a part of it is far away from the rest.
     constexpr double kFarAway = 3;
     if (!mesh) return chosen;
     const auto longest = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };

@@ -1,4 +1,4 @@
-// Points that are chosen by a box or a lasso: how many of which class, and as a file.
+// Selects points by a box or a lasso, counts them by class, and saves them to files.
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>
@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-// By how often a line to the right of it crosses the outline.
+// True if (x, y) is in the outline: a line from it to the right crosses the outline an odd number of times.
 bool isWithin(const std::vector<Vec2d>& outline, double x, double y) {
   bool within = false;
   for (std::size_t i = 0; i < outline.size(); ++i) {
@@ -54,7 +54,7 @@ void ViewSession::State::clearSelection() {
 }
 
 void ViewSession::State::addToOutline(int x, int y) {
-  constexpr double kApart = 3;  // px, of a lasso's corners
+  constexpr double kApart = 3;  // px, least distance of a lasso's corners
   const Vec2d corner{static_cast<double>(x), static_cast<double>(y)};
   if (selecting == Selecting::Box) {
     const Vec2d from{static_cast<double>(drag.downX), static_cast<double>(drag.downY)};
@@ -65,12 +65,12 @@ void ViewSession::State::addToOutline(int x, int y) {
   hudChanged = true;
 }
 
-// Of the view where the outline began, what is shown of its scans.
+// Selects the points in the outline that are shown in the view where the outline began.
 void ViewSession::State::select() {
   const std::vector<Vec2d> around = std::move(outline);
   const auto view = viewAt(static_cast<int>(around.front().x), static_cast<int>(around.front().y));
   clearSelection();
-  notices.clear();  // what to do has been done
+  notices.clear();  // the instructions are no longer needed
   if (!view) return;
   const CanvasView& in = views[*view];
   std::size_t count = 0;
@@ -120,7 +120,7 @@ void ViewSession::State::drawSelection() {
   if (ImGui::Button("Clear")) clearSelection();
 }
 
-// A file for each scan, with all of its columns.
+// Writes the selected points to a file for each scan, with all of the scan's columns.
 void ViewSession::State::saveSelection() {
   const FormatEntry* const pcd = formatBySuffix("pcd");
   if (pcd == nullptr) return;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the viewer knows and does; for session*.cpp alone.
+// The state and the functions of the viewer; included only by session*.cpp.
 
 #include <array>
 #include <map>
@@ -25,7 +25,7 @@ namespace scanmill {
 
 constexpr std::size_t kMostSplitViews = 4;
 
-// How fast frames are played; 0: as fast as they load.
+// Factors of the speed at which frames are played; 0: as fast as they load.
 constexpr std::array<double, 5> kPlaySpeeds{0.5, 1, 2, 5, 0};
 constexpr std::size_t kUsualSpeed = 1;
 
@@ -38,11 +38,11 @@ struct ShownCloud {
   Affine canvasFromScan;
   Coloring coloring;
   std::vector<std::uint8_t> shown;  // per point; empty: all
-  std::uint64_t finite = 0;         // points
-  std::uint64_t visible = 0;        // of these, those that are shown
+  std::uint64_t finite = 0;         // number of finite points
+  std::uint64_t visible = 0;        // number of finite points that are shown
 };
 
-// What is drawn lies in it.
+// A ball about a sensor that encloses the points of its scan.
 struct ContentBall {
   Vec3d center;  // m, canvas's frame
   double radius = 0;
@@ -51,7 +51,7 @@ struct ContentBall {
 struct ViewNotice {
   std::string text;
   double until = 0;               // s, of State::clock
-  std::optional<KeyAction> of{};  // that said it
+  std::optional<KeyAction> of{};  // the action that caused it
 };
 
 // An instance in a scan of the frame.
@@ -61,7 +61,7 @@ struct InstancePlace {
   bool operator==(const InstancePlace&) const = default;
 };
 
-// By scan of the frame, ascending.
+// Point indices, ascending, by the index of their scan in the frame.
 using PointsOfScans = std::map<std::size_t, std::vector<std::uint32_t>>;
 
 struct PointerDrag {
@@ -74,13 +74,13 @@ struct PointerDrag {
 
 // One of the views side by side.
 struct ViewPane {
-  std::string caption;  // what is shown: "top, ray_tracing"; written where there are several
+  std::string caption;  // name of its scan: "top, ray_tracing"; drawn if there are several views
   Legend legend;
-  bool active = false;  // what keys change
-  std::string message;  // why nothing is to be seen
+  bool active = false;  // keys act on this view
+  std::string message;  // why the view shows nothing
 };
 
-// What colours mean, in all views where they mean the same.
+// A legend, and the views that share it.
 struct LegendBlock {
   Legend legend;
   std::vector<std::size_t> views;
@@ -96,11 +96,11 @@ struct ViewSession::State {
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
-  std::pair<bool*, const char*> switchOf(KeyAction action);  // null: nothing is switched
+  std::pair<bool*, const char*> switchOf(KeyAction action);  // null: the action is no switch
   void savePicture();
 
   // session_scene_keys.cpp
-  std::string sceneLacks(const KeyMeaning& meaning) const;  // why a key means nothing for a scene; empty: it does
+  std::string sceneLacks(const KeyMeaning& meaning) const;  // why a key does nothing for a scene; empty: it works
   std::string sceneLacks(const ColorBy& by) const;
   void chooseMeshColor(MeshColor by);
 
@@ -113,7 +113,7 @@ struct ViewSession::State {
   void turnAbout();
   void toggleAlone();
 
-  // session_frames.cpp: what is wanted, loaded and taken over
+  // session_frames.cpp: frames and scenes that are requested, loaded and shown
   void goTo(std::size_t frame, int step);
   void wantFrame(std::size_t frame, int step);
   void stepBy(std::ptrdiff_t count);
@@ -122,13 +122,13 @@ struct ViewSession::State {
   std::string speedText() const;
   void seekReadable();
   void hintAtNames();
-  double frameSeconds() const;  // that a frame stays while they play
+  double frameSeconds() const;  // how long each frame is shown while playing
   void adopt(std::shared_ptr<const ViewFrame> loaded);
   void takeWhatIsLoaded();
   void wantMesh();
   void takeMesh(std::shared_ptr<const ViewMesh> loaded);
   bool meshOn() const { return options.mesh || source->isScene(); }
-  // There are triangles, and a place for them.
+  // True if the mesh has triangles and its pose on the canvas is known.
   bool meshSeen() const { return mesh && meshOn() && mesh->size() > 0 && (source->isScene() || worldFromAnchor); }
   std::vector<std::string> problems() const;
 
@@ -138,7 +138,7 @@ struct ViewSession::State {
   void applyFilter();
   bool overlaid() const { return options.layout == ViewLayout::Overlay && frame && frame->scans.size() > 1; }
   std::size_t viewCount() const;
-  std::size_t shownScan() const;  // of layout One
+  std::size_t shownScan() const;  // index of the scan in layout One
   Coloring colored(std::size_t scan, std::size_t view);
   std::optional<ScaleRange> scaleOf(std::size_t view);
   void changeScale(KeyAction change);
@@ -162,9 +162,9 @@ struct ViewSession::State {
   Affine canvasFromScan(const ViewScan& scan) const;
   void toggleWorld();
   OrbitCamera preset(View view) const;
-  // What was asked for; of a scene that is not there yet it may be another.
+  // Returns the camera that the options choose; it may change when a scene has been loaded.
   OrbitCamera firstCamera() const;
-  // For --camera.
+  // Returns the camera as a value of --camera.
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
   double farthest(const Vec3d& eye) const;
@@ -172,7 +172,7 @@ struct ViewSession::State {
 
   // session_boxes.cpp: objects that samples list
   Affine canvasFromBox(const ObjectRecord& object) const;
-  const ObjectView* shownView(const ObjectRecord& object) const;  // by the sensor of the first scan; null: none
+  const ObjectView* shownView(const ObjectRecord& object) const;  // of the first scan's sensor; null: none
   bool boxShown(const ObjectRecord& object) const;
   void placeBoxes();
   void addBoxLabels();
@@ -182,7 +182,7 @@ struct ViewSession::State {
   void startSelecting(Selecting how);
   void clearSelection();
   void addToOutline(int x, int y);
-  void select();  // what lies in the outline
+  void select();  // selects the points in the outline
   void placeSelection();
   void drawSelection();
   void saveSelection();
@@ -194,7 +194,7 @@ struct ViewSession::State {
   void placeBeam();
 
   // session_draw.cpp
-  void refresh();  // what colours mean, the views
+  void refresh();  // updates the legends and the views
   void flush(bool whole);
   void addLabels();
   void addLabel(const Vec3d& spot, const std::string& text, bool mark);
@@ -229,24 +229,24 @@ struct ViewSession::State {
   PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
   std::optional<PickedThing> pickStrip(int x, int y) const;
-  PixelRect stripRect() const;  // of its image
+  PixelRect stripRect() const;  // px: rectangle of the range image
   PickedThing inFull(PickedThing thing) const;
   bool isShown(const PickedThing& thing) const;
   void updateHover();
 
-  // session_tip.cpp: what is told of it, and its instance
+  // session_tip.cpp: the description of a picked point, and its instance
   Rgb colorOf(const PickedThing& thing) const;
-  std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // none: of no instance
+  std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // none: belongs to no instance
   const InstanceSummary& summaryOf(const ShownCloud& cloud, std::uint32_t instance) const;
   void lightInstance();
-  // Points by scan of the frame, once more in white so that they edge what they belong to. `anew`: other points.
+  // Draws points once more in white, larger and farther away, as an outline. `anew`: the points have changed.
   void edge(CanvasItem& item, const PointsOfScans& points, bool anew);
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;
-  ViewOptions options;  // as they are now
+  ViewOptions options;  // the current ones
   OrbitCamera camera;
-  bool sceneFramed = false;  // a scene's first camera has been set, which wants its box
+  bool sceneFramed = false;  // the first camera of a scene, which needs the scene's box, has been set
   std::unique_ptr<FrameLoader> loader;
   WallTimer clock;
   DrawPace pace;
@@ -255,39 +255,39 @@ struct ViewSession::State {
   std::optional<std::size_t> at;  // the frame that is shown
   std::shared_ptr<const ViewFrame> frame;
   std::vector<Pose> trajectory;
-  bool readsAhead = false;  // further frames are loaded
+  bool readsAhead = false;  // further frames are loaded in advance
   bool playing = false;
-  double lastStep = 0;                     // s
-  double recordedSeconds = 0;              // between the last two frames, where one followed the other
-  std::size_t speed = kUsualSpeed;         // into kPlaySpeeds
-  bool seeking = false;                    // no frame was asked for: the first that can be read will do
+  double lastStep = 0;                     // s, time when the frame was shown or playing began
+  double recordedSeconds = 0;              // time between the last two frames shown, if they are consecutive
+  std::size_t speed = kUsualSpeed;         // index into kPlaySpeeds
+  bool seeking = false;                    // the user chose no frame: the first readable frame is shown
   std::size_t firstWanted = 0;             // where seeking began
   std::size_t seekAt = 0;                  // the next frame to try
-  std::set<std::size_t> unreadable;        // frames that were loaded in vain
-  std::set<std::uint16_t> presentClasses;  // that a frame holds, as far as is known
-  bool classesKnown = false;               // of all frames
-  std::string scanName;                    // of layout One; empty: the first
+  std::set<std::size_t> unreadable;        // frames that could not be loaded
+  std::set<std::uint16_t> presentClasses;  // classes known to occur in a frame
+  bool classesKnown = false;               // presentClasses covers all frames
+  std::string scanName;                    // the scan shown in layout One; empty: the first
 
   std::array<std::optional<ColorBy>, kMostSplitViews> colors{};
-  std::array<std::optional<ScaleRange>, kMostSplitViews> scales{};  // where they do not follow from the values
-  std::map<ColorBy, ScaleRange> commonScales;                       // of the frame's scans side by side
-  std::optional<std::size_t> activeView;                            // that colours are chosen for; none: all
+  std::array<std::optional<ScaleRange>, kMostSplitViews> scales{};  // chosen ones; absent: follow from the values
+  std::map<ColorBy, ScaleRange> commonScales;                       // shared by the frame's scans side by side
+  std::optional<std::size_t> activeView;                            // the view whose colours change; none: all
   ClassFilter filter;
-  std::set<std::uint32_t> aloneInstances;  // instances that alone are shown; empty: all
-  std::set<std::string> hiddenScans;       // of the overlay
+  std::set<std::uint32_t> aloneInstances;  // the only instances that are shown; empty: all
+  std::set<std::string> hiddenScans;       // scans hidden in the overlay layout
   std::vector<ShownCloud> clouds;
 
-  bool world = false;                   // stand in the world in place of following the sensor
-  std::optional<Pose> worldFromAnchor;  // of the frame's first scan that has a pose
+  bool world = false;                   // the camera stays in the world instead of following the sensor
+  std::optional<Pose> worldFromAnchor;  // pose of the frame's first scan that has one
   Affine canvasFromWorld;
-  std::shared_ptr<const ViewMesh> mesh;  // that was loaded
+  std::shared_ptr<const ViewMesh> mesh;  // the loaded mesh
   CanvasItem meshItem{canvas, kMeshItem};
   std::optional<SceneChoice> meshWanted;
   MeshColor meshColor = MeshColor::Class;
   Coloring meshColoring;
   std::vector<std::uint8_t> meshShown;  // per triangle; empty: all
   std::vector<ContentBall> content;
-  Vec3d ground;  // below the first scan's sensor, canvas's frame
+  Vec3d ground;  // the ground below the first scan's sensor, canvas frame
 
   std::optional<RangeStrip> strip;
   std::size_t stripCloud = 0;
@@ -297,30 +297,30 @@ struct ViewSession::State {
   std::optional<PickedThing> hover;
   std::optional<PickedThing> pinned;
   mutable std::optional<std::pair<InstancePlace, InstanceSummary>> lastSummary;
-  std::optional<InstancePlace> lit;  // as on the canvas
+  std::optional<InstancePlace> lit;  // the instance that is highlighted on the canvas
   PointsOfScans litPoints;
   CanvasItem litItem{canvas, kLitItem};
-  double lastMove = 0;  // s, of the pointer
+  double lastMove = 0;  // s, time of the pointer's last move
   Selecting selecting = Selecting::None;
   std::vector<Vec2d> outline;  // px, canvas
   PointsOfScans selected;
   CanvasItem selectedItem{canvas, kSelectedItem};
-  bool instanceBoxes = false;  // about the points, where the sample lists no objects
+  bool instanceBoxes = false;  // boxes about the points of instances, if the sample lists no objects
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf;
   std::vector<InstanceSummary> allInstances;
-  std::optional<std::pair<std::size_t, std::size_t>> beamOf;  // scan and point whose beam's returns are joined
+  std::optional<std::pair<std::size_t, std::size_t>> beamOf;  // scan and point whose beam is drawn through its returns
   bool beamDrawn = false;
   bool measuring = false;
-  std::vector<Vec3d> ends;  // of the measured distance, canvas's frame
+  std::vector<Vec3d> ends;  // ends of the measured distance, canvas frame
   std::optional<std::string> prompt;
   bool help = false;
   bool quit = false;
 
   std::string colorProblem, meshProblem, stripProblem, instanceProblem;
-  std::optional<std::string> columnMissing;  // of the options' colours
+  std::optional<std::string> columnMissing;  // message about a column in the options' colours
   std::vector<ViewNotice> notices;
   std::vector<std::string> hints;
-  std::optional<KeyAction> acting;  // of the key that is being obeyed
+  std::optional<KeyAction> acting;  // the action that is being executed
   std::string busy;
 
   Toolkit toolkit;
@@ -331,17 +331,17 @@ struct ViewSession::State {
   std::vector<std::size_t> damaged;  // frames that cannot be shown; ascending
   bool overStrip = false;            // the pointer is over the range image
   std::vector<CanvasView> views;
-  bool viewsChanged = true;  // cameras, rectangles
-  bool itemsChanged = true;  // points, lines, triangles
+  bool viewsChanged = true;  // cameras or rectangles have changed
+  bool itemsChanged = true;  // points, lines or triangles have changed
   bool hudChanged = true;
-  bool lightChanged = false;  // the points of the instance that is pointed at
+  bool lightChanged = false;  // the highlighted points have changed
   bool hoverChanged = false;
-  bool partial = false;  // the last picture had not all points
+  bool partial = false;  // the last picture did not show all points
   std::uint64_t lastMost = 0;
-  double lastChange = 0;      // s, of anything but what lies over the points
-  double wholeSeconds = 0;    // that a picture of all points took
-  double lastPicture = 0;     // s
-  double pictureSeconds = 0;  // that it took
+  double lastChange = 0;      // s, time of the last change of anything except the overlay
+  double wholeSeconds = 0;    // time that a picture of all points took
+  double lastPicture = 0;     // s, time of the last picture
+  double pictureSeconds = 0;  // time that the last picture took
 };
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// What is told of a thing that is pointed at or was clicked, and how its instance stands out.
+// Describes the point that is under the pointer or was clicked, and highlights its instance.
 
 #include <algorithm>
 
@@ -28,7 +28,8 @@ std::optional<std::uint32_t> ViewSession::State::instanceOf(const PickedThing& t
   return id == 0 ? std::nullopt : std::optional(id);
 }
 
-// The pointer mostly stays on an instance for a while.
+// Returns the instance's summary. The last summary is cached, since the pointer mostly stays on an instance for a
+// while.
 const InstanceSummary& ViewSession::State::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
   const InstancePlace place{cloud.scan, instance};
   if (!lastSummary || !(lastSummary->first == place)) {
@@ -37,11 +38,11 @@ const InstanceSummary& ViewSession::State::summaryOf(const ShownCloud& cloud, st
   return lastSummary->second;
 }
 
-// The points of the instance that is pointed at, or else was clicked, once more in white: larger and a little farther
-// away, so that they edge it.
+// Highlights the instance under the pointer, or else the clicked one: draws its points once more in white, larger and a
+// little farther away, as an outline.
 void ViewSession::State::lightInstance() {
-  constexpr double kQuick = 0.05;  // s, that a picture of all points takes
-  constexpr double kRest = 0.15;   // s, of the pointer
+  constexpr double kQuick = 0.05;  // s: if a picture of all points takes longer, highlighting waits for the pointer
+  constexpr double kRest = 0.15;   // s: the pointer rests if it has not moved for so long
   const std::optional<PickedThing>& thing = hover ? hover : pinned;
   std::optional<InstancePlace> wantedLight;
   const ShownCloud* cloud = nullptr;
@@ -58,7 +59,7 @@ void ViewSession::State::lightInstance() {
     if (lit && viewsChanged) edge(litItem, litPoints, false);
     return;
   }
-  // A scan that takes long to be drawn is not drawn again for every point that the pointer passes.
+  // Do not draw a large scan again for every point that the pointer passes.
   const bool moves = clock.seconds() - lastMove < kRest;
   if (!itemsChanged && wholeSeconds > kQuick && moves) return;
   lit = wantedLight;
@@ -71,11 +72,11 @@ void ViewSession::State::lightInstance() {
   edge(litItem, litPoints, true);
 }
 
-// Larger and a little farther away.
+// Draws the points once more, larger and a little farther away.
 void ViewSession::State::edge(CanvasItem& item, const PointsOfScans& points, bool anew) {
-  constexpr double kEdge = 1.5;      // px on either side
-  constexpr double kFarther = 1.03;  // of the distance from the eye
-  constexpr double kBehind = 0.2;    // m, where there is no eye
+  constexpr double kEdge = 1.5;      // px, width of the outline
+  constexpr double kFarther = 1.03;  // factor of the distance from the eye
+  constexpr double kBehind = 0.2;    // m, distance behind the points for an orthographic camera
   if (views.empty()) return;
   std::vector<Vec3f> places;
   ItemLook look;
@@ -93,7 +94,7 @@ void ViewSession::State::edge(CanvasItem& item, const PointsOfScans& points, boo
     for (const std::uint32_t i : own) places.push_back(Vec3f(placed->canvasFromScan * Vec3d(all[i])));
   }
   if (anew) item.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
-  const ViewCamera& seenBy = views.front().camera;  // they all look from there
+  const ViewCamera& seenBy = views.front().camera;  // all views have the same eye
   if (seenBy.orthographic) {
     look.canvasFromItem.translation = seenBy.forward * kBehind;
   } else {

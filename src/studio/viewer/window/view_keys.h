@@ -66,23 +66,23 @@ enum class KeyAction {
 
 struct KeyMeaning {
   KeyAction action = KeyAction::Quit;
-  std::size_t number = 0;  // of ColorByNumber: into colorNames()
+  std::size_t number = 0;  // for ColorByNumber: index into colorNames()
 };
 
-// What a menu has, or, without a menu, a key alone.
+// A command in a menu, or, if `menu` is empty, of a key alone.
 struct ViewCommand {
   std::string_view menu;
   KeyMeaning meaning;
   std::string label;
-  std::vector<std::string> keys;  // what they type: "c"; or their names: "Left"; "shift + Left"
+  std::vector<std::string> keys;  // the characters that they type: "c"; or their names: "Left"; "shift + Left"
 };
-// In the menus' order.
+// Returns all commands, in the order of the menus.
 const std::vector<ViewCommand>& viewCommands();
 
-// None for a key that does nothing.
+// Returns the meaning of a key; none if the key does nothing.
 std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift);
 
-// "space", "F1 or v": as menus and help write them.
+// Returns the command's keys as menus and help show them: "space", "F1 or v".
 std::string keysText(const ViewCommand& command);
 
 }  // namespace scanmill
