@@ -8,7 +8,7 @@
 namespace scanmill {
 namespace {
 
-// Of `texture "tree.png" base`: the name with its quotes, and what follows it.
+// The parts of a line such as `texture "tree.png" base`: the name with its quotes, and the role.
 struct Layer {
   std::string_view name, role;
 };
@@ -33,7 +33,7 @@ std::string readAc3d(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::string out;
   out.reserve(text.size());
-  std::string texture;  // of the object at hand, kept until its lines of textures end
+  std::string texture;  // texture of the current object, written when its texture lines end
   bool base = false;
   const auto flush = [&] {
     if (!texture.empty()) out += "texture " + texture + "\n";
@@ -51,7 +51,7 @@ std::string readAc3d(const std::filesystem::path& file) {
       continue;
     }
     const Layer layer = layerOf(line);
-    if (!layer.name.starts_with('"') || base) continue;  // names without quotes stand for none
+    if (!layer.name.starts_with('"') || base) continue;  // a name without quotes means no texture
     base = layer.role == "base";
     if (texture.empty() || base) texture = layer.name;
   }

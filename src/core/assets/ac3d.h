@@ -5,8 +5,8 @@
 
 namespace scanmill {
 
-// The text of an AC3D file with one texture an object, as the importer wants it: racing games write several, of which
-// `base` is the colour, or else the first, and the others are shades and skid marks.
+// Returns the text of an AC3D file with at most one texture per object, as assimp requires. Racing games write several
+// textures: the one with the role `base`, or else the first, is the colour; the others are shading and skid marks.
 std::string readAc3d(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -40,7 +40,7 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// Blender's own is z-up.
+// A GLB that Blender exported from a .blend is z-up, other glTF is y-up.
 Asset readGltf(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const bool blend = kind == ".blend";
   const char up = options.up.value_or(blend ? 'z' : 'y');
@@ -53,9 +53,9 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   return asset;
 }
 
-// Far from their origin coordinates in single precision are coarse.
+// Warns of coordinates far from the origin, where single precision is coarse.
 void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
-  constexpr double kFar = 16384;  // m, where steps are 2 mm
+  constexpr double kFar = 16384;  // m, where float32 has steps of 2 mm
   Box box;
   for (const AssetPart& part : asset.parts) {
     for (const Vec3f& p : part.positions) {
@@ -102,7 +102,7 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
                     asset.dropped.outOfRange > 0 ? " whose indices are in range: the file is damaged" : ""));
   }
   warnOfSteps(asset, file);
-  // The importer's one allocation for each face would stay with the process: 60 MiB for a million triangles.
+  // Returns the importer's memory to the system: it allocates every face separately, 60 MiB for a million triangles.
   ::malloc_trim(0);
   return withFile(std::move(asset), file);
 }

@@ -7,9 +7,9 @@
 
 namespace scanmill {
 
-// Those in it and in the folders below, in the order of their names, of the kinds that readAsset() reads, but for those
-// that are seldom assets (.json, .csv). A folder that holds a model.sdf, as Gazebo's models do, is that file alone: it
-// says by itself which meshes it has, and how large they are. Empty where there is none.
+// Returns the 3D files in a folder and its subfolders, sorted by path: the usual kinds that readAsset() reads, without
+// those that are seldom assets (.json, .csv). Of a folder with a model.sdf, such as one of Gazebo's models, only that
+// file is returned, since it names its meshes and their scale. Empty if there are none.
 std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder);
 
 }  // namespace scanmill

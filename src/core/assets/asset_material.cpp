@@ -40,9 +40,9 @@ class MaterialReader {
       if (!options_.textures) color.image.reset();
     }
     color.colored = color.image != nullptr;
-    // What stands beside a texture is what the exporter happened to leave there, often black.
+    // If there is a texture, the colour factor is ignored: exporters leave arbitrary values in it, often black.
     if (!color.colored) read.color = color.factor;
-    // A map that names the colour's own file means that file's alpha, which the image has already.
+    // An opacity map with the colour's own file means that file's alpha, which the image already has.
     const ImportedMap& opacity = from.opacityMap;
     if (color.alpha.wanted && !opacity.name.empty() && opacity.name != from.base.name) {
       if (const auto mask = load(opacity, false, true))
@@ -53,10 +53,10 @@ class MaterialReader {
   }
 
  private:
-  // It is declared where beams pass whatever the alpha looks like.
+  // Returns the alpha test. `declared` becomes true if the test applies without a check by isCutOut().
   AlphaTest alphaTest(const ImportedMaterial& from, bool& declared) const {
     if (options_.alpha == AlphaUse::Ignore) return {};
-    // 0 would hide the material: it comes from exporters that take the number for the opposite.
+    // An opacity of 0 would hide the material. It comes from exporters that confuse opacity and transparency.
     declared =
         options_.alpha == AlphaUse::Test || !from.opacityMap.name.empty() || (from.opacity > 0 && from.opacity < 1);
     return {true, 0.5f};

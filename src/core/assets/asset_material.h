@@ -18,8 +18,8 @@ struct AssetMaterial {
   std::string texture;                  // base colour file as the asset names it, or empty
 };
 
-// Returns the materials of the imported file. A missing or broken texture is a warning; one that lies outside of the
-// file's folder is an InputError where that is not allowed.
+// Returns the materials of the imported file. A missing or broken texture is a warning. Throws InputError for a texture
+// outside of the file's folder, unless AssetOptions::allowOutside.
 std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
                                          const AssetOptions& options);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What readers of assets share.
+// Helpers that the readers of assets share.
 
 #include <cstdint>
 #include <vector>
@@ -9,22 +9,22 @@
 
 namespace scanmill {
 
-// A file may place its meshes any number of times, so a small file can ask for any amount of memory.
+// Limit of an asset: a file may place its meshes any number of times, so a small file can require any amount of memory.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 
-// The rotation that takes an up axis to z. x-up follows COLLADA: y points left to -x, z to the viewer.
+// Returns the rotation of an up axis to z. x-up follows COLLADA: y becomes -x, z becomes -y.
 Mat3 zUpFrom(char up);
 
-// Some kinds come in with three vertices of their own for every triangle: joins those that are bit-identical.
+// Merges bit-identical vertices, since some kinds of files have three separate vertices for every triangle.
 void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles);
 
-// Moves a part by a transform that is not singular; what that mirrors still faces outwards.
+// Transforms a part. The transform must not be singular; if it mirrors, triangles are flipped and still face outwards.
 void move(AssetPart& part, const Affine& place);
 
-// Of all that is finite, copies too.
+// Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
 Box boundsOf(const Asset& asset);
 
-// Makes copies of Asset::instanced parts like any others, each a node of its own.
+// Replaces Asset::instanced by copies of its parts in Asset::parts. Each copy becomes a node of its own.
 void flatten(Asset& asset);
 
 }  // namespace scanmill

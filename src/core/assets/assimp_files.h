@@ -11,14 +11,14 @@ class IOSystem;
 
 namespace scanmill {
 
-// What the importer wanted and did not get.
+// Files that the importer tried to open without success.
 struct MissedFiles {
-  std::string refused;                 // what to say of the first one that it may not have; empty: there was none
-  std::vector<std::string> libraries;  // of materials, which are not there
+  std::string refused;                 // message about the first file that was refused; empty: none
+  std::vector<std::string> libraries;  // material libraries (.mtl) that are missing
 };
 
-// What the importer may open: files, and no pipes or devices, in the asset's folder and below unless all is allowed.
-// `missed` outlives it.
+// Returns the file access for the importer: it opens regular files only, no pipes or devices, and without
+// `allowOutside` only files in the asset's folder and below. `missed` must outlive the result.
 std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, bool allowOutside, MissedFiles& missed);
 
 }  // namespace scanmill

@@ -8,10 +8,9 @@ struct aiScene;
 
 namespace scanmill {
 
-// The materials and embedded images of a scene in the importer's terms. Base colours are taken as linear, which is what
-// most exporters write.
+// Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
 std::vector<ImportedMaterial> materialsOf(const aiScene& scene);
-// Throws Error where an image has no usable size.
+// Returns the embedded images of an assimp scene. Throws Error if an image has no usable size.
 std::vector<ImportedImage> imagesOf(const aiScene& scene);
 
 }  // namespace scanmill

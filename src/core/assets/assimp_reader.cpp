@@ -28,7 +28,7 @@ namespace scanmill {
 
 namespace {
 
-// The importer's way of cutting a polygon into triangles takes the square of its corners: a second for 40,000.
+// The importer's time to triangulate a polygon grows with the square of its corners: a second for 40,000 corners.
 constexpr double kMostCornersSquared = 4e9;
 
 constexpr std::string_view kCollada = "Collada Importer";
@@ -104,7 +104,7 @@ class Importer {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
-    // The importer also goes by content: glTF under another name would come in unchecked.
+    // The importer also detects kinds by content: glTF with another extension would be read without our checks.
     for (const char* kind : {"gltf", "glb"}) {
       while (auto* loader = importer_.GetImporter(kind)) importer_.UnregisterLoader(loader);
     }
@@ -116,8 +116,8 @@ class Importer {
     return text.empty() ? "the file is damaged" : text;
   }
 
-  // Faces with an index beyond the vertices lose their indices, since triangulation reads what they point at. Returns
-  // the triangles lost.
+  // Empties faces with an index out of range, since triangulation would read beyond the vertices. Returns the number of
+  // triangles lost.
   std::uint64_t dropBadFaces() const {
     std::uint64_t dropped = 0;
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
@@ -135,8 +135,8 @@ class Importer {
     return dropped;
   }
 
-  // Assimp 5.4 turns the root of FBX files by their declared axes, which is done here for all its versions, by up axis
-  // and unit alone: assetFromImported().
+  // Resets the root transform of FBX files. Assimp 5.4 rotates the root by the declared axes; here assetFromImported()
+  // does that for all versions of assimp, from the up axis and the unit only.
   void undoTurnOfFbx() const {
     if (importedAs() == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
   }
@@ -165,24 +165,24 @@ class Importer {
     if (scene_ == nullptr) fail(fmt::format("cannot be cut into triangles: {}; {}", reason(), remedyFor(kind_)));
   }
 
-  // From the importer's frame to metres and z up.
+  // Returns the transform from the importer's frame to metres and z up.
   Affine assetFromImported(char up) const {
     double scale = options_.metresPerUnit;
     const std::string format = importedAs();
-    if (format == kCollada && !options_.up) up = 'y';  // to which the importer has turned the declared axis
+    if (format == kCollada && !options_.up) up = 'y';  // the importer has rotated the declared axis to y
     if (format == kFbx) {
       scale *=
           static_cast<double>(metadata(*scene_, "UnitScaleFactor", 1.0f)) * 0.01;  // FBX states its unit in centimetres
     }
     if (!(scale > 0) || !std::isfinite(scale)) fail("declares a unit that is not above 0");
-    // The importer turns files of these kinds, which are z-up, to y-up.
+    // The importer rotates files of these kinds from z-up to y-up.
     const bool turned = format == "Discreet 3DS Importer" || format == "ASE Importer" ||
                         format == "Drawing Interchange Format (DXF) Importer";
     const Mat3 fileFromImported = turned ? zUpFrom('y') : Mat3();
     return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
   }
 
-  // The up axis that the file states or its kind prescribes; nothing where neither does.
+  // Returns the up axis that the file states or its kind prescribes; nothing if neither does.
   std::optional<char> declaredUp() const {
     const std::string format = importedAs();
     if (format == kFbx) {
@@ -194,7 +194,7 @@ class Importer {
     return std::nullopt;
   }
 
-  // The importer keeps up_axis to itself. It is in the head of the file, since the schema puts `asset` first.
+  // Reads up_axis from the file's first bytes, since the importer does not report it. The schema puts `asset` first.
   char colladaUp() const {
     std::string head(1 << 16, '\0');
     std::ifstream in(file_, std::ios::binary);
@@ -213,7 +213,7 @@ class Importer {
   static std::string nodeName(const aiNode& node) {
     std::string name = node.mName.C_Str();
     if (const auto pivot = name.find("_$AssimpFbx$_"); pivot != std::string::npos) name.resize(pivot);
-    // What the importer calls nodes of COLLADA without a name.
+    // The importer makes up this name for COLLADA nodes without a name.
     if (!name.starts_with("$ColladaAutoName$")) return name;
     aiString id;
     return node.mMetaData != nullptr && node.mMetaData->Get("Collada_id", id) ? id.C_Str() : "";
@@ -223,7 +223,7 @@ class Importer {
     struct Item {
       const aiNode* node;
       Affine assetFromParent;
-      std::string name;  // of the nearest ancestor that has one, but the root, which the importer often makes
+      std::string name;  // of the nearest named ancestor except the root, which the importer often adds
     };
     std::vector<Item> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
     for (std::uint32_t index = 0; !open.empty(); ++index) {
@@ -245,7 +245,7 @@ class Importer {
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
     const std::size_t first = read.parts.size();
-    std::vector<unsigned> materials;  // of the parts of this node
+    std::vector<unsigned> materials;  // of each part of this node
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
@@ -274,7 +274,7 @@ class Importer {
       part.positions[base + i] = static_cast<Vec3f>(assetFromNode * Vec3d{v.x, v.y, v.z});
     }
     appendUvs(part, mesh, base);
-    // A mirroring transform turns surfaces inside out unless their corners change places.
+    // If the transform mirrors, two corners are swapped, so that surfaces are not turned inside out.
     const bool mirrored = determinant(assetFromNode.linear) < 0;
     const auto offset = static_cast<std::uint32_t>(base);
     part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
@@ -291,7 +291,7 @@ class Importer {
     if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
-    part.uvs.resize(base + mesh.mNumVertices);  // zero where a mesh of the part has none
+    part.uvs.resize(base + mesh.mNumVertices);  // zero if a mesh of the part has none
     for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
       part.uvs[base + i] = {mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y};
     }
@@ -302,8 +302,8 @@ class Importer {
   const std::string& kind_;
   MissedFiles missed_;
   Assimp::Importer importer_;
-  const aiScene* scene_ = nullptr;         // the importer's
-  std::vector<std::uint32_t> uvChannels_;  // of the materials
+  const aiScene* scene_ = nullptr;         // owned by importer_
+  std::vector<std::uint32_t> uvChannels_;  // by material
   std::uint64_t triangles_ = 0;
 };
 

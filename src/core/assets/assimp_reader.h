@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the kinds of files that the assimp library knows. Damaged files may crash it or take its time and memory: see
+// Reads files with the assimp library. Damaged files can crash it, or make it use much time and memory: see
 // readImported() in assets/imported_asset.h.
 
 #include <filesystem>
@@ -11,7 +11,8 @@
 
 namespace scanmill {
 
-// `kind` is the file's ending in lower case, ".obj". Throws Error that says what is wrong, without the file's name.
+// Reads a file. `kind` is its extension in lower case, such as ".obj". Throws Error with the problem, but without the
+// file's name.
 ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
 }  // namespace scanmill

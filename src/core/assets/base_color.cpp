@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-// Images of these kinds have no alpha.
+// True for kinds of images that have no alpha.
 bool isOpaqueKind(const std::string& name) {
   const std::string kind = lowerExtension(name);
   return kind == ".jpg" || kind == ".jpeg" || kind == ".bmp";

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the base colour of an asset's material, and the alpha beside it, mean to a beam.
+// Derives reflectance and alpha test of an asset's material from its base colour and the alpha of that colour.
 
 #include <algorithm>
 #include <array>
@@ -18,38 +18,38 @@
 namespace scanmill {
 
 struct AlphaTest {
-  bool wanted = false;  // beams pass where the image's alpha is below
+  bool wanted = false;  // beams pass where the image's alpha is below `cutoff`
   float cutoff = 0.5f;
 };
 
 struct BaseColor {
   std::array<float, 3> factor{1, 1, 1};  // linear
   bool tints = false;                    // the factor multiplies the image
-  bool stated = true;                    // false: no material of the file, but one that stands for none
-  bool textured = false;                 // it names an image, which may be absent
-  std::shared_ptr<const Texture> image;  // with its alpha, or null
-  bool colored = false;                  // the image has colours
+  bool stated = true;                    // false: a substitute, since the file states no material
+  bool textured = false;                 // the material names an image, which may be absent
+  std::shared_ptr<const Texture> image;  // including alpha; null: absent or not loaded
+  bool colored = false;                  // the image has colours, not only alpha
   AlphaTest alpha;
 };
 
-// The images that the materials of one asset name. Each is looked for, decoded and measured once, however many
-// materials show it.
+// The images that the materials of one asset name. Each is searched for, decoded and measured only once, however many
+// materials use it.
 class ColorImages {
  public:
   // `allowOutside`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
-  // Warns of those that were missing, in one line, and in another of those whose alpha may cut out.
+  // Warns in one line of the images that were missing, and in another of missing images whose alpha may be cut-outs.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;
 
-  // What the asset calls `name`: what `embedded` returns, or else the file of that name. Null, with a warning, where it
-  // is missing or broken; null where only alpha is wanted and there is none. `cutsOut`: its alpha would let beams pass,
-  // which the warning tells. No other image has its `key`.
+  // Returns the image that the asset calls `name`: the result of `embedded`, or if that is null the file of that name.
+  // Returns null, with a warning, if the image is missing or broken; also null if only alpha is needed and the image
+  // has none. `cutsOut`: its alpha would let beams pass, which the warning then mentions. `key`: unique for each image.
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
-  // meanLuminance() of the image.
+  // Returns the meanLuminance() of the image.
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
@@ -59,17 +59,17 @@ class ColorImages {
   std::filesystem::path asset_;
   bool allowOutside_;
   std::set<std::string> missing_;
-  std::set<std::string> missingCutOuts_;  // whose alpha may cut out
+  std::set<std::string> missingCutOuts_;  // missing images whose alpha may be cut-outs
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };
 
-// Sets reflectance and texture of a material of the asset `file`. White beside a texture that is not there is no colour
-// of its own.
+// Sets reflectance and texture of a material of the asset `file`. If an image is named but not loaded, and the colour
+// factor is white, the material gets the default reflectance, since white is then not its colour.
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images);
 
-// From 0 to 1; the fallback where it is not finite.
+// Returns the value, clamped to 0 to 1; the fallback if the value is not finite.
 template <class Number>
 Number fraction(Number value, Number fallback) {
   return std::isfinite(value) ? std::clamp(value, Number(0), Number(1)) : fallback;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Imports .blend files: Blender itself turns them into GLB.
+// Imports .blend files: Blender itself converts them to GLB.
 
 #include <filesystem>
 
@@ -8,14 +8,14 @@
 
 namespace scanmill {
 
-// A GLB of what the active scene of a .blend shows in the viewport and in renders: surfaces with their modifiers
-// applied, instances, and materials with their base colour textures. Names are kept. Coordinates are in metres by the
-// file's unit scale, z up. No script, driver expression or handler of the file runs. The GLB lies in a temporary
-// folder, which the destructor removes.
+// A GLB of the active scene of a .blend, with all objects that are visible both in the viewport and in renders:
+// surfaces with their modifiers applied, instances, and materials with their base colour textures. Names are kept.
+// Coordinates are in metres by the file's unit scale, z up. No script, driver expression or handler of the file runs.
+// The GLB is in a temporary folder, which the destructor removes.
 class BlendExport {
  public:
-  // Throws an InputError that names the file where it is no .blend, is damaged, was saved by a newer Blender, or shows
-  // nothing. Throws Error where there is no Blender.
+  // Throws an InputError that names the file if it is not a .blend, is damaged, was saved by a newer Blender, or shows
+  // nothing. Throws Error if Blender is not installed.
   explicit BlendExport(const std::filesystem::path& file);
 
   std::filesystem::path glb() const { return folder_.path() / "scene.glb"; }

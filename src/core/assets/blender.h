@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// The program that the environment variable SCANMILL_BLENDER names; without that, `blender` in PATH. Throws an Error
-// that says how to install it.
+// Returns the program that the environment variable SCANMILL_BLENDER names; without the variable, `blender` in PATH. If
+// there is none, throws an Error that says how to install it.
 std::filesystem::path blenderProgram();
 
 struct BlenderAnswer {
@@ -20,25 +20,25 @@ struct BlenderAnswer {
   double seconds = 0;  // since the request
 };
 
-// One run of the script. It cannot outlive the object. Blender starts from its factory settings, reads nothing that its
-// user has configured, and runs no script of the files that it opens.
+// One run of the script, which ends at the latest with this object. Blender starts with its factory settings, ignores
+// the user's configuration, and runs no script of the files that it opens.
 class BlenderJob {
  public:
-  // `folder`, a temporary one for this run alone, must outlive the object; Blender's own temporary files go there too.
-  // Throws Error where there is no Blender.
+  // Starts the script. `folder` is a temporary folder for this run only, which must outlive the object; Blender's own
+  // temporary files are written there, too. Throws Error if Blender is not installed.
   BlenderJob(const std::string& job, const std::filesystem::path& folder, const std::vector<std::string>& arguments);
 
   // Sends a line to the script.
   void ask(const std::string& line);
-  // Waits for the script's next answer, at most for the seconds that the environment variable SCANMILL_BLENDER_SECONDS
-  // gives (600 without it). Throws an InputError, which does not name the file, where the user's file is at fault;
-  // throws an Error with Blender's last lines where anything else fails.
+  // Waits for the script's next answer, for at most the number of seconds in the environment variable
+  // SCANMILL_BLENDER_SECONDS (600 by default). Throws an InputError, which does not name the file, if the user's file
+  // is at fault; throws an Error with Blender's last lines if anything else fails.
   BlenderAnswer answer();
 
  private:
   [[noreturn]] void fail(const std::string& what) const;
 
-  double patience_;  // s
+  double patience_;  // s, longest wait for an answer
   Process process_;
 };
 

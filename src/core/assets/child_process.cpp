@@ -43,7 +43,7 @@ void silence() {
   ::dup2(nowhere, STDERR_FILENO);
 }
 
-// How the child ends by itself.
+// Exit codes of the child, if no signal ends it.
 enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
 
 [[noreturn]] void runChild(const std::function<std::string()>& work, int answer) {
@@ -67,7 +67,7 @@ enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
     if (n <= 0) ::_exit(NobodyListens);
     done += static_cast<std::size_t>(n);
   }
-  ::_exit(code);  // neither buffers nor destructors of the parent are the child's
+  ::_exit(code);  // not exit(): buffers and destructors belong to the parent
 }
 
 std::string readAll(int descriptor) {
@@ -86,7 +86,7 @@ std::string readAll(int descriptor) {
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("no pipe: {}", std::strerror(errno)));
-  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // where it may not be as large, it is slower
+  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
   const std::uint64_t space = addressSpace();
   const pid_t child = ::fork();
   if (child < 0) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Work on files of strangers in a process of its own.
+// Runs work on untrusted files in a separate process.
 
 #include <cstdint>
 #include <functional>
@@ -10,16 +10,16 @@
 
 namespace scanmill {
 
-// The child process ended before its work: it crashed, or wanted more time or memory than it may have. The message says
-// which ("it takes more than 300 s").
+// The child process ended before its work was done: it crashed, or needed more time or memory than it may use. The
+// message says which ("it takes more than 300 s").
 class ChildEnded : public Error {
  public:
   using Error::Error;
 };
 
-// Calls `work` in a child process, which may crash, hang or ask for too much memory without harm to this one, and
-// returns the bytes that it returned. The child's output is discarded. It may use `memory` bytes more than this process
-// does now, and `seconds` of processor time. Throws ChildEnded, or an Error with the message of what `work` threw.
+// Calls `work` in a child process, and returns the bytes that `work` returned. The child may crash, hang or request too
+// much memory without harm to this process. Its output is discarded. It may use `memory` bytes more than this process
+// uses now, and `seconds` of CPU time. Throws ChildEnded, or an Error with the message of the exception of `work`.
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds);
 
 }  // namespace scanmill

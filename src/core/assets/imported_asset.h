@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads the kinds of files that the assimp library knows. It is made for files of friends: it runs in a child process,
-// which may crash or ask for more time and memory than it gets.
+// Reads the kinds of files that the assimp library knows. The library is made for trusted files. Therefore it runs in a
+// child process, which may crash or run out of time or memory without harm to this one.
 
 #include <filesystem>
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace scanmill {
 
-// Reads the file as readAsset() does, but that it may have no triangle. `kind` is its ending in lower case, ".obj".
+// Reads the file as readAsset() does, but accepts a file without triangles. `kind` is its extension in lower case.
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
-// What to do about a file of this kind that cannot be read.
+// Returns advice for messages about a file of this kind that cannot be read.
 std::string remedyFor(const std::string& kind);
 bool isAc3d(const std::string& kind);
 

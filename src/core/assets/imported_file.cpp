@@ -86,7 +86,7 @@ class Reader {
     left_.remove_prefix(size);
   }
 
-  // Of items that take so many bytes at least.
+  // Reads the number of items of a list, each of which takes at least `bytes` bytes.
   std::size_t count(std::size_t bytes) {
     std::size_t items = 0;
     raw(&items, sizeof items);

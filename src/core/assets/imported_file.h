@@ -1,6 +1,6 @@
 #pragma once
 
-// What an importer makes of a 3D file: plain data, which a child process hands over.
+// The contents of a 3D file as an importer returns them: plain data, which a child process can send to its parent.
 
 #include <array>
 #include <cstdint>
@@ -13,32 +13,32 @@
 
 namespace scanmill {
 
-// An image that a material names.
+// A reference of a material to an image.
 struct ImportedMap {
-  std::string name;             // as the file names it; empty: none
-  std::string label;            // for people and rules
-  std::uint32_t uvChannel = 0;  // the texture coordinates that it uses
+  std::string name;             // the image's name in the file; empty: the material has no image
+  std::string label;            // the name for reports and rules
+  std::uint32_t uvChannel = 0;  // index of the set of texture coordinates
   bool inverted = false;
-  std::int64_t embedded = -1;  // the image of the file that it means; -1: a file of its own
+  std::int64_t embedded = -1;  // index into ImportedFile::images; -1: a file of its own
 };
 
 struct ImportedMaterial {
   std::string name;
-  bool stated = true;  // false: the importer made it, for what has none
+  bool stated = true;  // false: the importer made it for parts without a material
   float roughness = 1;
   float metallic = 0;
   float opacity = 1;
   std::array<float, 3> color{1, 1, 1};  // linear
-  ImportedMap base;                     // of the base colour
+  ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;
-  // The texture coordinates that the parts of this material have.
+  // Returns the set of texture coordinates that parts with this material get.
   std::uint32_t uvChannel() const { return base.name.empty() ? opacityMap.uvChannel : base.uvChannel; }
 };
 
-// An image within the file.
+// An image that is embedded in the file.
 struct ImportedImage {
   std::uint32_t width = 0;
-  std::uint32_t height = 0;  // 0: the bytes are those of an image file; else 8 bit RGBA, the top row first
+  std::uint32_t height = 0;  // 0: `bytes` are an image file; else 8 bit RGBA, the top row first
   std::string bytes;
 };
 
@@ -55,17 +55,17 @@ struct ImportedPart {
 struct ImportedFile {
   char up = 'z';  // see Asset
   bool upDeclared = false;
-  Vec3d origin;                  // m, what positions are relative to: see Asset
-  std::uint64_t outOfRange = 0;  // triangles with indices out of range, which are left out
+  Vec3d origin;                  // m, origin of the positions: see Asset
+  std::uint64_t outOfRange = 0;  // number of triangles that were dropped since indices are out of range
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedImage> images;
   std::vector<ImportedPart> parts;
-  std::vector<std::string> missing;  // libraries of materials that it names and that are not there
+  std::vector<std::string> missing;  // material libraries that the file names and that are missing
 };
 
-// For this machine and this build of the program alone.
+// Serializes the file. The bytes are only valid on this machine and for this build of the program.
 std::string bytesOf(const ImportedFile& file);
-// Throws Error where these are not the bytes of one.
+// Restores a file from its bytes. Throws Error if they are not valid.
 ImportedFile importedFrom(std::string_view bytes);
 
 }  // namespace scanmill

@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMaxList = 4294967296.0;  // entries; what a count of any whole type stays below
+constexpr double kMaxList = 4294967296.0;  // entries; greater than any 32-bit count
 
 [[noreturn]] void failTruncated(const Location& where, const PlyElement& element, std::uint64_t row) {
   throw InputError(where, fmt::format("is truncated or damaged: it ends within '{}' {} of {}", element.name, row + 1,
@@ -31,12 +31,12 @@ constexpr double kMaxList = 4294967296.0;  // entries; what a count of any whole
                                       row + 1, element.count));
 }
 
-// A number as a count; nothing where it is negative, broken or beyond all reason.
+// Returns a number as a count; nothing if it is negative, NaN or not below kMaxList.
 std::optional<std::uint64_t> countOf(double value) {
   return value >= 0 && value < kMaxList ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
 }
 
-// Jumps over what it need not read.
+// Reads numbers of a binary file, and skips bytes without reading them.
 class BinaryWalk {
  public:
   BinaryWalk(const std::filesystem::path& file, std::uint64_t at, bool bigEndian)
@@ -50,7 +50,7 @@ class BinaryWalk {
     return true;
   }
 
-  // The number of `type` that comes next, of which there are enough bytes.
+  // Returns the next number, which is of the given type. The file must have enough bytes left.
   double number(const PlyType& type) {
     if (at_ < first_ || at_ + type.size > last_) fill();
     std::uint64_t bits = 0;
@@ -82,7 +82,7 @@ class BinaryWalk {
   std::uint64_t size_;
   bool bigEndian_;
   std::array<char, 1 << 16> buffer_{};
-  std::uint64_t first_ = 0;  // what the buffer holds of the file
+  std::uint64_t first_ = 0;  // range of the file that is in the buffer
   std::uint64_t last_ = 0;
 };
 
@@ -111,7 +111,7 @@ void checkBinary(const std::filesystem::path& file, const PlyHeader& header) {
   }
 }
 
-// The words of a line, one after the other; empty at its end.
+// Removes the next word from the line and returns it; empty at the end of the line.
 std::string_view nextWord(std::string_view& line) {
   constexpr std::string_view kBlank = " \t\r";
   line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
@@ -120,7 +120,7 @@ std::string_view nextWord(std::string_view& line) {
   return word;
 }
 
-// A row is a line, even an empty one; more words than it needs are nobody's.
+// Checks a row, which is a line, even an empty one. Additional words at its end are ignored.
 void checkRow(const PlyElement& element, std::uint64_t row, std::string_view line, const Location& where) {
   const auto word = [&] {
     const std::string_view found = nextWord(line);
@@ -163,7 +163,7 @@ void checkAscii(const std::filesystem::path& file, const PlyHeader& header) {
   }
 }
 
-// What the importer would make up, or read wrongly, without a word.
+// Throws InputError for files that the importer would silently misread or fill with made-up data.
 void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     if (element.name == "tristrips" && element.count > 0) {

@@ -6,9 +6,9 @@
 
 namespace scanmill {
 
-// Checks that a PLY file holds what its header announces. Without this, the importer would loop for ever on a header
-// that ends early, believe every count, and invent what was cut off. Throws an InputError that names the file and what
-// is wrong. Returns the header.
+// Checks that a PLY file contains what its header announces, and returns the header. Without this check, the importer
+// would loop for ever on a header that ends early, trust every count, and make up the data of a truncated file. Throws
+// an InputError that names the file and the problem.
 PlyHeader checkPly(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// Where x, y and z lie in the bytes of a vertex.
+// A coordinate in the bytes of a vertex: its offset and its type.
 struct Axis {
   std::uint64_t at = 0;
   bool isDouble = false;
@@ -30,7 +30,7 @@ struct Axis {
 struct Layout {
   std::array<Axis, 3> axes;
   std::uint64_t vertexBytes = 0;
-  std::uint64_t faceBytes = 0;  // of a triangle
+  std::uint64_t faceBytes = 0;  // bytes of a triangle
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
 
@@ -101,7 +101,7 @@ Vec3d vertexAt(const char* bytes, const Layout& layout) {
   return {p[0], p[1], p[2]};
 }
 
-// Where most vertices are, whatever a stray one says: the median of each axis of a thousand of them.
+// Returns an origin near most vertices (m, asset axes): the median of a thousand vertices, which ignores outliers.
 Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFile) {
   constexpr std::uint64_t kSamples = 1000;
   const std::uint64_t every = std::max<std::uint64_t>(layout.vertices / kSamples, 1);
@@ -122,7 +122,7 @@ Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFil
   return cloudOrigin({median(axes[0]), median(axes[1]), median(axes[2])});
 }
 
-// False where a face is no triangle.
+// Reads the triangles. Returns false if a face is not a triangle.
 bool readFaces(const char* bytes, const Layout& layout, ImportedFile& read) {
   std::vector<Triangle>& triangles = read.parts.front().triangles;
   triangles.resize(layout.faces);
@@ -148,7 +148,7 @@ std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const
   if (bytes.size() < header.size + layout->vertices * layout->vertexBytes + layout->faces * layout->faceBytes) {
     return std::nullopt;
   }
-  // An image, as MeshLab names it.
+  // MeshLab names a texture image by a comment with this word; the importer reads such files.
   if (std::string_view(bytes).substr(0, header.size).find("TextureFile") != std::string_view::npos) return std::nullopt;
   ImportedFile read;
   read.up = options.up.value_or('z');

@@ -8,10 +8,10 @@
 
 namespace scanmill {
 
-// Reads a PLY file that holds what scans and reconstructions are made of: little-endian vertices and triangles, of
-// whose properties the position and the indices are taken, without texture coordinates. Coordinates in double lose
-// nothing where they are large: see ImportedFile::origin. Nothing for any other file, also for a damaged one: that is
-// the importer's, which is several times slower. Throws InputError where the header is none.
+// Reads a PLY file of the kind that scans and reconstructions produce: little-endian vertices and triangles without
+// texture coordinates. Only positions and indices are used. Large coordinates in double keep their precision: see
+// ImportedFile::origin. Returns nothing for any other file, also for a damaged one: such files are left to the
+// importer, which is several times slower. Throws InputError if the header is not valid.
 std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

@@ -1,17 +1,17 @@
 #pragma once
 
-// Names of files in files of strangers.
+// Checks names of files that untrusted files contain.
 
 #include <filesystem>
 #include <string>
 
 namespace scanmill {
 
-// Whether a name leads out of the folder of the asset that holds it: it is absolute, or climbs by "..". Links within
-// the folder are their owner's business.
+// True if a name leads out of the folder of the asset that contains the name: it is absolute, or climbs by "..".
+// Symbolic links inside of the folder are not checked: they are the responsibility of its owner.
 bool leadsOutside(const std::string& name);
 
-// What to say of such a name: what it names, and that allow_outside would let it.
+// Returns the message about a name that leads outside: the name, and that allow_outside would permit it.
 std::string refusalOf(const std::string& name);
 
 }  // namespace scanmill

@@ -19,10 +19,10 @@ bool isFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, error);
 }
 
-// A name in a folder, whatever its case.
+// Returns the file of this name in a folder, ignoring case; empty if there is none.
 std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
   std::error_code error;
-  std::filesystem::path best;  // the least, since the order of a folder is not stable
+  std::filesystem::path best;  // the first by name, since the order of a folder's entries is not stable
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
     if (best.empty() || entry.path() < best) best = entry.path();
@@ -39,7 +39,7 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
   std::vector<std::filesystem::path> candidates;
   std::filesystem::path outside;
   if (plain.starts_with("file://")) plain = plain.substr(7);
-  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., the models lie beside one another
+  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., all models are in one folder
     plain = plain.substr(8);
     if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
       if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);

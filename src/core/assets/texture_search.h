@@ -7,11 +7,11 @@
 
 namespace scanmill {
 
-// Finds the file that the asset at `asset` calls `name`; empty where there is none. The name is taken relative to the
-// asset, then as an address that begins with model:// or file://. Then a file of that name without its folders is
-// looked for in the asset's folder and in the folders beside it that usually hold textures, and at last all of that
-// without regard to upper and lower case. A name that leads out of the asset's folder is an InputError where there is
-// such a file and nowhere else, unless `allowOutside`, where it counts like any other.
+// Finds the file that the asset at `asset` calls `name`; empty if there is none. A prefix model:// or file:// is
+// resolved first; any name is then tried relative to the asset's folder. Next, its last component is searched for in
+// the asset's folder and in the folders near it that usually hold textures, at first with the same case and then with
+// any case. If the name leads out of the asset's folder and there is no other match, throws InputError, unless
+// `allowOutside`.
 std::filesystem::path findTexture(const std::filesystem::path& asset, const std::string& name, bool allowOutside);
 
 }  // namespace scanmill

@@ -5,7 +5,7 @@
 
 namespace scanmill {
 
-// Decodes the escapes of a URI: "%2F" becomes "/". What is no escape stays as it is.
+// Decodes the escapes of a URI: "%2F" becomes "/". All other text is unchanged.
 std::string decodeUri(std::string_view uri);
 
 }  // namespace scanmill

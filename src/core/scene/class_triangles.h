@@ -1,6 +1,6 @@
 #pragma once
 
-// The triangles of certain classes, where they stand in the world.
+// The triangles of given classes, in the world's frame.
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,9 @@
 
 namespace scanmill {
 
-// Calls use(instance, triangle, corners) for each, with the index of the instance and that of the triangle in its mesh,
-// and the corners in the world's frame (m). What moves is left out, and so are instances from `before` on.
+// Calls use(instance, triangle, corners) for each triangle of the classes: with the index of its instance, its index in
+// the mesh, and its corners in the world's frame (m). Skips moving instances, and instances with an index of `before`
+// or more.
 template <class Use>
 void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& classes, std::size_t before,
                        const Use& use) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Embree 3.13 (Debian 12) or 4 (Debian 13, Ubuntu 24.04): the versions differ in how a query is passed its context. All
-// that differs between them stands here.
+// code that depends on the version is in this file.
 
 #if SCANMILL_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// A query and its filter functions share the context. A filter gets its address, so that a struct which holds more for
-// the filter has the context as its first member.
+// A query passes the address of its context to its filter functions. A struct with more data for a filter has the
+// context as its first member, so that the filter can cast that address to the struct.
 #if SCANMILL_EMBREE_MAJOR >= 4
 using EmbreeContext = RTCRayQueryContext;
 #else
@@ -29,7 +29,7 @@ inline EmbreeContext newEmbreeContext() {
   return context;
 }
 
-// Finds the first surface that the ray meets, or those that a filter function lets pass.
+// Finds the first surface that the ray hits and that its filter function, if it has one, accepts.
 inline void intersectOne(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCIntersectArguments arguments;
@@ -41,7 +41,7 @@ inline void intersectOne(RTCScene scene, EmbreeContext& context, RTCRayHit& ray)
 #endif
 }
 
-// The same for sixteen rays that stay close to each other. `valid` is -1 for each ray that counts, else 0.
+// Does the same for sixteen coherent rays. `valid` is -1 for each active ray, else 0.
 inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* valid, RTCRayHit16& rays) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCIntersectArguments arguments;
@@ -55,7 +55,7 @@ inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* v
 #endif
 }
 
-// Sets the ray's far end to minus infinity where it meets any surface.
+// Sets the ray's far end to minus infinity if the ray hits any surface.
 inline void occludeOne(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCOccludedArguments arguments;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Ways through the towns of scenes that vehicles can drive.
+// Paths through the towns of scenes that vehicles can drive along.
 
 #include <vector>
 
@@ -8,11 +8,11 @@
 
 namespace scanmill {
 
-// Places on the road's surface some metres apart (m, world).
+// Points on the road's surface, some metres apart (m, world frame).
 struct SceneLanes {
   std::vector<Vec3d> lane;   // the main road's right-hand lane
-  std::vector<Vec3d> turns;  // out of a side road into that lane, and from it into another, as far as there are any
-  int turnCount = 0;         // of `turns`
+  std::vector<Vec3d> turns;  // from a side road into that lane, and from the lane into another side road, if they exist
+  int turnCount = 0;         // number of turns along `turns`
 };
 
 }  // namespace scanmill

@@ -10,7 +10,7 @@
 namespace scanmill {
 namespace {
 
-// One number for all wavelengths, or a map from wavelength (nm) to number.
+// Reads one number for all wavelengths, or a map from wavelength (nm) to number.
 float readReflectance(const Value& value, int wavelengthNm) {
   if (value.kind != Value::Kind::Map) return static_cast<float>(readNumber(value, "reflectance", {0, 1}));
   Fields f(value, "reflectance");
@@ -23,7 +23,7 @@ float readReflectance(const Value& value, int wavelengthNm) {
   return chosen;
 }
 
-// A list of maps of a size and one other number.
+// Reads a list of maps that each hold `size_m` and one other number.
 template <class Made>
 std::vector<Made> readSizes(const Value* list, std::string_view key, std::string_view number, const Range& range,
                             std::size_t most, std::string_view example) {

@@ -15,16 +15,16 @@
 
 namespace scanmill {
 
-// An image in memory, 8 bit a channel. Red, green and blue are sRGB values as they are stored; alpha is linear.
+// An image in memory, 8 bit per channel. Red, green and blue are sRGB values as they are stored; alpha is linear.
 struct Texture {
   std::string file;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  bool hasAlpha = false;           // some texel is below 255
+  bool hasAlpha = false;           // the alpha of some texel is below 255
   std::vector<std::uint8_t> rgba;  // width * height * 4, the first row is v = 0 (the image's bottom)
 
-  // The nearest texel at the texture coordinates u, v, as a pointer to its four bytes. The texture is repeated outside
-  // of 0 to 1.
+  // Returns a pointer to the four bytes of the nearest texel at the texture coordinates u, v. The texture repeats
+  // outside of 0 to 1.
   const std::uint8_t* texel(float u, float v) const;
 };
 
@@ -51,29 +51,29 @@ struct Material {
   std::string name;
   float reflectance = 0.3f;       // near-infrared, 0 to 1
   float roughness = 1.0f;         // 0 mirror to 1 matt (glTF's perceptual roughness)
-  float metallic = 0.0f;          // 0 or 1, as glTF
+  float metallic = 0.0f;          // 0 or 1, as in glTF
   float retroreflectance = 0.0f;  // added reflectance towards the sensor, in units of a white Lambertian target
   float transmission = 0.0f;      // part of the light that the inside of a pane lets through, 0 to 1; 0: opaque
-  float index = 1.52f;            // of refraction
-  std::string source;             // of the reflectance
+  float index = 1.52f;            // refractive index
+  std::string source;             // where the reflectance comes from
   std::vector<Variation> variations = {};  // for the effect reflectance_variation; at most kMostVariations
   std::vector<Relief> relief = {};         // for the effect relief; at most kMostReliefs
-  bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit over the texture's mean
-  std::shared_ptr<const Texture> texture;  // base colour; null where none is needed
+  bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit, divided by textureMean
+  std::shared_ptr<const Texture> texture;  // base colour; null if none is needed
   float textureMean = 1.0f;                // mean linear luminance of the texture
   bool alphaTested = false;                // texels with alpha below alphaCutoff let the beam pass
   float alphaCutoff = 0.5f;
 };
 
-// The materials of a table such as labels/materials.yaml. require() finds one by its name; it throws an InputError at
-// `where`, with a suggestion, where there is none.
+// The materials of a table such as labels/materials.yaml. require() returns the material with this name; if there is
+// none, it throws an InputError at `where`, with a suggestion.
 struct MaterialLibrary {
   std::vector<Material> materials;
   const Material& require(std::string_view name, const Location& where) const;
 };
 
-// Reads a table of materials. `wavelengthNm` says which of their reflectances are taken: those at 850, 905 or 1064 nm.
-// Throws InputError with the place.
+// Reads a table of materials. `wavelengthNm` selects the reflectances at 850, 905 or 1064 nm. Throws InputError with
+// the place in the file.
 MaterialLibrary readMaterials(const std::filesystem::path& path, int wavelengthNm = 905);
 
 }  // namespace scanmill

@@ -6,8 +6,9 @@
 namespace scanmill {
 namespace {
 
-// Twice the area is compared with the product of two sides: below this ratio the corners are in line as far as double
-// arithmetic on float32 coordinates can tell. The thinnest triangle that float32 can hold is far above it.
+// Limit of the ratio of twice a triangle's area to the product of two sides. Below this limit, the corners are
+// collinear as far as double arithmetic on float32 coordinates can tell. The ratio of the thinnest triangle that
+// float32 can represent is far above the limit.
 constexpr double kCollinear = 1e-14;
 
 bool isDegenerate(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
@@ -25,7 +26,7 @@ Dropped& Dropped::operator+=(const Dropped& o) {
   return *this;
 }
 
-// Only vertices that a triangle uses count: clean() leaves zeroed ones behind.
+// Ignores vertices that no triangle uses, since clean() leaves zeroed vertices behind.
 Box Mesh::bounds() const {
   Box box;
   for (const Triangle& t : triangles) {

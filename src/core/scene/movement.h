@@ -1,6 +1,6 @@
 #pragma once
 
-// How an object of a scene moves: rigidly, over the time of a drive.
+// The rigid motion of an object of a scene, over the time of a drive.
 
 #include <memory>
 #include <vector>
@@ -13,18 +13,18 @@ namespace scanmill {
 
 class Movement {
  public:
-  // In a straight line, without turning (m/s).
+  // Moves in a straight line at this velocity (m/s, world axes), without turning.
   explicit Movement(const Vec3d& velocity);
-  // Along a path at a constant speed (m/s), from `start` m on it; the end is where it stops.
+  // Moves along a path at a constant speed (m/s), from the distance `start` (m) to its end, and stops there.
   Movement(std::shared_ptr<const Path> path, double start, double speed);
-  // Along a path: `travelled` m on it at the times 0, interval, 2 interval, ... (s), evenly in between; after the last
-  // of these it stands.
+  // Moves along a path. `travelled`: distances along the path (m) at the times 0, interval, 2 interval, ... (s),
+  // linearly interpolated in between. The object stops at the last of them.
   Movement(std::shared_ptr<const Path> path, std::vector<double> travelled, double interval);
 
-  // What places the object, which stands at the origin and looks along x, in the world at a time (s since the drive
-  // began; before that as at 0).
+  // Returns the pose of the object in the world at a time (s since the drive began; earlier times count as 0). In its
+  // own frame the object is at the origin and faces along x.
   Pose at(double time) const;
-  // Whether it is ever anywhere else than at first.
+  // True if the pose ever changes.
   bool moves() const;
 
  private:
@@ -34,7 +34,7 @@ class Movement {
   double interval_ = 1;
 };
 
-// From YAML: {velocity: [x, y, z]} or {waypoints: [[x, y, z], ...], speed: m/s, start: m}. Throws InputError.
+// Reads {velocity: [x, y, z]} or {waypoints: [[x, y, z], ...], speed: m/s, start: m} from YAML. Throws InputError.
 std::shared_ptr<const Movement> readMovement(const Value& value);
 
 }  // namespace scanmill

@@ -80,7 +80,7 @@ bool sameClasses(const Ontology& a, const Ontology& b) {
 }
 
 std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to) {
-  std::map<std::uint16_t, std::vector<std::string>> sources;  // by the class that they become
+  std::map<std::uint16_t, std::vector<std::string>> sources;  // id of a class in `to` -> names in `from`
   std::vector<std::string> homeless;
   for (const SemanticClass& c : from.classes) {
     if (const SemanticClass* const found = to.find(c.name)) {
@@ -109,7 +109,7 @@ Ontology readOntology(const std::filesystem::path& path) {
   if (list.kind != Value::Kind::Sequence) throw InputError(list.where, "classes must be a list of classes");
 
   std::set<std::uint16_t> ids;
-  std::map<std::string, std::string> owner;  // of each name and alias
+  std::map<std::string, std::string> owner;  // name or alias -> name of its class
   for (const Value& item : list.items) {
     SemanticClass c = readClass(item);
     if (!ids.insert(c.id).second) {

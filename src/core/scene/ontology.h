@@ -1,6 +1,6 @@
 #pragma once
 
-// An ontology: the classes of a dataset, as files such as labels/scanmill.yaml state them.
+// An ontology: the classes of a dataset, as files such as labels/scanmill.yaml define them.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +20,7 @@ struct SemanticClass {
   std::array<std::uint8_t, 3> color{};      // RGB
   bool thing = false;                       // countable: its objects get instance ids
   std::vector<std::string> aliases;         // names that scenes may use for this class
-  std::optional<std::uint16_t> movingOf{};  // the class of things that this is for while they move
+  std::optional<std::uint16_t> movingOf{};  // set for a class of moving things: id of the class that they have at rest
 };
 
 // Class 0 is always "unlabeled".
@@ -29,23 +29,23 @@ struct Ontology {
   std::string source;  // where the ids come from
   std::vector<SemanticClass> classes;
 
-  // The class with this id; null where there is none.
+  // Returns the class with this id, or null.
   const SemanticClass* find(std::uint16_t id) const;
-  // The class with this name or, where there is none, with this alias; null where there is neither.
+  // Returns the class with this name, else the class with this alias, else null.
   const SemanticClass* find(std::string_view nameOrAlias) const;
-  // The same; throws an InputError at `where`, with a suggestion, where there is none.
+  // Returns the same class. If there is none, throws an InputError at `where`, with a suggestion.
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 
-// Returns true if both have the same ids, names and things, whatever their colours and aliases.
+// Returns true if both have the same ids, names and `thing` flags, whatever their colours and aliases.
 bool sameClasses(const Ontology& a, const Ontology& b);
 
-// What becomes of the classes of one ontology where another takes its place, one line each: those that become one, and
-// those that have no class there, which a scene that uses them would be refused for. Empty where nothing is lost.
+// Describes what is lost if the ontology `to` replaces `from`, one line each: classes that merge into one, and classes
+// that `to` does not have (a scene that uses them would be refused). Empty if nothing is lost.
 std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to);
 
-// Reads an ontology's file. Ids and names must be unique, ids at most 65535, and colours [r, g, b] of 0 to 255. Throws
-// InputError with the place.
+// Reads an ontology's file. Ids and names must be unique, ids at most 65535, and colours [r, g, b] from 0 to 255.
+// Throws InputError with the place in the file.
 Ontology readOntology(const std::filesystem::path& path);
 
 }  // namespace scanmill

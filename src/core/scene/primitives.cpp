@@ -6,7 +6,7 @@
 namespace scanmill {
 namespace {
 
-// Appends vertices and triangles in the primitive's frame. A mirroring `place` turns triangles over, so that their
+// Appends vertices and triangles in the primitive's frame. If `place` mirrors, triangles are flipped, so that their
 // normals keep pointing outwards.
 class Appender {
  public:
@@ -43,8 +43,8 @@ struct ProfilePoint {
   double z;
 };
 
-// A closed solid of revolution about z; the profile runs from the axis below to the axis above. Points on the axis are
-// one vertex each, so that no triangle is degenerate and no edge is open.
+// Appends a closed solid of revolution about z. The profile starts at the bottom on the axis and ends at the top on the
+// axis. Points on the axis are one vertex each, so that no triangle is degenerate and no edge is open.
 void appendRevolution(Appender& out, const std::vector<ProfilePoint>& profile, int segments) {
   const auto n = static_cast<std::uint32_t>(std::max(segments, 3));
   struct Ring {

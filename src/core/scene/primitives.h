@@ -1,8 +1,8 @@
 #pragma once
 
 // Appends simple solids to a mesh, as triangles. Seen from outside, a triangle's corners go round counter-clockwise.
-// Sizes are in metres. `surface` is an index into mesh.surfaces; `place` turns points of the primitive's frame into
-// points of the mesh's. `segments` is the number of flat sides around.
+// Sizes are in metres. `surface` is an index into mesh.surfaces; `place` transforms points from the primitive's frame
+// to the mesh's frame. `segments` is the number of flat sides around the axis.
 
 #include <cstdint>
 
@@ -16,7 +16,7 @@ void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& place, double
 // A cylinder lies along z, from -height/2 to height/2. A cone is a cylinder whose top radius is 0.
 void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& place, double bottomRadius, double topRadius,
                     double height, int segments = 32);
-// A capsule lies along z, centred at the origin; `height` is that of the cylinder between its two half spheres.
+// A capsule lies along z, centred at the origin; `height` is the height of the cylinder between the half spheres.
 void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, double height,
                    int segments = 32);
 // A plane lies in z = 0, centred at the origin, and faces +z. It is cut into `cells` x `cells` quads.

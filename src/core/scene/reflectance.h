@@ -1,6 +1,6 @@
 #pragma once
 
-// Reflectance and transparency at a point of a triangle. They are the same whether rays or images find the triangle.
+// Reflectance and transparency at a point of a triangle, for ray tracing and rendered images alike.
 
 #include <algorithm>
 #include <cstdint>
@@ -11,23 +11,23 @@
 
 namespace scanmill {
 
-// What the reflectance at a hit needs of a material, without its texts.
+// The properties of a material that the reflectance at a hit depends on, without the material's strings.
 struct CompactMaterial {
   float reflectance = 0;
-  float textureGain = 0;             // reflectance / mean luminance of the texture; 0 where it is not textured
-  const Texture* texture = nullptr;  // only where it scales the reflectance
+  float textureGain = 0;             // reflectance / mean luminance of the texture; 0 if not textured
+  const Texture* texture = nullptr;  // null if no texture scales the reflectance
 
-  // The reflectance at these texture coordinates: the texture's luminance there, scaled so that its mean gives the
-  // material's reflectance, and at most 1. The material is textured.
+  // Returns the reflectance at these texture coordinates: the texture's luminance at that point, scaled so that the
+  // texture's mean luminance gives the material's reflectance, and at most 1. The material must be textured.
   float texturedAt(const Vec2f& uv) const;
-  float ofTexel(const std::uint8_t* texel) const;  // the same at a texel (RGBA)
+  float ofTexel(const std::uint8_t* texel) const;  // returns the same for a texel (RGBA)
 };
 
 CompactMaterial compact(const Material& material);
 std::vector<CompactMaterial> compactMaterials(const Scene& scene);
 
-// Barycentric coordinates, of the second and third corner, of a point in the plane of a triangle, clamped to the
-// triangle. The edges ab and ac and the point are relative to the first corner (m, in one frame).
+// Returns the barycentric coordinates for the second and the third corner of a point in a triangle's plane, clamped to
+// the triangle. The edges ab and ac and the point are relative to the first corner (m, all in one frame).
 inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
   const Vec3d n = cross(ab, ac);
   const double square = dot(n, n);
@@ -36,8 +36,8 @@ inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
   return {u, v};
 }
 
-// Texture coordinates at barycentric coordinates of a triangle. `uvs` has one entry per vertex, or is empty: then they
-// are (0, 0).
+// Returns the texture coordinates at barycentric coordinates of a triangle. `uvs` has one entry per vertex; if it is
+// empty, the result is (0, 0).
 inline Vec2f textureCoordinates(const std::vector<Vec2f>& uvs, const Triangle& corners, const Vec2d& at) {
   if (uvs.empty()) return {};
   const Vec2f& a = uvs[corners[0]];
@@ -47,7 +47,7 @@ inline Vec2f textureCoordinates(const std::vector<Vec2f>& uvs, const Triangle& c
   return {static_cast<float>(w * a.x + at.x * b.x + at.y * c.x), static_cast<float>(w * a.y + at.x * b.y + at.y * c.y)};
 }
 
-// Whether an alpha-tested material lets beams pass where its texture has this texel (RGBA).
+// True if an alpha-tested material lets beams pass at a texel (RGBA) of its texture.
 inline bool letsPass(const Material& material, const std::uint8_t* texel) {
   return static_cast<float>(texel[3]) < material.alphaCutoff * 255.0f;
 }

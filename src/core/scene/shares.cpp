@@ -21,7 +21,7 @@ const std::array<SupplyRow, kSupplies>& supplies() {
   return rows;
 }
 
-// The ids of a supply's classes in an ontology, which may count several of them as one.
+// Returns the ids of a supply's classes in an ontology, each once: the ontology may merge several of them.
 std::vector<std::uint16_t> idsOf(const SupplyRow& row, const Ontology& ontology, const Location& where) {
   std::vector<std::uint16_t> ids;
   for (const std::string_view name : row.classes) {
@@ -31,7 +31,7 @@ std::vector<std::uint16_t> idsOf(const SupplyRow& row, const Ontology& ontology,
   return ids;
 }
 
-// Of a supply, or of a class that one has.
+// Returns the bound for the name of a supply, or of a class in a supply. Throws InputError at `where` for other names.
 ShareBound ofClasses(const std::string& name, const Ontology& ontology, const Location& where) {
   std::string all;
   for (std::size_t s = 0; s < kSupplies; ++s) {

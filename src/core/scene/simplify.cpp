@@ -17,17 +17,17 @@ namespace scanmill {
 
 namespace {
 
-// Meshes of so few triangles are proxies already.
+// Meshes with at most this many triangles count as proxies already.
 constexpr std::size_t kFewTriangles = 32;
 
-// Of the mesh's extent: how far the shape may change is left to the share alone.
+// Largest error in units of the mesh's extent: so large that only the share of triangles ends the simplification.
 constexpr float kAnyError = 1e6f;
 
-// What makes vertices one: a surface's vertices are its own, so that where surfaces meet there is a seam, whose two
-// sides move together and stay closed, and every triangle keeps its surface.
+// Vertices with equal Welds are merged. Surfaces never share vertices, so that every triangle keeps its surface. Where
+// two surfaces meet there is a seam, which stays closed, since its two sides move together.
 struct Weld {
   Vec3f position;
-  Vec2f uv;  // zero where no texture needs it
+  Vec2f uv;  // zero if no texture needs it
   std::uint16_t surface;
   bool operator==(const Weld&) const = default;
 };
@@ -43,7 +43,7 @@ struct WeldHash {
   }
 };
 
-// Triangles of a mesh by vertices of their own; `vertexOf` and `surfaceOf` say which of the mesh's those are.
+// Triangles with merged vertices. `vertexOf` and `surfaceOf` give each vertex's index and surface in the mesh.
 struct Welded {
   std::vector<Vec3f> positions;
   std::vector<std::uint32_t> vertexOf;
@@ -51,12 +51,12 @@ struct Welded {
   std::vector<std::uint32_t> corners;  // three per triangle
 };
 
-// Minus zero becomes zero: they are one place, and must be the same bits.
+// Replaces minus zero by zero: equal positions must have equal bits.
 Vec3f withoutSigns(const Vec3f& p) {
   return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
 }
 
-// The triangles of `chosen` (indices).
+// Merges the vertices of the triangles whose indices are in `chosen`.
 Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_t>& chosen) {
   std::vector<bool> textured(mesh.surfaces.size());
   for (std::size_t s = 0; s < textured.size(); ++s) {
@@ -84,7 +84,7 @@ Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_
   return welded;
 }
 
-// Appends to `to` what is left of the chosen triangles of `from`, by the vertices of `from`.
+// Simplifies the chosen triangles of `from`, and appends the result to `to`, with indices of vertices of `from`.
 void appendFewer(const Scene& scene, const Mesh& from, const std::vector<std::uint32_t>& chosen, double keep,
                  Mesh& to) {
   const Welded welded = weld(scene, from, chosen);
@@ -104,7 +104,8 @@ std::vector<std::size_t> trianglesPerSurface(const Mesh& mesh) {
   return count;
 }
 
-// Small surfaces can vanish where a mesh shrinks as a whole: they come back, fewer if some are left on their own.
+// Restores surfaces that vanished when the whole mesh was simplified. A surface with more than kFewTriangles triangles
+// is simplified by itself. If it vanishes again, or if it is smaller, it gets all its triangles back.
 void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to) {
   const std::vector<std::size_t> before = trianglesPerSurface(from);
   const std::vector<std::size_t> after = trianglesPerSurface(to);

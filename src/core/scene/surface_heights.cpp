@@ -11,7 +11,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kMargin = 1;  // m, above and below all
+constexpr double kMargin = 1;  // m, by which rays start above and end below all surfaces
 
 std::array<Vec3d, 3> cornersOf(const Scene& scene, std::uint32_t instance, std::uint32_t triangle) {
   const Instance& placed = scene.instances[instance];
@@ -21,7 +21,7 @@ std::array<Vec3d, 3> cornersOf(const Scene& scene, std::uint32_t instance, std::
   return corners;
 }
 
-// Of the triangle as seen from above (m^2); negative where it faces down.
+// Returns the area of the triangle as seen from above (m^2); negative if it faces down.
 double areaFromAbove(const std::array<Vec3d, 3>& c) {
   return ((c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y)) / 2;
 }
@@ -30,7 +30,7 @@ struct Facet {
   std::uint32_t instance, triangle;
 };
 
-// Every triangle that a ray crosses.
+// The context of a query that collects every triangle that a ray crosses.
 struct Crossings {
   EmbreeContext embree;
   std::vector<Facet>* found;
@@ -40,12 +40,13 @@ void note(const RTCFilterFunctionNArguments* arguments) {
   auto* const crossings = reinterpret_cast<Crossings*>(arguments->context);
   const unsigned instance = RTCHitN_instID(arguments->hit, arguments->N, 0, 0);
   crossings->found->push_back({instance, RTCHitN_primID(arguments->hit, arguments->N, 0)});
-  arguments->valid[0] = 0;  // and on
+  arguments->valid[0] = 0;  // rejects the hit, so that the ray continues
 }
 
 }  // namespace
 
-// Embree's, in single precision about an anchor: it finds the triangles, whose heights are then computed in double.
+// Embree's hierarchy, in single precision relative to an anchor. It only finds the triangles: their heights are then
+// computed in double.
 struct SurfaceHeights::Hierarchy {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene all = rtcNewScene(device);
@@ -149,7 +150,7 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
     if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
     const auto [a, b, c] = cornersOf(scene_, found[i].instance, found[i].triangle);
     const Vec3d normal = cross(b - a, c - a);
-    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // upright
+    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // vertical
     const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
     const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[found[i].triangle]].semantic;
     const SemanticClass* const own = scene_.ontology.find(semantic);
@@ -174,7 +175,7 @@ SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& clas
                     [&](std::uint32_t instance, std::uint32_t t, const std::array<Vec3d, 3>& c) {
                       const bool mirrored = determinant(scene_.instances[instance].worldFromMesh.linear) < 0;
                       const double squareMetres = areaFromAbove(c) * (mirrored ? -1 : 1);
-                      if (std::fabs(squareMetres) < 1e-6 * length(cross(c[1] - c[0], c[2] - c[0]))) return;  // upright
+                      if (std::fabs(squareMetres) < 1e-6 * length(cross(c[1] - c[0], c[2] - c[0]))) return;  // vertical
                       add(up, {instance, t}, squareMetres);
                       add(any, {instance, t}, std::fabs(squareMetres));
                     });
@@ -187,7 +188,7 @@ Vec3d SurfaceHeights::Area::place(const std::array<double, 3>& u) const {
   const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, u[0] * sums_.back());
   const Facet& facet = facets_[static_cast<std::size_t>(found - sums_.begin())];
   const std::array<Vec3d, 3> t = cornersOf(*scene_, facet.instance, facet.triangle);
-  // Shirley's mapping of the square onto a triangle.
+  // Shirley's mapping of the unit square to a triangle, uniform by area.
   const double root = std::sqrt(u[1]);
   return t[0] * (1 - root) + t[1] * (root * (1 - u[2])) + t[2] * (root * u[2]);
 }

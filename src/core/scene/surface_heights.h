@@ -1,6 +1,6 @@
 #pragma once
 
-// The surfaces of a scene as they are seen from above, while it is being made.
+// Finds the surfaces above and below a point of a scene, while the scene is being built.
 
 #include <array>
 #include <cstdint>
@@ -13,13 +13,13 @@
 
 namespace scanmill {
 
-constexpr double kAboveGround = 0.5;           // m, of ground above a place that is still taken for under it
-constexpr double kSteepestGround = kPi / 3;    // rad, of what is stood on
-constexpr double kSteepestGroundCosine = 0.5;  // of that
+constexpr double kAboveGround = 0.5;           // m, ground up to this far above a point still counts as below it
+constexpr double kSteepestGround = kPi / 3;    // rad, greatest slope of ground
+constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
-// Of surfaces at one place, the highest first: the highest that is below the height `z`, or not more than kAboveGround
-// above; where there is none, the lowest above it; null where there is none at all. `heightOf` tells a surface's
-// height, `holds` whether it counts.
+// Returns the ground under a point at the height `z`. `surfaces` are those above and below the point, the highest
+// first; `heightOf` returns a surface's height, and `holds` is true if the surface counts. The result is the highest
+// surface that is at most kAboveGround higher than `z`; if all are higher, the lowest; null if no surface counts.
 template <class Surface, class HeightOf, class Holds>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
                            const Holds& holds) {
@@ -32,26 +32,26 @@ const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const
   return lowest;
 }
 
-// Meshes are kept once, however often they are placed.
+// Finds surfaces by vertical rays. Each mesh is stored once, however often it is placed.
 class SurfaceHeights {
  public:
   struct Surface {
     double height = 0;  // m
-    double slope = 0;   // rad, from level
+    double slope = 0;   // rad, 0 is horizontal
     std::uint16_t semantic = 0;
     bool thing = false;
   };
 
-  // The scene, of which nothing is taken yet, must outlive it.
+  // The scene must outlive this object. No instance is taken before the first update().
   explicit SurfaceHeights(const Scene& scene);
   ~SurfaceHeights();
 
-  // Takes what has been placed in the scene since the last call, but for what moves.
+  // Takes the instances that were added to the scene since the last call, except moving ones.
   void update();
 
-  // All surfaces at a place, the highest first.
+  // Returns all surfaces at a point (m, world frame), the highest first.
   std::vector<Surface> at(double x, double y) const;
-  // That of groundUnder() of which `holds`, and which is not steeper than 60 degrees.
+  // Returns the result of groundUnder() among the surfaces that satisfy `holds` and are at most 60 degrees steep.
   template <class Holds>
   std::optional<Surface> under(const Vec3d& place, const Holds& holds) const {
     const std::vector<Surface> all = at(place.x, place.y);
@@ -61,12 +61,13 @@ class SurfaceHeights {
     return found == nullptr ? std::nullopt : std::optional(*found);
   }
 
-  // The surfaces of certain classes that face up; all of these classes where none does, since files may turn them over.
-  // Valid until the next update().
+  // The surfaces of given classes that face up. If none of them faces up, all surfaces of these classes, since files
+  // may have flipped triangles. Valid until the next update().
   class Area {
    public:
     double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // as seen from above
-    // A place on them, of all as likely; `u`: three numbers from 0 to 1. Wants squareMetres() above 0.
+    // Samples a point on the surfaces (m, world frame), uniformly by their area as seen from above, which must not be
+    // 0. `u`: three random numbers from 0 to 1.
     Vec3d place(const std::array<double, 3>& u) const;
 
    private:
@@ -83,7 +84,7 @@ class SurfaceHeights {
  private:
   struct Hierarchy;
   const Scene& scene_;
-  std::size_t taken_ = 0;  // instances
+  std::size_t taken_ = 0;  // number of the scene's instances that update() has seen
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 

@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-// v = 0 is the image's bottom.
+// Makes a texture of an image. Reverses the order of its rows, since v = 0 is the image's bottom.
 std::shared_ptr<const Texture> textureOf(DecodedImage image, const std::string& name) {
   const std::size_t rowBytes = std::size_t{image.width} * 4;
   std::uint8_t* const pixels = image.rgba.data();
@@ -36,7 +36,7 @@ struct Cached {
   std::weak_ptr<const Texture> texture;
 };
 
-// The index of the texel that holds `coordinate`, repeated; 0 for what is not finite.
+// Returns the index of the texel that contains `coordinate`, with repetition; 0 if the coordinate is not finite.
 std::uint32_t texelIndex(float coordinate, std::uint32_t size) {
   const float part = coordinate - std::floor(coordinate);
   return part > 0.0f ? std::min(static_cast<std::uint32_t>(part * static_cast<float>(size)), size - 1) : 0;
@@ -64,7 +64,7 @@ std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
   }
   auto texture = textureOf(readImage(path), path.string());
   const std::scoped_lock lock(mutex);
-  if (auto other = known()) return other;  // another thread was faster
+  if (auto other = known()) return other;  // another thread has cached it meanwhile
   cache[key] = {time, texture};
   return texture;
 }

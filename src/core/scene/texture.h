@@ -12,26 +12,26 @@
 
 namespace scanmill {
 
-// Reads an image as readImage() does (images/images.h), and throws what that throws. As long as somebody holds a path's
-// texture, it is not decoded again. Any thread may call it.
+// Reads an image with readImage() (images/images.h), and throws what that function throws. A file is not decoded again
+// while its texture is in use anywhere, unless the file has changed. Any thread may call this function.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
-// Does the same for an image inside another file. `name` stands for it in messages and in Texture::file.
+// Decodes an image that is inside another file. `name` is its name in messages and in Texture::file.
 std::shared_ptr<const Texture> decodeTexture(std::string_view bytes, const std::string& name);
 
-// Takes 8 bit RGBA, the top row first: width * height * 4 bytes.
+// Makes a texture of 8 bit RGBA pixels, the top row first: `rgba` has width * height * 4 bytes.
 std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t width, std::uint32_t height,
                                             const std::string& name);
 
-// Returns the colour with the alpha of an opacity map, which is the map's own alpha where it has one and its brightness
-// where it has none; `inverted` turns it round. Where `color` is null, the colour is white. The result has the size of
-// the larger of the two; the other is sampled at the nearest texel.
+// Returns a texture with the colour of `color` and the alpha of an opacity map: the map's alpha if it has one, else its
+// brightness; `inverted` inverts that alpha. If `color` is null, the colour is white. The result has the larger width
+// and the larger height of the two images, which are sampled at the nearest texel.
 std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity, bool inverted = false);
 
-// The linear luminance of an sRGB colour, from 0 to 1 (IEC 61966-2-1, weights of Rec. 709).
+// Returns the linear luminance of an sRGB colour, from 0 to 1 (IEC 61966-2-1, weights of Rec. 709).
 float luminance(const std::uint8_t* rgb);
 
-// The mean of luminance() over the texels whose alpha is at least `minimumAlpha`; 1 where there is none.
+// Returns the mean of luminance() over the texels whose alpha is at least `minimumAlpha`; 1 if there are none.
 float meanLuminance(const Texture& texture, float minimumAlpha = 0.0f);
 
 }  // namespace scanmill

@@ -21,7 +21,7 @@ double turn(const Point2& o, const Point2& a, const Point2& b) {
   return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
 }
 
-// The convex hull, counter-clockwise: Andrew, "Another efficient algorithm for convex hulls in two dimensions",
+// Returns the convex hull, counter-clockwise: Andrew, "Another efficient algorithm for convex hulls in two dimensions",
 // Information Processing Letters 9 (1979).
 std::vector<Point2> hullOf(std::vector<Point2> points) {
   std::sort(points.begin(), points.end());
@@ -39,9 +39,9 @@ std::vector<Point2> hullOf(std::vector<Point2> points) {
   return hull;
 }
 
-// The direction (rad) of the longer sides of the smallest rectangle about a hull, one of whose sides lies along one of
-// the hull's (Freeman and Shapira, "Determining the minimum-area encasing rectangle for an arbitrary closed curve",
-// Communications of the ACM 18 (1975)).
+// Returns the direction (rad) of the longer sides of the smallest rectangle around a hull. The rectangle has a side
+// along one of the hull's sides (Freeman and Shapira, "Determining the minimum-area encasing rectangle for an arbitrary
+// closed curve", Communications of the ACM 18 (1975)).
 double longSideOf(const std::vector<Point2>& hull) {
   double best = std::numeric_limits<double>::infinity();
   double heading = 0;
@@ -66,14 +66,14 @@ double longSideOf(const std::vector<Point2>& hull) {
   return heading;
 }
 
-// The axes of a placed mesh, whatever its scale: x stays where it points to, z as far as it is square to x.
+// Returns the rotation of a placed mesh without its scale: x keeps its direction, z is made perpendicular to x.
 Quat axesOf(const Mat3& linear) {
   const Vec3d x = normalized(linear.x);
   const Vec3d z = normalized(linear.z - x * dot(linear.z, x));
   return fromMatrix({x, cross(z, x), z});
 }
 
-// The triangles of each object of a mesh, so that a mesh of thousands is not searched for each.
+// The triangles of a mesh by object, so that a mesh of thousands of objects is not searched once for each object.
 class ObjectTriangles {
  public:
   explicit ObjectTriangles(const Mesh& mesh) : mesh_(mesh), firstOf_(mesh.objects + std::size_t{2}) {
@@ -94,11 +94,11 @@ class ObjectTriangles {
 
  private:
   const Mesh& mesh_;
-  std::vector<std::uint32_t> firstOf_;    // per object, from 0 (stuff): index into triangles_, and at last their number
-  std::vector<std::uint32_t> triangles_;  // by objects
+  std::vector<std::uint32_t> firstOf_;    // by object (0: stuff): first index into triangles_; last entry: their number
+  std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by object
 };
 
-// Of the meshes that were asked for so far.
+// Caches the ObjectTriangles of meshes.
 class TrianglesOfMeshes {
  public:
   explicit TrianglesOfMeshes(const Scene& scene) : scene_(scene) {}
@@ -110,7 +110,7 @@ class TrianglesOfMeshes {
   std::map<std::uint32_t, ObjectTriangles> known_;
 };
 
-// What of a mesh is the object.
+// The triangles of one object of a mesh: their number, in all and by class, and their nodes.
 struct Share {
   std::uint64_t triangles = 0;
   std::map<std::uint16_t, std::uint64_t> ofClass;
@@ -149,7 +149,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
   shares.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) shares.push_back(sharesOf(mesh));
   TrianglesOfMeshes triangles(scene);
-  std::map<std::uint32_t, std::vector<Part>> partsOf;  // by id
+  std::map<std::uint32_t, std::vector<Part>> partsOf;  // by instance id
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
     for (std::uint32_t object = 1; object <= shares[instance.mesh].size(); ++object) {
@@ -200,7 +200,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     const Pose thingFromWorld = inverse(worldFromThing);
     for (Part& part : parts) {
       const Instance& instance = scene.instances[part.instance];
-      // As the first part's, where both move alike.
+      // The same at all times if this part moves like the first one; else at() moves the box.
       const Affine thingFromMesh = toAffine(thingFromWorld) * instance.worldFromMesh;
       const auto add = [&](std::uint32_t mesh) {
         Box box;
@@ -218,7 +218,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
   }
 }
 
-// What takes the instance from where it is at the time 0 to where it is at another.
+// Returns the transform from the instance's pose at time 0 to its pose at `time`, in the world's frame.
 Pose ThingBoxes::motion(const Instance& instance, double time) const {
   if (instance.movement == nullptr) return {};
   return instance.movement->at(time) * inverse(instance.movement->at(0));
@@ -242,7 +242,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
       box.add(own);
       continue;
     }
-    // It moves otherwise than the first: by the corners of its own box.
+    // This part moves differently from the first one: the corners of its moved box are enclosed.
     const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * place.worldFromThing;
     for (const double x : {own.low.x, own.high.x}) {
       for (const double y : {own.low.y, own.high.y}) {
@@ -254,7 +254,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
 }
 
 Vec3d ThingBoxes::velocity(std::size_t thing, double time) const {
-  constexpr double kStep = 0.005;  // s, either way
+  constexpr double kStep = 0.005;  // s, before and after the time
   const Place& place = places_[thing];
   const Instance& main = scene_.instances[place.parts.front().instance];
   if (main.movement == nullptr) return {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Why a triangle cannot be traced.
+// Tests whether a triangle can be traced.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-// Counts in `dropped` why the triangle cannot be traced, and says whether it can.
+// True if the triangle can be traced; otherwise counts the reason in `dropped`.
 bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped);
 
 }  // namespace scanmill

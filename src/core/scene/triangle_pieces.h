@@ -1,6 +1,6 @@
 #pragma once
 
-// A triangle cut along the faces of voxels.
+// Cuts triangles along the faces of voxels.
 
 #include <algorithm>
 #include <array>
@@ -21,15 +21,15 @@ struct VoxelRange {
 // A convex polygon in a plane.
 class TrianglePiece {
  public:
-  // Without a corner.
-  TrianglePiece() {}  // leaves the corners as they are: there are many pieces
+  // Creates a polygon without corners.
+  TrianglePiece() {}  // does not initialize corners_, since many pieces are created
   explicit TrianglePiece(const std::array<Vec3d, 3>& corners) {
     for (const Vec3d& corner : corners) add({corner.x, corner.y, corner.z});
   }
 
   bool empty() const { return count_ == 0; }
 
-  // How far it reaches along an axis.
+  // Returns the smallest and the largest coordinate along an axis.
   std::array<double, 2> extent(std::size_t axis) const {
     std::array<double, 2> reach{INFINITY, -INFINITY};
     for (std::size_t i = 0; i < count_; ++i) {
@@ -48,8 +48,8 @@ class TrianglePiece {
     return length(sum) / 2;
   }
 
-  // Parts it at a plane square to an axis into what lies below the plane and what does not (Sutherland and Hodgman,
-  // "Reentrant polygon clipping", Communications of the ACM 17 (1974)). What lies in the plane is not below.
+  // Splits the polygon at a plane perpendicular to an axis into the part below the plane and the rest (Sutherland and
+  // Hodgman, "Reentrant polygon clipping", Communications of the ACM 17 (1974)). Points in the plane are not below it.
   void split(std::size_t axis, double plane, TrianglePiece& below, TrianglePiece& above) const {
     below.count_ = above.count_ = 0;
     for (std::size_t i = 0; i < count_; ++i) {
@@ -70,8 +70,8 @@ class TrianglePiece {
  private:
   using Corner = std::array<double, 3>;
 
-  // A triangle that six planes have cut has nine corners. Rounding can bend one that is next to nothing wide, and more
-  // cuts would then give more corners: those that find no room are left out of an area of next to nothing.
+  // A triangle that six planes have cut has at most nine corners. Rounding can make an extremely thin piece concave,
+  // and cuts can then add more corners. Corners beyond this number are dropped, which changes only a negligible area.
   static constexpr std::size_t kMostCorners = 12;
 
   void add(const Corner& corner) {
@@ -82,8 +82,9 @@ class TrianglePiece {
   std::size_t count_ = 0;
 };
 
-// Cuts a piece along the axes from `Axis` on, and calls visit(voxel, area) for each voxel of the range that any of its
-// area lies in. Along the axes before it lies in one voxel, that of `voxel`.
+// Cuts a piece along `Axis` and the axes after it, and calls visit(voxel, area) for each voxel of the range that
+// contains some area of the piece. Along the axes before `Axis` the piece is within a single voxel, whose index is in
+// `voxel`.
 template <std::size_t Axis, class Visit>
 void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<std::int64_t, 3>& voxel,
               const Visit& visit) {
@@ -116,9 +117,9 @@ void cutPiece(const TrianglePiece& piece, const VoxelRange& range, std::array<st
   }
 }
 
-// Calls visit(voxel, area) for each voxel of a range that any of a triangle's area lies in, with that area, in the
-// order of their indices. Coordinates are counted in voxels: voxel i of an axis is [i, i + 1). What touches a voxel
-// without having area in it is not in it.
+// Calls visit(voxel, area) for each voxel of a range that contains some area of a triangle, with that area, in the
+// order of the voxels' indices. Coordinates are in units of voxels: voxel i of an axis is [i, i + 1). A voxel that the
+// triangle only touches is not visited.
 template <class Visit>
 void forEachPiece(const std::array<Vec3d, 3>& corners, const VoxelRange& range, const Visit& visit) {
   std::array<std::int64_t, 3> voxel{};

@@ -1,6 +1,6 @@
 #pragma once
 
-// A grid of cubes: which voxel a place lies in.
+// A grid of cubes, which finds the voxel of a point.
 
 #include <array>
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace scanmill {
 
-// Along the axes of a frame, most often a sensor's. The default is SemanticKITTI's grid for scene completion. A voxel
-// has an index, (x * counts[1] + y) * counts[2] + z: x is the slowest and z the fastest, as in SemanticKITTI's files.
+// A grid along the axes of a frame, usually a sensor's. The default is SemanticKITTI's grid for scene completion. The
+// index of a voxel is (x * counts[1] + y) * counts[2] + z: x varies slowest and z fastest, as in SemanticKITTI's files.
 struct VoxelGrid {
-  double size = 0.2;                                  // m, of a voxel's edge
-  Vec3d low{0, -25.6, -2};                            // m, the corner where all coordinates are least
+  double size = 0.2;                                  // m, edge of a voxel
+  Vec3d low{0, -25.6, -2};                            // m, the corner with the smallest coordinates
   std::array<std::uint32_t, 3> counts{256, 256, 32};  // voxels along x, y and z; together fewer than 2^32
 
   std::size_t voxels() const { return std::size_t{counts[0]} * counts[1] * counts[2]; }
@@ -23,17 +23,17 @@ struct VoxelGrid {
     return (std::size_t{x} * counts[1] + y) * counts[2] + z;
   }
 
-  // A place (m) counted in voxels from the low corner: voxel i of an axis holds what lies in [i, i + 1). Each place is
-  // thus in one voxel, and what lies between two is in the upper one. Floors and walls stand at round coordinates, just
-  // where voxels meet, and rounding would tear them to pieces in either layer; therefore the voxels lie this part of
-  // their edge (0.1 mm of 0.2 m) lower than their grid says.
+  // Returns a point (m) in units of voxels from the low corner: voxel i of an axis is [i, i + 1). Each point is thus in
+  // one voxel, and a point between two voxels is in the upper one. Floors and walls are often at round coordinates,
+  // exactly between two voxels, where rounding would scatter them over both layers. Therefore all voxels are shifted
+  // down along each axis by this part of their edge (0.1 mm of 0.2 m).
   static constexpr double kLower = 1.0 / 2048;
   Vec3d inVoxels(const Vec3d& place) const {
     const Vec3d p = (place - low) * (1 / size);
     return {p.x + kLower, p.y + kLower, p.z + kLower};
   }
 
-  // The index of the voxel that a place (m) lies in; none outside of the grid and for what is not finite.
+  // Returns the index of the voxel that contains a point (m); none outside of the grid or if the point is not finite.
   std::optional<std::size_t> at(const Vec3d& place) const {
     const Vec3d p = inVoxels(place);
     const auto inside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };

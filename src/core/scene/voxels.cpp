@@ -14,11 +14,11 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kBlock = 128;  // triangles that share a box
-constexpr std::uint32_t kSlab = 8;   // layers of voxels along x that a thread does at a time
-constexpr double kTie = 1e-9;        // of areas
-constexpr double kMargin = 1e-6;     // voxels, about boxes: more than rounding, less than matters
+constexpr std::uint32_t kSlab = 8;   // layers of voxels along x that a thread processes at a time
+constexpr double kTie = 1e-9;        // relative difference of areas that count as equal
+constexpr double kMargin = 1e-6;     // voxels, added to boxes: more than rounding errors
 
-// A box about a placed box.
+// Returns an axis-aligned box around a transformed box.
 Box placed(const Affine& place, const Box& box) {
   Box all;
   for (int corner = 0; corner < 8; ++corner) {
@@ -36,8 +36,8 @@ bool meets(const Box& box, const VoxelRange& range) {
   return along(box.low.x, box.high.x, 0) && along(box.low.y, box.high.y, 1) && along(box.low.z, box.high.z, 2);
 }
 
-// From a mesh to the grid, counted in voxels. The places are subtracted before anything else, so that a scene far from
-// the origin gives the same grid.
+// Returns the transform from a mesh's frame to the grid's frame in units of voxels. The translations are subtracted
+// first, so that a scene far from the origin gives the same labels.
 Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Affine& worldFromMesh) {
   const Mat3 gridFromWorld = transposed(toMatrix(worldFromGrid.rotation));
   const Vec3d place = gridFromWorld * (worldFromMesh.translation - worldFromGrid.translation);
@@ -45,7 +45,7 @@ Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Af
   return {Mat3::scale({perMetre, perMetre, perMetre}) * (gridFromWorld * worldFromMesh.linear), grid.inVoxels(place)};
 }
 
-// The areas of classes in the voxels of a slab. Most voxels have one class.
+// The area of each class in the voxels of a slab. Most voxels have a single class, which needs no map.
 class ClassAreas {
  public:
   explicit ClassAreas(std::size_t voxels) : area_(voxels, 0.0), class_(voxels, 0) {}
@@ -61,7 +61,7 @@ class ClassAreas {
 
   bool empty(std::size_t voxel) const { return area_[voxel] == 0; }
 
-  // The class with the largest area in each voxel.
+  // Returns the class with the largest area in each voxel.
   const std::vector<std::uint16_t>& decide() {
     std::vector<std::pair<std::uint64_t, double>> rest(others_.begin(), others_.end());
     std::sort(rest.begin(), rest.end());
@@ -82,17 +82,17 @@ class ClassAreas {
  private:
   std::vector<double> area_;
   std::vector<std::uint16_t> class_;
-  std::unordered_map<std::uint64_t, double> others_;  // by voxel and class
+  std::unordered_map<std::uint64_t, double> others_;  // by voxel << 16 | class
 };
 
 }  // namespace
 
-// Triangles that may be in the grid.
+// Consecutive triangles of an instance that may be in the grid.
 struct SceneVoxels::PlacedBlock {
   std::uint32_t instance = 0;  // index into Near::instances
-  std::uint32_t first = 0;     // triangle of the mesh
-  std::uint32_t last = 0;      // one after
-  Box box;                     // counted in voxels
+  std::uint32_t first = 0;     // first triangle in the mesh
+  std::uint32_t last = 0;      // one past the last triangle
+  Box box;                     // in units of voxels
 };
 
 struct SceneVoxels::Near {
@@ -134,7 +134,7 @@ std::uint64_t SceneVoxels::memoryBytes() const {
   return bytes;
 }
 
-// Of the surfaces of a mesh, placed as it is.
+// Returns the class of each surface of an instance's mesh. Objects that ever move get the class for moving objects.
 std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, const Mesh& mesh) const {
   std::vector<std::uint16_t> classes;
   classes.reserve(mesh.surfaces.size());
@@ -175,7 +175,7 @@ VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid
   VoxelLabels labels;
   labels.label.resize(grid.voxels());
   std::vector<std::vector<std::uint32_t>> unlabeled(slabs);
-  // Each slab is done by one thread, which adds the areas up in the order of the triangles.
+  // Each slab is processed by one thread, which sums areas in the order of the triangles.
   parallelFor(slabs, 1, [&](std::size_t from, std::size_t to) {
     for (std::size_t slab = from; slab < to; ++slab) {
       const std::size_t firstX = slab * kSlab;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What stands in the voxels of a grid: the truth that the completion of scenes is trained on.
+// Labels the voxels of a grid: the ground truth for semantic scene completion.
 
 #include <cstdint>
 #include <map>
@@ -14,27 +14,27 @@
 namespace scanmill {
 
 struct VoxelLabels {
-  // The class of each voxel, as points on the surfaces in it have it; 0: it is empty, or of no class.
+  // The class of each voxel, the same as that of points on its surfaces; 0: the voxel is empty or unlabeled.
   std::vector<std::uint16_t> label;
   // Indices, ascending, of the voxels that are not empty but whose class is 0.
   std::vector<std::uint32_t> unlabeled;
 };
 
-// Made once for a scene, which must outlive it; safe to use from several threads.
+// Labels voxels of a scene, which must outlive this object. Several threads may use it.
 class SceneVoxels {
  public:
   explicit SceneVoxels(const Scene& scene);
 
-  // A voxel is empty where no triangle has any area in it; surfaces that only touch it do not count. Else its class is
-  // the one with the largest area of triangles in it, as they stand at a time (s since the drive began); of classes
-  // with equal areas (to 1e-9) the one with the smallest id. What moves has the ontology's class for that, if there is
-  // one, whether or not it moves at the time. Solids are hollow: what is within their surfaces is empty. Surfaces that
-  // a texture cuts out by its alpha, such as leaves, count whole.
+  // Returns the classes of the voxels at a time (s since the drive began). A voxel is empty if no triangle has any area
+  // in it; surfaces that only touch it do not count. Otherwise its class is the one with the largest area of triangles
+  // in it; among classes with equal areas (to 1e-9) the one with the smallest id. An object that ever moves has the
+  // ontology's class for moving objects, if there is one, even while it stands still. Solids are hollow: voxels inside
+  // of their surfaces are empty. Alpha-tested surfaces, such as leaves, count with their full area.
   //
-  // `worldFromGrid`: where the frame of the grid stands. The result does not depend on the number of threads.
+  // `worldFromGrid`: pose of the grid's frame in the world. The result does not depend on the number of threads.
   VoxelLabels labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
 
-  // What it takes besides the scene.
+  // Returns the memory that this object takes, without the scene.
   std::uint64_t memoryBytes() const;
 
  private:
@@ -45,10 +45,10 @@ class SceneVoxels {
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;
 
   const Scene& scene_;
-  std::vector<std::vector<Box>> blocks_;                  // of each mesh: boxes of so many triangles after another
-  std::vector<Box> bounds_;                               // of each mesh
-  std::unordered_set<std::uint32_t> moving_;              // instance ids
-  std::map<std::uint16_t, std::uint16_t> movingClasses_;  // by the class of what stands still
+  std::vector<std::vector<Box>> blocks_;                  // by mesh: a box for every kBlock consecutive triangles
+  std::vector<Box> bounds_;                               // by mesh
+  std::unordered_set<std::uint32_t> moving_;              // instance ids of objects that ever move
+  std::map<std::uint16_t, std::uint16_t> movingClasses_;  // class of objects at rest -> class of moving objects
 };
 
 }  // namespace scanmill

@@ -15,7 +15,7 @@
 namespace scanmill {
 namespace {
 
-// Drops triangles of a mesh. The others keep their order.
+// Drops the triangles of a mesh for whose surface `goes` is true. The others keep their order.
 void drop(Mesh& mesh, const std::function<bool(const Surface&)>& goes) {
   std::vector<bool> leaves(mesh.surfaces.size());
   for (std::size_t s = 0; s < leaves.size(); ++s) leaves[s] = goes(mesh.surfaces[s]);
@@ -35,7 +35,8 @@ bool holds(const Mesh& mesh, std::uint32_t object) {
                      [&](std::uint16_t s) { return mesh.surfaces[s].object == object; });
 }
 
-// Of the instances that have a part of the thing: their meshes, which others may share, are copied without it.
+// Takes a thing out, and returns true if the scene had it. Every instance that has a part of the thing gets a copy of
+// its mesh without that part, since other instances may share the mesh.
 bool takeOutThing(Scene& scene, std::uint32_t id, WholeScene& whole) {
   bool found = false;
   const auto less = [&](std::uint32_t mesh, std::uint32_t object) {
@@ -71,7 +72,7 @@ bool isEmpty(const Scene& scene, const Instance& instance) {
   return std::all_of(instance.animation->meshes.begin(), instance.animation->meshes.end(), empty);
 }
 
-// Copies of an object are called NAME#1, NAME#2 and so on.
+// Returns the name of an instance's object. Copies of an object are called NAME#1, NAME#2 and so on.
 std::string objectOf(const Instance& instance) {
   return instance.name.substr(0, instance.name.find('#'));
 }
@@ -80,7 +81,7 @@ bool takeOutNamed(Scene& scene, const std::string& name) {
   return std::erase_if(scene.instances, [&](const Instance& i) { return i.name == name || objectOf(i) == name; }) > 0;
 }
 
-// The integer that a number without quotes is.
+// Returns the instance id if the item is a whole number without quotes.
 std::optional<std::uint32_t> idOf(const Value& item) {
   const bool digits = !item.text.empty() && item.text.find_first_not_of("0123456789") == std::string::npos;
   if (item.quoted || !digits || item.text.size() > 9) return {};
@@ -88,7 +89,7 @@ std::optional<std::uint32_t> idOf(const Value& item) {
 }
 
 [[noreturn]] void refuse(const Scene& scene, const Value& item) {
-  std::map<std::string, std::size_t> objects;  // with the number of their copies
+  std::map<std::string, std::size_t> objects;  // name -> number of copies
   for (const Instance& instance : scene.instances) ++objects[objectOf(instance)];
   std::vector<std::string> names;
   names.reserve(objects.size() + scene.ontology.classes.size());

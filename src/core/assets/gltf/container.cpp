@@ -28,8 +28,8 @@ std::uint32_t readWord(std::string_view bytes, std::size_t at) {
   return word;
 }
 
-// The glTF in a tile of 3D Tiles 1.0: header, feature table (JSON, then binary), batch table (likewise), glTF. The
-// feature table may hold RTC_CENTER, as a list or as an offset into its binary part.
+// Returns the glTF in a tile of 3D Tiles 1.0, which consists of header, feature table (JSON, then binary), batch table
+// (likewise) and glTF. The feature table may hold RTC_CENTER, as a list or as an offset into its binary part.
 std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
   if (tile.size() < kTileHeader) throw Error("is truncated: the header of the tile is not whole");
   std::size_t begin = kTileHeader;
@@ -59,7 +59,7 @@ std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
 
 }  // namespace
 
-// GLB: header of 12 bytes, then chunks of (length, kind, bytes).
+// A GLB consists of a header of 12 bytes and of chunks: (length, kind, bytes).
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name) {
   const auto fail = [&](const std::string& what) { throw InputError({name.string()}, what); };
   std::string bytes = readFile(file);

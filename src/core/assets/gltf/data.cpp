@@ -16,11 +16,11 @@
 namespace scanmill::gltf {
 namespace {
 
-// Elements that a file may have without a byte for them.
+// Limit of the elements of an accessor without data, which take no bytes of the file.
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
-// Bytes that a view's compressed byte may become.
+// Limit of the bytes that one compressed byte of a view may be decoded to.
 constexpr std::uint64_t kMostExpansion = 4096;
-constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // bytes, of all views
+constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // bytes, of all views together
 
 template <class Stored, class Number>
 Number numberAt(const char* at, bool normalized) {
@@ -60,7 +60,7 @@ Number readNumber(const char* at, Component component, bool normalized) {
 struct Data::State {
   const Model& model;
   std::vector<std::optional<std::string>> buffers;
-  std::vector<std::optional<std::string>> decoded;  // of compressed views
+  std::vector<std::optional<std::string>> decoded;  // bytes of compressed views
   std::uint64_t decodedBytes = 0;
 
   std::string_view buffer(Index index) {
@@ -83,7 +83,7 @@ struct Data::State {
     return std::move(*bytes);
   }
 
-  // Files may have shrunk since they were checked.
+  // Returns a part of a buffer. Checks its size again, since files may have shrunk since they were checked.
   std::string_view part(Index index, std::uint64_t offset, std::uint64_t length) {
     const std::string_view whole = buffer(index);
     if (offset + length > whole.size()) {
@@ -150,7 +150,7 @@ struct Data::State {
     if (!a.view && a.count > kMostZeroes / a.width) {
       model.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
     }
-    // Before anything is allocated for them.
+    // Read before the output is allocated, so that a bad view throws first.
     const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
     std::vector<Number> out(a.count * a.width, 0);
     const auto take = [&](const char* at, std::size_t element) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The numbers of a glTF file.
+// Reads the numbers of a glTF file.
 
 #include <cstdint>
 #include <memory>
@@ -12,27 +12,28 @@
 
 namespace scanmill::gltf {
 
-// Reads accessors. Buffers are loaded, and compressed views decoded, when they are first needed. What cannot be throws
-// an InputError that names the file; `what` tells in it whose numbers they are.
+// Reads accessors. Buffers are loaded, and compressed views decoded, when they are first needed. If that fails, throws
+// an InputError that names the file; `what` says in the message whose numbers they are.
 class Data {
  public:
-  explicit Data(const Model& model);  // which is kept by reference
+  explicit Data(const Model& model);  // stores a reference to the model
   ~Data();
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
 
-  // All numbers of an accessor, one element after the other; those without data are zeroes. Integers that it says are
-  // normalised become 0 to 1, or -1 to 1 (3.6.2.2); others keep their value. Floats may be infinite or NaN.
+  // Returns all numbers of an accessor, element by element; zeroes if the accessor has no data. Normalized integers
+  // become 0 to 1, or -1 to 1 (3.6.2.2); other integers keep their value. Floats may be infinite or NaN.
   std::vector<float> floats(Index accessor, const std::string& what) const;
-  // The same, all of them finite.
+  // Does the same. Throws if a number is not finite.
   std::vector<float> finiteFloats(Index accessor, const std::string& what) const;
-  // The same of those that must be floats or normalised.
+  // Does the same as finiteFloats(). Throws if the numbers are integers that are not normalized.
   std::vector<float> fractions(Index accessor, const std::string& what) const;
-  // The same of whole numbers.
+  // Returns all numbers of an accessor of unsigned integers. Throws if they are of another type.
   std::vector<std::uint32_t> integers(Index accessor, const std::string& what) const;
 
-  // The bytes of a view, or of the buffer that an address with data: holds.
+  // Returns the bytes of a view, decoded if it is compressed.
   std::string_view view(Index view) const;
+  // Returns the bytes that a data: URI holds.
   std::string embedded(const std::string& uri, const std::string& what) const;
 
  private:

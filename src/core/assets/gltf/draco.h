@@ -1,6 +1,6 @@
 #pragma once
 
-// Meshes that KHR_draco_mesh_compression holds.
+// Decodes meshes of KHR_draco_mesh_compression.
 
 #include <cstdint>
 #include <map>
@@ -13,15 +13,15 @@ namespace scanmill::gltf {
 struct DracoMesh {
   struct Values {
     std::size_t width = 0;
-    bool normalized = false;     // 0 to 1, or -1 to 1, of whole numbers
-    std::vector<float> numbers;  // vertex after vertex
+    bool normalized = false;     // integers were converted to 0 to 1, or -1 to 1
+    std::vector<float> numbers;  // vertex by vertex
   };
-  std::map<std::string, Values> attributes;  // by the names of the ids
-  std::vector<std::uint32_t> indices;        // of triangles
+  std::map<std::string, Values> attributes;  // by the names in `ids`
+  std::vector<std::uint32_t> indices;        // three per triangle
 };
 
-// Decodes the attributes that have these ids. Throws Error where the bytes are damaged. Memory is what they ask for:
-// those of strangers are tried apart first (assets/child_process.h).
+// Decodes the attributes that have these ids. Throws Error if the bytes are damaged. Damaged bytes can require any
+// amount of memory: callers try untrusted bytes in a child process first (assets/child_process.h).
 DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::uint32_t>& ids);
 
 }  // namespace scanmill::gltf

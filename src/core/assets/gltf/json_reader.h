@@ -17,7 +17,7 @@ namespace scanmill::gltf {
 
 using Json = nlohmann::json;
 
-// All throw InputError that names the file and, by `what`, the place in it.
+// All functions throw an InputError that names the file and, with `what`, the place in the file.
 class JsonReader {
  protected:
   JsonReader(Model& model, const Json& json) : m_(model), json_(json) {}
@@ -26,7 +26,7 @@ class JsonReader {
 
   const Json& list(const char* key) const { return listIn(json_, key, key); }
 
-  // Empty where it is absent.
+  // Returns the list under a key; an empty list if the key is absent.
   const Json& listIn(const Json& object, const char* key, const std::string& what) const {
     static const Json kNone = Json::array();
     const auto found = object.find(key);
@@ -79,7 +79,7 @@ class JsonReader {
     return true;
   }
 
-  // Null where it is absent.
+  // Returns the extension of this name; null if the object does not have it.
   const Json* extensionOf(const Json& object, const char* name) const {
     const auto all = object.find("extensions");
     return all == object.end() ? nullptr : objectIn(*all, name);

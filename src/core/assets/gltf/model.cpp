@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMaxDepth = 512;
 
-// What is read here, and what changes no more than how things look.
+// True for extensions that are read here, and for extensions that only affect appearance.
 bool isKnown(std::string_view extension) {
   static constexpr std::array<std::string_view, 15> kKnown{"KHR_mesh_quantization",
                                                            "EXT_meshopt_compression",
@@ -90,7 +90,7 @@ class ModelReader : JsonReader {
     return i;
   }
 
-  // The image of a texture, which extensions may name; none where nothing does.
+  // Returns the image of a texture, which may be in an extension; none if the texture names no image.
   MaybeIndex imageOf(Index texture) const {
     const Json& j = list("textures")[texture];
     const std::string what = fmt::format("textures[{}]", texture);
@@ -260,7 +260,7 @@ class ModelReader : JsonReader {
         if (!pointerOf(target, channel, kPaths, what)) continue;
       } else {
         const auto known = kPaths.find(path);
-        if (known == kPaths.end() || !target.contains("node")) continue;  // what other extensions move
+        if (known == kPaths.end() || !target.contains("node")) continue;  // targets of other extensions
         channel.path = known->second;
         channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
       }
@@ -269,7 +269,8 @@ class ModelReader : JsonReader {
     return a;
   }
 
-  // What KHR_animation_pointer may move of a node; what else it points at is not seen by a beam.
+  // Reads a target of KHR_animation_pointer. Returns false if the target is not a property of a node that beams can
+  // see.
   bool pointerOf(const Json& target, Animation::Channel& channel, const std::map<std::string, Animation::Path>& paths,
                  const std::string& what) const {
     const Json* extension = extensionOf(target, "KHR_animation_pointer");
@@ -292,7 +293,7 @@ class ModelReader : JsonReader {
     return true;
   }
 
-  // Every node is reached at most once from the scene: no cycles, no shared children.
+  // Reads the scene, and throws unless each of its nodes is reached once: no cycles, no shared children.
   void scene() {
     const Json& scenes = list("scenes");
     if (scenes.empty()) fail("has no scene: export it with its nodes in a scene");

@@ -1,6 +1,6 @@
 #pragma once
 
-// A glTF 2.0 file, read and checked. Terms are those of its specification, chapters 3 to 5.
+// A glTF 2.0 file, read and checked. Terms are those of the glTF specification, chapters 3 to 5.
 
 #include <array>
 #include <cstddef>
@@ -19,12 +19,12 @@ using Index = std::size_t;
 using MaybeIndex = std::optional<Index>;
 
 struct Buffer {
-  std::string uri;  // a file's name, decoded, or data:; empty for the GLB's binary chunk
+  std::string uri;  // a file's name, with escapes decoded, or a data: URI; empty: the GLB's binary chunk
   std::uint64_t length = 0;
-  std::string problem;  // why it cannot be read, if it is: what nobody needs may be missing
+  std::string problem;  // why it cannot be read, or empty; only an error if the buffer is used
 };
 
-// How EXT_meshopt_compression or KHR_meshopt_compression holds a view's bytes.
+// The compressed bytes of a view, by EXT_meshopt_compression or KHR_meshopt_compression.
 struct Meshopt {
   enum class Mode { Attributes, Triangles, Indices };
   enum class Filter { None, Octahedral, Quaternion, Exponential };
@@ -38,7 +38,7 @@ struct Meshopt {
 struct View {
   Index buffer = 0;
   std::uint64_t offset = 0, length = 0;
-  std::uint64_t stride = 0;  // 0: elements are side by side
+  std::uint64_t stride = 0;  // bytes from element to element; 0: tightly packed
   std::optional<Meshopt> compressed;
 };
 
@@ -52,21 +52,21 @@ struct Accessor {
     std::uint64_t indicesOffset = 0, valuesOffset = 0;
     Component indices = Component::UInt32;
   };
-  MaybeIndex view;  // none: zeroes, or the data are compressed
+  MaybeIndex view;  // none: zeroes, or the data are Draco-compressed
   std::uint64_t offset = 0, count = 0;
   Component component = Component::Float;
-  std::size_t width = 1;  // components of an element
+  std::size_t width = 1;  // components per element
   bool normalized = false;
   std::optional<Sparse> sparse;
 };
 
-using Attributes = std::map<std::string, Index>;  // accessors by their names, such as POSITION
+using Attributes = std::map<std::string, Index>;  // accessor by attribute name, such as POSITION
 
 struct Primitive {
   enum class Mode { Triangles = 4, Strip = 5, Fan = 6 };
   struct Draco {
     Index view = 0;
-    std::map<std::string, std::uint32_t> attributes;  // the ids in it, by names
+    std::map<std::string, std::uint32_t> attributes;  // attribute name -> id in the compressed data
   };
   Mode mode = Mode::Triangles;
   Attributes attributes;
@@ -87,9 +87,9 @@ struct Node {
   std::vector<double> weights;
   std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
   std::array<double, 4> rotation{0, 0, 0, 1};    // x, y, z, w
-  std::optional<std::array<double, 16>> matrix;  // by columns; in place of the three
+  std::optional<std::array<double, 16>> matrix;  // column by column; replaces translation, rotation and scale
   std::optional<Attributes> instances;           // EXT_mesh_gpu_instancing
-  bool visible = true;                           // KHR_node_visibility; false hides what is below it, too
+  bool visible = true;                           // KHR_node_visibility; false hides its descendants, too
 };
 
 struct Skin {
@@ -119,47 +119,47 @@ struct Image {
   MaybeIndex view;
 };
 
-// What of a texture's place in a material counts here.
+// How a material uses a texture, as far as it matters here.
 struct TextureUse {
   Index image = 0;
-  unsigned coordinates = 0;                         // of TEXCOORD_n
+  unsigned coordinates = 0;                         // the n of TEXCOORD_n
   std::array<double, 2> offset{0, 0}, scale{1, 1};  // KHR_texture_transform
-  double rotation = 0;                              // rad, counter-clockwise with v down
+  double rotation = 0;                              // rad, counter-clockwise when v points down
 };
 
 struct Material {
   enum class Alpha { Opaque, Mask, Blend };
   std::string name;
   std::array<double, 4> color{1, 1, 1, 1};  // linear
-  std::optional<TextureUse> texture;        // of the base colour
+  std::optional<TextureUse> texture;        // base colour
   double metallic = 1, roughness = 1;
   Alpha alpha = Alpha::Opaque;
   double cutoff = 0.5;
 };
 
 struct Model {
-  std::filesystem::path file;   // its name
+  std::filesystem::path file;   // its name in messages
   std::string bin;              // the GLB's binary chunk
-  std::optional<Vec3d> center;  // m, z up: what all is relative to, by CESIUM_RTC or RTC_CENTER of a .b3dm
+  std::optional<Vec3d> center;  // m, z up: origin of all coordinates, from CESIUM_RTC or a .b3dm's RTC_CENTER
   std::vector<Buffer> buffers;
   std::vector<View> views;
   std::vector<Accessor> accessors;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
-  std::vector<Index> roots;  // of the scene
+  std::vector<Index> roots;  // root nodes of the scene
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::vector<Image> images;
   std::vector<Material> materials;
 
-  // Throws InputError that names the file.
+  // Throws an InputError that names the file.
   [[noreturn]] void fail(const std::string& what) const;
 };
 
-// Reads a .gltf or .glb. Points and lines are left out. Every index, range and length has been checked against the
-// files, and the nodes of the scene form a tree. Throws InputError that names the file and what is wrong with it, such
-// as an extension that it requires and that is unknown here. It is called `name`, beside which the files lie that it
-// names. `allowOutside`: see AssetOptions.
+// Reads a .gltf, .glb or .b3dm. Points and lines are skipped. In the result every index, range and length has been
+// checked against the files, and the nodes of the scene form a tree. Throws an InputError with the file and the
+// problem, such as an unknown extension that the file requires. Messages call the file `name`, and names of other files
+// in it are relative to the folder of `name`. `allowOutside`: see AssetOptions.
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside);
 
 }  // namespace scanmill::gltf

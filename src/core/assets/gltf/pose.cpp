@@ -11,9 +11,9 @@
 namespace scanmill::gltf {
 namespace {
 
-constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;  // vertices
+constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;  // vertices of all primitives
 
-// Of 16 numbers, by columns.
+// Returns the transform of a 4 x 4 matrix, given column by column.
 template <class Number>
 Affine toAffine(const Number* m) {
   const auto column = [&](std::size_t c) {
@@ -22,13 +22,13 @@ Affine toAffine(const Number* m) {
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
-// The values of a sampler at a time: so many numbers, or a rotation.
+// Returns the values of a sampler at a time: `width` numbers, or a rotation as a unit quaternion (x, y, z, w).
 std::vector<double> sampled(const std::vector<float>& times, const std::vector<float>& values, std::size_t width,
                             Animation::Interpolation interpolation, bool rotation, double time) {
   const bool step = interpolation == Animation::Interpolation::Step;
   const bool cubic = interpolation == Animation::Interpolation::CubicSpline;
   const std::size_t stride = width * (cubic ? 3 : 1);
-  // Of a cubic spline: in-tangent 0, value 1, out-tangent 2 (appendix C.5).
+  // `which` is for cubic splines: 0 in-tangent, 1 value, 2 out-tangent (appendix C.5).
   const auto value = [&](std::size_t key, std::size_t which, std::size_t i) {
     return static_cast<double>(values[key * stride + (cubic ? which * width : 0) + i]);
   };
@@ -213,7 +213,7 @@ void Poser::pose(const PlacedNode& node, const Primitive& primitive, const Attri
   if (model_.nodes[node.node].skin) skin(node, numbers, what, points);
 }
 
-// What takes a vertex of the mesh to where each joint would have it.
+// Returns for each joint the transform from the mesh's frame to the scene's, as if vertices followed this joint alone.
 std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) const {
   std::vector<float> inverses;
   if (skin.inverseBindMatrices) inverses = data_.fractions(*skin.inverseBindMatrices, what);
@@ -228,7 +228,8 @@ std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) c
   return joints;
 }
 
-// What hangs on no joint by any weight follows its first, and a part without joints its node.
+// Applies a node's skin. Vertices whose weights are all 0 follow their first joint; without joints they follow the
+// node.
 void Poser::skin(const PlacedNode& node, const AttributeNumbers& numbers, const std::string& what,
                  std::vector<Vec3d>& points) const {
   const std::vector<Affine> joints = jointsOf(model_.skins[*model_.nodes[node.node].skin], what);

@@ -1,7 +1,6 @@
 #pragma once
 
-// Where all of a glTF file is at a time of an animation: nodes, skins and morph targets (glTF 2.0, 3.7.2.2, 3.7.3 and
-// 3.11).
+// Poses a glTF file at a time of an animation: its nodes, skins and morph targets (glTF 2.0, 3.7.2.2, 3.7.3 and 3.11).
 
 #include <functional>
 #include <optional>
@@ -17,47 +16,47 @@
 
 namespace scanmill::gltf {
 
-// The name of an animation, its number where it has none.
+// Returns the name of an animation, or its number if it has no name.
 std::string nameOf(const Model& model, Index animation);
 
-// The index of the animation with this name, or of its number where none has that name. Throws InputError, with a
-// suggestion, where there is none.
+// Returns the index of the animation with this name, else of the animation with this number. If there is neither,
+// throws InputError with a suggestion.
 Index animationNamed(const Model& model, const std::string& name);
 
-// When the first of an animation's key frames is, and when the last (s); nothing where it has none.
+// Returns the times of an animation's first and last key frames (s); nothing if it has none.
 std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation);
 
-// Writes what the clip says at its time into the nodes. Throws InputError where its samplers do not fit.
+// Sets the nodes of the model to the clip's values at its time. Throws InputError if a sampler's lengths do not fit.
 void apply(const ClipTime& clip, const Data& data, Model& model);
 
-// Where a node stands relative to its parent.
+// Returns the transform from a node to its parent.
 Affine localOf(const Node& node);
 
 struct PlacedNode {
   Index node = 0;
   Affine sceneFromNode;
-  std::string_view name;  // its own, or that of its nearest ancestor with one; of the model
+  std::string_view name;  // its own, or that of its nearest ancestor with a name; refers into the model
   bool visible = true;
 };
 
-// The nodes of the scene in file order, depth first.
+// Returns the nodes of the scene in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
-// All numbers of a primitive's attribute of this name, vertex after vertex; empty where it has none.
+// Returns all numbers of a primitive's attribute, vertex by vertex; empty if there is no attribute of this name.
 using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
 
-// Moves the vertices of a primitive to where morph targets and joints have them.
+// Applies morph targets and skins to the vertices of primitives.
 class Poser {
  public:
-  // All are kept by reference.
+  // Stores references to all arguments.
   Poser(const Model& model, const Data& data, const std::vector<PlacedNode>& placed);
 
-  // Whether a node's mesh keeps the vertices of the file.
+  // True if neither a skin nor morph targets change the vertices of a node's mesh.
   bool isRigid(const PlacedNode& node) const;
 
-  // `points` are the vertices of a primitive of the node's mesh in the mesh's frame, and become those in the scene's
-  // frame if the node has a skin, else in the mesh's. `what` is the mesh's name in messages. Throws InputError where
-  // joints, weights or targets do not fit.
+  // Poses `points`, the vertices of a primitive of the node's mesh in the mesh's frame. Afterwards they are in the
+  // scene's frame if the node has a skin, else still in the mesh's. `what` is the mesh's name in messages. Throws
+  // InputError if joints, weights or targets do not fit the vertices.
   void pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
             const std::string& what, std::vector<Vec3d>& points);
 

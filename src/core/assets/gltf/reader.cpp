@@ -23,17 +23,17 @@
 namespace scanmill::gltf {
 namespace {
 
-// What a few bytes may ask for when they are decoded.
-constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes, and 256 for every byte compressed
+// Limits, since a small file can require any amount of memory and time.
+constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes, plus 256 for every compressed byte
 constexpr unsigned kTrialSeconds = 300;
-constexpr double kMostPrimitives = 1 << 22;                   // of all nodes
-constexpr double kMostRead = 4e9;                             // vertices of all primitives
-constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // of one node
+constexpr double kMostPrimitives = 1 << 22;                   // primitives of all nodes
+constexpr double kMostRead = 4e9;                             // vertices that are read, of all primitives
+constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // instances of one node
 
 // The vertices and triangles of a primitive, in the mesh's frame.
 struct Geometry {
   std::vector<Vec3d> points;
-  std::vector<Vec2f> uvs;  // v down, as the file has it; empty, or one per point
+  std::vector<Vec2f> uvs;  // v points down, as in the file; empty, or one per point
   std::vector<Triangle> triangles;
   std::uint64_t dropped = 0;  // triangles with indices out of range
 };
@@ -87,12 +87,13 @@ class Reader {
   }
 
  private:
-  // Skinned vertices are where the joints have put them, wherever the node is.
+  // Returns the transform of posed vertices to the scene. Skinned vertices are in the scene's frame already.
   Affine frameOf(const PlacedNode& placed) const {
     return model_.nodes[placed.node].skin ? Affine{} : placed.sceneFromNode;
   }
 
-  // A small file may place its meshes any number of times, and its primitives may share one long list of vertices.
+  // Throws InputError if the file would take too much memory or time. A small file may place its meshes any number of
+  // times, and its primitives may share one long list of vertices.
   void checkCosts() const {
     double primitives = 0, triangles = 0, vertices = 0, read = 0;
     for (const PlacedNode& placed : placed_) {
@@ -131,7 +132,7 @@ class Reader {
 
   double countOf(Index accessor) const { return static_cast<double>(model_.accessors[accessor].count); }
 
-  // Damaged Draco bytes may ask for any amount of memory.
+  // Decodes all Draco data in a child process first, since damaged data can require any amount of memory.
   void tryDraco() const {
     std::uint64_t bytes = 0;
     forDraco([&](const Primitive& p) { bytes += model_.views[p.draco->view].length; });
@@ -156,11 +157,11 @@ class Reader {
     }
   }
 
-  // The parts of a node, one for every material.
+  // Appends the parts of a node, one per material.
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
-    std::vector<std::size_t> materials;  // of the parts of this node
+    std::vector<std::size_t> materials;  // of each part of this node
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
       const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
@@ -199,11 +200,11 @@ class Reader {
     if (base + geometry.points.size() > UINT32_MAX) model_.fail("has more vertices than 32-bit indices reach");
     for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
     if (!geometry.uvs.empty() || !part.uvs.empty()) {
-      part.uvs.resize(base);  // zero where a primitive of the part has none
+      part.uvs.resize(base);  // zero if a primitive of the part has none
       for (const Vec2f& uv : geometry.uvs) part.uvs.push_back({uv.x, 1 - uv.y});
       part.uvs.resize(part.positions.size());
     }
-    // A mirroring transform turns surfaces inside out unless their corners change places.
+    // If the transform mirrors, two corners are swapped, so that surfaces are not turned inside out.
     const bool mirrored = determinant(assetFromNode.linear) < 0;
     const auto offset = static_cast<std::uint32_t>(base);
     for (const Triangle& t : geometry.triangles) {
@@ -211,7 +212,7 @@ class Reader {
     }
   }
 
-  // Of a mesh that stands in several places without a pose of its own, once.
+  // Returns the geometry of a primitive. A mesh that is placed several times, without skin or morphing, is read once.
   std::shared_ptr<const Geometry> knownGeometry(const Primitive& primitive, const PlacedNode& placed,
                                                 const std::optional<TextureUse>& texture) {
     const bool shares = poser_->isRigid(placed) && (uses_[*model_.nodes[placed.node].mesh] > 1 || copies_);
@@ -262,7 +263,7 @@ class Reader {
     return g;
   }
 
-  // Primitives often share one long list of vertices.
+  // Drops unused vertices, since primitives often share one long list of vertices.
   static void dropUnused(Geometry& g) {
     constexpr std::uint32_t kUnused = UINT32_MAX;
     std::vector<std::uint32_t> moved(g.points.size(), kUnused);
@@ -284,7 +285,7 @@ class Reader {
     }
   }
 
-  // The compressed numbers are those of the accessor that stands for them.
+  // Returns Draco numbers, normalized if the accessor that they replace says so.
   static std::vector<float> normalizedAs(const Accessor& accessor, DracoMesh::Values values) {
     if (!accessor.normalized || values.normalized || accessor.component == Component::Float) {
       return std::move(values.numbers);
@@ -305,13 +306,13 @@ class Reader {
     for (std::size_t i = 0; i < g.points.size(); ++i) {
       const double u = static_cast<double>(values[2 * i]) * use.scale[0];
       const double v = static_cast<double>(values[2 * i + 1]) * use.scale[1];
-      // Counter-clockwise as one sees them, with v down (KHR_texture_transform).
+      // Rotates counter-clockwise as seen with v pointing down (KHR_texture_transform).
       g.uvs.push_back(
           {static_cast<float>(use.offset[0] + c * u + s * v), static_cast<float>(use.offset[1] - s * u + c * v)});
     }
   }
 
-  // EXT_mesh_gpu_instancing: the mesh once, and where it stands; parts like any others where a clip moves them.
+  // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded.
   void addInstances(const PlacedNode& placed, std::uint32_t number, const Attributes& attributes) {
     const std::string what = fmt::format("the instances of '{}'", placed.name);
     const auto numbers = [&](const char* name, std::size_t width, const std::vector<float>& fallback) {
@@ -342,12 +343,12 @@ class Reader {
       }
       for (std::size_t k = 0; k < 4; ++k) node.rotation[k] = at(rotations, 4 * i + k, k == 3 ? 1 : 0);
       const Affine local = localOf(node);
-      // Others are flat, or no larger than a point.
+      // Singular transforms would flatten the mesh to a plane, a line or a point.
       if (!isSingular((frame * local).linear)) nodeFromMesh.push_back(local);
     }
     if (options_.clip || nodeFromMesh.size() < 2) {
       copies_ = true;
-      // Each is a node of its own.
+      // Each copy gets a node index of its own.
       const auto nodes = static_cast<std::uint32_t>(placed_.size());
       for (std::uint32_t i = 0; i < nodeFromMesh.size(); ++i) {
         append(asset_.parts, placed, number + i * nodes, frame * nodeFromMesh[i]);
@@ -370,8 +371,8 @@ class Reader {
   std::vector<PlacedNode> placed_;
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
-  std::vector<std::size_t> uses_;  // of each mesh, by nodes
-  bool copies_ = false;            // copies of one node are made
+  std::vector<std::size_t> uses_;  // by mesh: number of nodes that place it
+  bool copies_ = false;            // append() is called for several copies of one node
   std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
   Asset asset_;
   std::uint64_t triangles_ = 0;
@@ -385,7 +386,7 @@ Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& 
   Affine frame = assetFromFile;
   if (model.center) {
     if (isOnEarth(*model.center)) {
-      // Its axes are those of the earth: by itself it stands as the horizon at its place has it.
+      // The file is earth-centred; loaded alone, it is rotated to east-north-up.
       frame = {eastNorthUp(*model.center).linear * assetFromFile.linear, {}};
     } else {
       frame.translation = *model.center * options.metresPerUnit;
@@ -402,7 +403,7 @@ Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, c
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {
-  const Model model = readModel(file, file, true);  // it was read before
+  const Model model = readModel(file, file, true);  // its references were checked when the asset was read
   const Data data(model);
   std::vector<Clip> clips;
   for (Index i = 0; i < model.animations.size(); ++i) {
@@ -412,7 +413,7 @@ std::vector<Clip> readClips(const std::filesystem::path& file) {
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
-  const Model model = readModel(file, file, true);  // it was read before
+  const Model model = readModel(file, file, true);  // its references were checked when the asset was read
   const Index animation = animationNamed(model, clip);
   const auto span = spanOf(model, Data(model), animation);
   if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));

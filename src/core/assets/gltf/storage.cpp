@@ -93,7 +93,7 @@ class StorageReader : JsonReader {
                                                                  {"OCTAHEDRAL", Meshopt::Filter::Octahedral},
                                                                  {"QUATERNION", Meshopt::Filter::Quaternion},
                                                                  {"EXPONENTIAL", Meshopt::Filter::Exponential}};
-    // What is unknown here matters where it is read.
+    // An unknown mode or filter is an error only if the view is read.
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
       m.problem = fmt::format(
           "has {} of the mode '{}' and the filter '{}', which are unknown here: export it without "

@@ -1,12 +1,13 @@
 #pragma once
 
-// Where the numbers of a glTF file lie: buffers, buffer views and accessors.
+// The storage of numbers in a glTF file: buffers, buffer views and accessors.
 
 #include "assets/gltf/json_reader.h"
 
 namespace scanmill::gltf {
 
-// Reads and checks them into the model, which has the GLB's binary chunk. `allowOutside`: see AssetOptions.
+// Reads and checks buffers, views and accessors into the model. Model::bin and Model::file must be set before.
+// `allowOutside`: see AssetOptions.
 void readStorage(Model& model, const Json& json, bool allowOutside);
 
 }  // namespace scanmill::gltf

@@ -24,9 +24,9 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostPoints = 100'000'000;
-constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // of LAS
+constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // labels of noise in LAS
 
-// Table 17 of the specification of LAS 1.4.
+// Returns the name of a class in table 17 of the specification of LAS 1.4, or else its number.
 std::string lasClass(std::uint32_t label) {
   static constexpr std::array<const char*, 23> kNames{"never classified",
                                                       "unclassified",
@@ -82,7 +82,7 @@ class CloudAsset {
   }
 
  private:
-  // Points that have a place and are no noise.
+  // Chooses the points with finite positions, without the noise of LAS files.
   void choosePoints() {
     const auto& labels = scan_[kLabel];
     if (labels.empty() && !options_.points.labels.empty()) {
@@ -116,7 +116,7 @@ class CloudAsset {
     return nullptr;
   }
 
-  // A foreign column's values of the chosen points; nothing where there is none of the name.
+  // Returns the chosen points' values in a foreign column; nothing if there is no column of this name.
   std::optional<std::vector<double>> numbers(std::string_view name) const {
     const ForeignColumn* const column = foreign(name);
     if (column == nullptr) return std::nullopt;
@@ -143,7 +143,7 @@ class CloudAsset {
     }
   }
 
-  // What stands for 1: it follows from the greatest value.
+  // Returns the intensity that means a reflectance of 1, guessed from the greatest intensity.
   static double fullOf(double greatest) {
     for (const double full : {1.0, 255.0}) {
       if (greatest <= full) return full;
@@ -151,7 +151,7 @@ class CloudAsset {
     return greatest;
   }
 
-  // One texel a point: what the point reflects, as a grey, or its colour.
+  // Makes a texture with one texel per point: its intensity as a grey, or its colour.
   void readColors() {
     auto image = std::make_shared<Texture>();
     image->file = file_.string();
@@ -159,7 +159,7 @@ class CloudAsset {
     image->height = static_cast<std::uint32_t>((chosen_.size() + image->width - 1) / image->width);
     image->rgba.assign(std::size_t{image->width} * image->height * 4, 255);
     if (!fill(*image)) return;
-    // The last row may be longer than it needs: so that means stay what they are, it begins again.
+    // Fills the rest of the last row with the first texels again, so that the mean of the texture hardly changes.
     for (std::size_t at = 4 * chosen_.size(); at < image->rgba.size(); ++at) {
       image->rgba[at] = image->rgba[at - 4 * chosen_.size()];
     }
@@ -196,7 +196,7 @@ class CloudAsset {
     const auto put = [&](std::size_t k, std::size_t channel, double value) {
       image.rgba[4 * k + channel] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
     };
-    // The Point Cloud Library packs three bytes into a number, whose bits may stand in a float.
+    // The Point Cloud Library packs three bytes into an integer, whose bits may be stored as a float.
     if (const ForeignColumn* packed = foreign("rgb") != nullptr ? foreign("rgb") : foreign("rgba")) {
       std::visit(
           [&]<class T>(const std::vector<T>& all) {
@@ -219,7 +219,7 @@ class CloudAsset {
       if (!channel) return false;
       for (const double value : *channel) greatest = std::max(greatest, value);
     }
-    if (!(greatest > 0)) return false;  // LAS files may have the channels and no colours
+    if (!(greatest > 0)) return false;  // LAS files may have colour channels with zeroes only
     const double full = greatest <= 1 ? 1 : greatest <= 255 ? 255 : 65535;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       for (std::size_t c = 0; c < 3; ++c) put(k, c, 255 * (*channels[c])[k] / full);
@@ -290,12 +290,12 @@ class CloudAsset {
   Cloud cloud_;
   const Scan& scan_;
   ColorImages images_{file_, true};
-  std::vector<std::size_t> chosen_;  // of the scan's points
-  std::vector<Vec3f> positions_;     // m, of those, in the asset's frame less its origin
+  std::vector<std::size_t> chosen_;  // indices of the chosen points in scan_
+  std::vector<Vec3f> positions_;     // m, of the chosen points, in the asset's axes relative to its origin
   std::vector<Vec3f> normals_;
   std::shared_ptr<const Texture> image_;
-  bool measured_ = false;                         // of intensities
-  std::map<std::uint32_t, std::uint32_t> nodes_;  // by instance
+  bool measured_ = false;                         // image_ shows intensities
+  std::map<std::uint32_t, std::uint32_t> nodes_;  // node index by instance
   Asset asset_;
 };
 

@@ -65,9 +65,10 @@ class HeightAsset {
     asset_.origin = {std::floor(x * heights_.metresPerUnit) * unit, std::floor(y * heights_.metresPerUnit) * unit, 0};
   }
 
-  // Of a raster that does not say what its coordinates are: degrees that are taken for metres make needles of hills.
+  // Throws InputError if a raster without a coordinate system seems to be in degrees: read as metres, degrees would
+  // turn its hills into needles.
   void refuseDegrees() const {
-    constexpr double kSteepest = 3;  // whole height over whole extent
+    constexpr double kSteepest = 3;  // total height range over horizontal extent
     if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
     const auto [x, y] = heights_.place(0, 0);
     const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
@@ -87,7 +88,7 @@ class HeightAsset {
                                  high - low, extent));
   }
 
-  // Of a row of samples; two rows are known at a time.
+  // Computes the positions of a row of samples. Two rows are kept at a time.
   void findPlaces(int row) {
     std::vector<Vec3d>& places = places_[static_cast<std::size_t>(row) % 2];
     places.resize(static_cast<std::size_t>(heights_.width));
@@ -96,7 +97,7 @@ class HeightAsset {
     }
   }
 
-  // Less the asset's origin.
+  // Returns the position of a sample (m), relative to the asset's origin.
   Vec3d vertex(int column, int row) const {
     const auto [x, y] = heights_.place(column, row);
     const double z = double{heights_.values[indexOf(column, row)]};
@@ -117,7 +118,7 @@ class HeightAsset {
     expectSame(*classes_, wanted_.classes);
   }
 
-  // What the heights cover, and a sample more.
+  // Returns the bounds of the heights, larger by a sample on each side.
   RasterBounds boundsOfHeights() const {
     RasterBounds b{INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (const int column : {-1, heights_.width}) {
@@ -139,11 +140,11 @@ class HeightAsset {
       image->width = static_cast<std::uint32_t>(photo_.width);
       image->height = static_cast<std::uint32_t>(photo_.height);
       image->rgba.resize(photo_.values.size() * 4, 255);
-      // Photographs of 16 bits are read as well.
+      // Values above 255 mean an image of 16 bits.
       const float most = *std::max_element(photo_.values.begin(), photo_.values.end());
       if (most > 255) scale_ = 255.0 / 65535;
       for (std::size_t i = 0; i < photo_.values.size(); ++i) {
-        // The first row of a texture is the lowest.
+        // The first row of a texture is the image's bottom.
         const std::size_t row = i / image->width;
         const std::size_t to = (image->height - 1 - row) * image->width + i % image->width;
         const double value = std::isfinite(photo_.values[i]) ? double{photo_.values[i]} * scale_ : 0;
@@ -169,7 +170,7 @@ class HeightAsset {
     Part& part = partOf(own);
     std::array<std::uint32_t, 4> v{};
     for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(part, at[k][0], at[k][1], corner[k]);
-    // Facing up, whichever way rows and columns run.
+    // Makes triangles face up, whatever the directions of rows and columns.
     const bool turned = cross(corner[1] - corner[0], corner[2] - corner[0]).z < 0;
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
       asset_.parts[part.index].triangles.push_back(turned ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
@@ -183,10 +184,10 @@ class HeightAsset {
     }
   }
 
-  // The triangles of one class, which share vertices among each other.
+  // The triangles of one class, which share vertices with each other.
   struct Part {
-    std::size_t index = 0;  // of asset_.parts
-    // Of two rows of samples, by columns; rows take turns.
+    std::size_t index = 0;  // index into asset_.parts
+    // Indices of vertices of the two latest rows of samples, by column; element row % 2 is for `row`.
     std::array<std::vector<std::uint32_t>, 2> vertices;
     std::array<int, 2> row{-1, -1};
   };
@@ -232,7 +233,7 @@ class HeightAsset {
   const HeightOptions& wanted_;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;  // one channel of the image, for its place
+  Raster photo_;  // last channel read of the image; gives its georeference
   double scale_ = 1;
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};

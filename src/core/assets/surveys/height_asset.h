@@ -1,6 +1,6 @@
 #pragma once
 
-// Rasters of heights (digital elevation models) as assets.
+// Height rasters (digital elevation models) as assets.
 
 #include <filesystem>
 #include <string_view>
@@ -9,14 +9,15 @@
 
 namespace scanmill {
 
-// Whether files of this suffix (".tif", lower case) are taken for rasters of heights.
+// True if files of this suffix (".tif", lower case) count as height rasters.
 bool isHeights(std::string_view suffix);
 
-// Reads band 1 of a raster as heights in metres. Four samples make two triangles, across the shorter diagonal; where a
-// sample has no value there is a hole. Of projected coordinates x and y are those of the raster, in metres; of
-// longitude and latitude they are metres east and north of the raster's middle, and z is the height above the horizon
-// there (AssetOptions::heights for what else). Parts are the triangles of one class of the raster of classes, whose
-// material is its number; without one all is one part of the material "heights". Throws InputError that names the file.
+// Reads band 1 of a raster as heights in metres. Four samples make two triangles, split along the shorter diagonal; a
+// sample without a value leaves a hole. With projected coordinates, x and y are those of the raster, in metres. With
+// longitude and latitude, x and y are metres east and north of the raster's middle, and z is the height above the
+// horizontal plane at the middle. AssetOptions::heights can add a class raster: the triangles of each class are then a
+// part, whose material is the class number. Otherwise all triangles are one part with the material "heights". Throws an
+// InputError that names the file.
 Asset readHeightAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

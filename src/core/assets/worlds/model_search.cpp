@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostAbove = 8;  // folders
+constexpr int kMostAbove = 8;  // folders to search: the file's own and those above it
 constexpr const char* kVariables[] = {"SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
                                       "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"};
 
@@ -49,7 +49,7 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
 std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
   for (const std::string& spelling : {name, decodeUri(name)}) {
     for (const fs::path& folder : modelFolders(file)) {
-      // A model that is looked for from inside of its own folder lies in the folder above.
+      // If a file inside of a model's folder names that model, the folder above is the one that has it.
       if (!spelling.empty() && isThere(folder / spelling)) return folder / spelling;
     }
   }
@@ -74,7 +74,7 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
     fs::path found = file.parent_path() / name;
     if (isThere(found)) return found;
   }
-  // A relative name may also be that of a model.
+  // A relative name may also be the name of a model.
   if (const auto found = findInModelFolders(file, plain)) return *found;
   from.fail(fmt::format("names '{}', and there is no such file", uri));
 }

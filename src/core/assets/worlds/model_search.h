@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the models and meshes that descriptions of worlds name.
+// Finds the models and meshes that world descriptions name.
 
 #include <filesystem>
 #include <optional>
@@ -10,13 +10,13 @@
 
 namespace scanmill {
 
-// The file or folder that `from` calls `uri`, in a file: model://NAME/..., package://NAME/..., file://... or a path
-// relative to the file. The folders of models are looked for beside the file's own folder and those above it, also in
-// their folders "models", and in the environment variables SDF_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH,
-// GAZEBO_MODEL_PATH and ROS_PACKAGE_PATH. Throws InputError at `from` where there is none.
+// Returns the file or folder that the element `from` of `file` calls `uri`: model://NAME/..., package://NAME/...,
+// file://... or a path relative to the file. Models are searched for in the file's folder, the folders above it, the
+// folder "models" in each of these, and the folders in the environment variables SDF_PATH, GZ_SIM_RESOURCE_PATH,
+// IGN_GAZEBO_RESOURCE_PATH, GAZEBO_MODEL_PATH and ROS_PACKAGE_PATH. If there is none, throws InputError at `from`.
 std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri);
 
-// What is called `name` in the folders in which the models of a file are looked for; nothing where it is in none.
+// Returns the file or folder `name` in the folders in which models of `file` are searched for; nothing if none has it.
 std::optional<std::filesystem::path> findInModelFolders(const std::filesystem::path& file, const std::string& name);
 
 }  // namespace scanmill

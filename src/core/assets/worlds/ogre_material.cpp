@@ -10,7 +10,7 @@
 namespace scanmill {
 namespace {
 
-// Without comments.
+// Returns the text without its comments.
 std::string withoutComments(const std::string& text) {
   std::string plain;
   for (std::size_t i = 0; i < text.size(); ++i) {

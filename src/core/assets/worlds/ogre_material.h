@@ -1,6 +1,6 @@
 #pragma once
 
-// Scripts of OGRE materials, by which Gazebo's models name the images of meshes that do not name their own.
+// Scripts of OGRE materials, with which Gazebo's models name images for meshes that do not name their own.
 
 #include <array>
 #include <filesystem>
@@ -10,15 +10,15 @@
 
 namespace scanmill {
 
-// What a script says of a material: its first image, its diffuse colour, and below which alpha it is cut out.
+// The properties of a material that a script states: its first image, its diffuse colour, and its alpha cutoff.
 struct OgreMaterial {
   std::string texture;  // as the script names it, or empty
   std::optional<std::array<float, 3>> color;
-  std::optional<float> alphaCutoff;
+  std::optional<float> alphaCutoff;  // beams pass below this alpha
 };
 
-// The materials of a script, or of all scripts (*.material) of a folder, by their names. Nothing where there are none;
-// what is not understood is passed over.
+// Returns the materials of a script, or of all scripts (*.material) of a folder, by their names. Empty if there are
+// none; unknown parts of scripts are ignored.
 std::map<std::string, OgreMaterial> readOgreMaterials(const std::filesystem::path& place);
 
 }  // namespace scanmill

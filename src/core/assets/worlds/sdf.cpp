@@ -18,20 +18,20 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepestModel = 24;       // models in models
-constexpr std::size_t kLongest = 1000;  // frames, each relative to the next
+constexpr int kDeepestModel = 24;       // levels of nested models
+constexpr std::size_t kLongest = 1000;  // frames in a chain, each relative to the next
 
-// Names of a world or a model that poses may be relative to.
+// The named frames of a world or a model, which poses may be relative to.
 struct Scope {
   struct Frame {
     const XmlNode* node = nullptr;
     Pose pose;
     std::string relativeTo;               // empty: the scope's own frame
-    std::shared_ptr<const Scope> inside;  // of a model
+    std::shared_ptr<const Scope> inside;  // frames in a model; null: not a model
   };
   std::map<std::string, Frame> frames;
 
-  // The pose of a frame in the scope's own.
+  // Returns the pose of a frame in the scope's own frame.
   Pose resolve(const std::string& name, const XmlNode& from) const {
     std::set<std::pair<const Scope*, std::string>> been;
     return resolve(name, from, been);
@@ -61,9 +61,9 @@ struct PlacedModel;
 struct Model {
   std::string name;
   std::filesystem::path definition;
-  std::vector<WorldPart> parts;  // in its own frame
+  std::vector<WorldPart> parts;  // in the model's frame
   std::vector<PlacedModel> children;
-  Pose placement;  // of its placement frame, in its own
+  Pose placement;  // pose of its placement frame in the model's frame
 };
 
 struct PlacedModel {
@@ -120,7 +120,7 @@ class SdfReader {
  private:
   using Placed = std::vector<PlacedModel>;
 
-  // The models of a world, or those nested in a model; and the names that poses there may be relative to.
+  // Returns the models of a world, or those nested in a model, and the frames that poses in it may be relative to.
   std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth) {
     if (depth > kDeepestModel)
       of.fail(fmt::format("is in more than {} models: does one include itself?", kDeepestModel));
@@ -194,7 +194,7 @@ class SdfReader {
     std::optional<std::filesystem::path> definition;
     try {
       definition = definitionOf(node, file, plain);
-    } catch (const InputError&) {                       // Gazebo's own may not be installed
+    } catch (const InputError&) {                       // models that come with Gazebo may not be installed
       if (plain == "model://sun") return std::nullopt;  // a light
       if (plain != "model://ground_plane") throw;
     }
@@ -220,7 +220,7 @@ class SdfReader {
     return model;
   }
 
-  // "1.10" is above "1.9".
+  // Returns the parts of a version as numbers, so that "1.10" is above "1.9".
   static std::vector<int> versionOf(const XmlNode& sdf) {
     std::vector<int> parts;
     std::istringstream text(sdf.attributeOr("version", "0"));
@@ -230,7 +230,7 @@ class SdfReader {
     return parts;
   }
 
-  // The file of a model; of a folder that which its model.config names, of the highest version.
+  // Returns the file of a model. In a folder, that is the file with the highest version of those in its model.config.
   static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
                                             const std::string& uri) {
     const XmlNode* const named = node.child("uri");
@@ -260,7 +260,7 @@ class SdfReader {
   }
 
   static Model groundPlane(const XmlNode& node) {
-    constexpr double kSize = 100;  // m, as Gazebo's own model of this name has it
+    constexpr double kSize = 100;  // m, as in Gazebo's model of this name
     Model model;
     model.name = "ground_plane";
     WorldPart part;
@@ -277,7 +277,7 @@ class SdfReader {
     const XmlNode* const geometry = visual.child("geometry");
     if (geometry == nullptr) return;
     const std::string transparency = visual.textOf("transparency", "0");
-    if (numbersIn(visual, transparency, 1).front() >= 1) return;  // for the physics of others
+    if (numbersIn(visual, transparency, 1).front() >= 1) return;  // invisible: only for physics simulation
     WorldPart part;
     part.where = visual.where;
     part.node = link + "/" + visual.attributeOr("name", "visual");
@@ -319,14 +319,15 @@ class SdfReader {
     const XmlNode* const script = material->child("script");
     if (script == nullptr) return;
     part.material = script->textOf("name", "");
-    // Scripts and images lie in the folders that it names. Materials of Gazebo's own, such as Gazebo/Grey, do not.
+    // The <uri>s of the script are the folders of scripts and images. Gazebo's own materials, such as Gazebo/Grey, are
+    // not in them.
     std::vector<std::filesystem::path> places;
     for (const XmlNode& uri : script->children) {
       if (uri.name != "uri" || uri.text.starts_with("file://media")) continue;
       try {
         places.push_back(findModel(uri, file, uri.text));
       } catch (const InputError&) {
-        continue;  // it may be of a machine where others are installed
+        continue;  // the file may be from a machine with other models installed
       }
     }
     for (const std::filesystem::path& place : places) {
@@ -349,7 +350,7 @@ class SdfReader {
     }
   }
 
-  // The image of a physically based material.
+  // Reads the image of a physically based material.
   void readAlbedo(const XmlNode& material, const std::filesystem::path& file, WorldPart& part) {
     const XmlNode* const pbr = material.child("pbr");
     if (pbr == nullptr) return;
@@ -365,7 +366,7 @@ class SdfReader {
     }
   }
 
-  // A model that is but a container of others is no thing; they are.
+  // A model without visuals is not a thing; the models nested in it are.
   void addThings(const Affine& worldFromModel, const Model& model) {
     if (model.parts.empty()) {
       for (const auto& [pose, child] : model.children) addThings(worldFromModel * toAffine(pose), child);
@@ -396,7 +397,7 @@ class SdfReader {
 
   World world_;
   std::map<std::filesystem::path, XmlNode> definitions_;
-  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by the script or its folder
+  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder of scripts
 };
 
 }  // namespace

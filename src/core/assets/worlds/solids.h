@@ -11,12 +11,12 @@
 
 namespace scanmill {
 
-// <box>, <cylinder>, <cone>, <sphere>, <capsule>, <ellipsoid> or <plane>, about its own origin; their sizes are
-// elements in SDF and attributes in URDF. Nothing for what is none of these. Throws InputError for a size that is
-// missing, no number or not above 0.
+// Returns the mesh of a <box>, <cylinder>, <cone>, <sphere>, <capsule>, <ellipsoid> or <plane>, centred at the origin.
+// Sizes are elements in SDF and attributes in URDF. Nothing for any other element. Throws InputError for a size that is
+// missing, not a number or not above 0.
 std::optional<Mesh> solidOf(const XmlNode& shape);
 
-// Red, green, blue and alpha, 0 to 1; without alpha.
+// Returns red, green and blue, clamped to 0 to 1, of a text of three or four numbers; the fourth, alpha, is ignored.
 std::array<float, 3> colorOf(const XmlNode& node, std::string_view text);
 
 }  // namespace scanmill

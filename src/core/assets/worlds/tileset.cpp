@@ -25,7 +25,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kDeepestTile = 64;  // tiles in tiles, of tilesets in tilesets too
+constexpr int kDeepestTile = 64;  // levels of nested tiles, including nested tilesets
 
 class TilesetReader {
  public:
@@ -80,7 +80,7 @@ class TilesetReader {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
   }
 
-  // East, north, up about the middle of the root on the earth; elsewhere the tileset's own frame.
+  // Returns assetFromEarth. On the earth: east, north, up around the root's middle; else the tileset's own frame.
   Affine frameOf(const Json& root) const {
     const double unit = options_.metresPerUnit;
     const Affine scaled{Mat3::scale({unit, unit, unit}), {}};

@@ -88,7 +88,7 @@ class UrdfReader {
     std::filesystem::path texture;
   };
 
-  // Materials are stated once and named elsewhere.
+  // Returns a material's look. Materials are defined once; later elements can refer to them by name only.
   Look noteMaterial(const XmlNode& material) {
     Look look;
     if (const XmlNode* color = material.child("color")) look.color = colorOf(*color, color->attributeOr("rgba", ""));
@@ -107,7 +107,7 @@ class UrdfReader {
     return known == looks_.end() ? look : known->second;
   }
 
-  // Of a link in the robot, which stands where the link that has no parent is.
+  // Returns robotFromLink. The robot's frame is that of its root link.
   Affine placeOf(std::string name, const XmlNode& link) const {
     Affine place;
     std::set<std::string> been;
@@ -148,7 +148,7 @@ class UrdfReader {
 
   std::filesystem::path file_;
   XmlNode root_;
-  std::map<std::string, Joint> joints_;  // by child
+  std::map<std::string, Joint> joints_;  // by child link
   std::map<std::string, Look> looks_;
   World world_;
 };

@@ -17,7 +17,7 @@
 namespace scanmill {
 namespace {
 
-// "car_01_002" is "car".
+// Returns a name without the number at its end: "car_01_002" becomes "car".
 std::string withoutNumber(const std::string& name) {
   const std::size_t last = name.find_last_not_of("0123456789_-. ");
   return last == std::string::npos ? name : name.substr(0, last + 1);
@@ -37,7 +37,7 @@ class WorldAsset {
     if (!world.leftOut.empty()) {
       warn(fmt::format("{}: left out: {}", file_.string(), fmt::join(world.leftOut, ", ")));
     }
-    // Those of one model whose names differ in their numbers alone.
+    // Things of one model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
       if (!thing.definition.empty()) same[{thing.definition, withoutNumber(thing.name)}].push_back(&thing);
@@ -98,7 +98,7 @@ class WorldAsset {
     return part;
   }
 
-  // Gives a part the looks that its visual has.
+  // Gives a part the material of its visual.
   void dress(const WorldPart& from, AssetPart& part) {
     if (part.material.empty()) part.material = from.material;
     part.fileMaterial.name = part.material;
@@ -121,7 +121,7 @@ class WorldAsset {
     setColor(part.fileMaterial, std::move(color), file_, options_, images_);
   }
 
-  // Of a mesh, or of its submesh.
+  // Returns the parts of a mesh, or of its submesh.
   std::vector<AssetPart> partsOf(const WorldPart& from) {
     const Asset& mesh = meshOf(from);
     if (from.submesh.empty()) return mesh.parts;
@@ -155,7 +155,7 @@ class WorldAsset {
     options.allowOutside = options_.allowOutside;
     const std::string suffix = lowerExtension(from.mesh);
     if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is no mesh", from.mesh.string()));
-    // Gazebo and ROS take the coordinates of all but glTF as they are, whatever axis a file declares.
+    // Gazebo and ROS ignore the up axis that a file declares, except for glTF.
     if (suffix != ".gltf" && suffix != ".glb") options.up = 'z';
     try {
       Asset mesh = readAsset(from.mesh, options);

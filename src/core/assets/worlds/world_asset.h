@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds as assets: an object of a scene names one like any other 3D file.
+// World descriptions as assets: an object of a scene can name one like any other 3D file.
 
 #include <filesystem>
 #include <string_view>
@@ -9,14 +9,15 @@
 
 namespace scanmill {
 
-// Whether files of this suffix (".sdf", lower case) describe worlds.
+// True if files of this suffix (".sdf", lower case) describe worlds.
 bool isWorld(std::string_view suffix);
 
-// Reads a description with all that it names; of 3D Tiles see tileset.h. In SDF and URDF each model is a node, called
-// "model/link/visual" or, where its mesh has nodes, "model/link/visual/node". Models that are included several times,
-// under names that differ in the numbers at their ends alone, share their meshes (Asset::instanced) and the name
-// without its numbers. A model is one thing with all that is nested in it, unless it has no visuals of its own. Throws
-// InputError with the place, and warns of what is left out.
+// Reads a world description with all files that it names. For 3D Tiles see tileset.h. In SDF and URDF each model has
+// one node index; its parts are named "model/link/visual" or, if a mesh has nodes, "model/link/visual/node". If a model
+// is included several times, with names that differ only in the numbers at their ends, the copies share their meshes
+// (Asset::instanced) and the name without its number. A model with visuals of its own is one thing together with all
+// models nested in it; a model without visuals is not a thing, but the models nested in it are. Throws InputError with
+// the place in the file, and warns of contents that are left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
 
 }  // namespace scanmill

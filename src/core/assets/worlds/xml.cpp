@@ -54,7 +54,7 @@ class Reader {
     if (depth > kDeepestElement)
       throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepestElement));
     node.name = from.name();
-    std::string text;  // comments may stand in it
+    std::string text;  // in pieces if comments interrupt it
     for (const pugi::xml_node& child : from.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
     }
@@ -113,7 +113,7 @@ std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::s
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0;
     auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error == std::errc::result_out_of_range) {  // nearer to zero than a double is, or too large
+    if (error == std::errc::result_out_of_range) {  // underflow or overflow of double
       number = std::strtod(std::string(word).c_str(), nullptr);
       error = std::errc();
     }
