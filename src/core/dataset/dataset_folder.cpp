@@ -27,20 +27,20 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLockName = "lock";
-constexpr const char* kClaimSuffix = ".lock";  // behind the name of a shard
+constexpr const char* kClaimSuffix = ".lock";  // appended to the name of a shard
 constexpr const char* kTurnName = "begin.lock";
 constexpr std::chrono::seconds kPatience(60);
 constexpr std::chrono::seconds kShortPatience(2);
 constexpr std::chrono::milliseconds kPause(50);
 
-// Device and number; zeros where there is nothing.
+// Returns the device and the inode of a path; zeros if it does not exist.
 std::pair<std::uint64_t, std::uint64_t> placeOnDisk(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {0, 0};
   return {status.st_dev, status.st_ino};
 }
 
-// Throws Error where nobody can tell.
+// True if the path exists. Throws Error if this cannot be found out.
 bool isThere(const fs::path& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
@@ -87,8 +87,8 @@ void removeFile(const fs::path& file) {
   }
 }
 
-// Everything in the hidden folder, which is ours, but for the lock. The plan goes first: without it the rest is
-// nothing.
+// Removes everything in the hidden folder, all of which this program wrote, except the lock. The plan goes first:
+// without it the rest does not count as an unfinished dataset.
 void clearHidden(const fs::path& hidden) {
   removeFile(hidden / kPlanName);
   std::vector<fs::path> paths;
@@ -104,7 +104,8 @@ void removeShard(const fs::path& folder, const std::string& name) {
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
 }
 
-// The text of the manifest; where all descriptions take more than so many bytes, they are put into files.
+// Returns the text of the manifest. If the descriptions of all samples take more than `most` bytes, writes them to
+// files beside the shards.
 std::string describe(const fs::path& folder, std::uint64_t most, const Manifest& manifest) {
   std::vector<std::vector<std::uint64_t>> numbers(manifest.shards.size());
   for (std::size_t i = 0; i < manifest.samples.size(); ++i) numbers[manifest.samples[i].shard].push_back(i);
@@ -163,7 +164,7 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
       fs::create_directories(staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
     }
-    checkUse(folder_, use);  // another process may have been here meanwhile
+    checkUse(folder_, use);  // again: another process may have changed the folder before it was locked
     whole_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
     place_ = placeOnDisk(folder_);
     if (!whole_) begin(use);
@@ -176,7 +177,7 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
   }
 }
 
-// What the constructor has made and is empty goes again.
+// Releases the lock. Removes the hidden folder, and the dataset's folder if the constructor created it, if empty.
 void DatasetFolder::leave() {
   std::error_code ignored;
   lock_.reset();
@@ -184,7 +185,7 @@ void DatasetFolder::leave() {
   if (created_) fs::remove(folder_, ignored);
 }
 
-// Waits a while for a process that ends the dataset, and may remove the hidden folder meanwhile.
+// Takes a shared lock. If another process is completing the dataset, which may remove the hidden folder, waits a while.
 void DatasetFolder::share() {
   shared_ = true;
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -194,9 +195,9 @@ void DatasetFolder::share() {
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName, LockKind::Shared);
     } catch (const ForeignFile&) {
       throw;
-    } catch (const InputError&) {  // another holds it
+    } catch (const InputError&) {  // another process holds the lock
       if (std::chrono::steady_clock::now() > end) throw;
-    } catch (const Error&) {  // nothing was there, or the disk fails
+    } catch (const Error&) {  // the hidden folder was removed, or the disk fails
       if (std::chrono::steady_clock::now() > end - kPatience + kShortPatience) throw;
     }
     if (lock_ == nullptr) std::this_thread::sleep_for(kPause);
@@ -204,7 +205,7 @@ void DatasetFolder::share() {
 }
 
 void DatasetFolder::begin(FolderUse use) {
-  // Those who share the folder begin one after the other.
+  // Processes that share the folder take turns here.
   std::unique_ptr<FolderLock> turn;
   std::string holder;
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -224,7 +225,8 @@ void DatasetFolder::begin(FolderUse use) {
                      "that it names, or another version of this program: begin anew, in another folder or with "
                      "--overwrite");
   }
-  // Of a run that was killed while it replaced a dataset. One that is whole stays until the new one is.
+  // Without a manifest, shards are left over from a run that was killed while it replaced a dataset. A complete dataset
+  // stays until the new one is complete.
   if (!fs::exists(folder_ / kManifestName)) {
     for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
   }
@@ -249,15 +251,15 @@ DatasetFolder::~DatasetFolder() {
     whole = !published_ && !whole_ && !recordedIn(staging_).empty();
     if (!whole) clearHidden(staging_);
   } catch (const std::exception&) {
-    whole = true;  // the folder is not what it was: nothing more is removed
+    whole = true;  // the folder has changed: remove nothing more
   }
   lock_.reset();
-  // Where they are empty.
+  // Both are removed only if they are empty.
   fs::remove(staging_, ignored);
   if (created_ && !whole && !published_) fs::remove(folder_, ignored);
 }
 
-// Where a shard lies: it may have been moved by a process that was killed in publish().
+// Returns the path of a shard: in staging_, or its final path if a process that was killed in publish() has moved it.
 fs::path DatasetFolder::placeOf(const std::string& name) const {
   return isThere(staging_ / name) ? staging_ / name : folder_ / name;
 }
@@ -268,7 +270,7 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   fs::create_directories(file.parent_path(), failure);
   if (failure) throw Error(fmt::format("{}: cannot be made: {}", file.parent_path().string(), failure.message()));
   std::string holder;
-  // Without locks every process makes what it wants to make: the bytes are the same, whoever is the last.
+  // On a file system without locks several processes may write the same shard: the bytes are the same in any case.
   return FolderLock::tryTake(folder_, file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
 }
 
@@ -286,7 +288,7 @@ std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check ch
   try {
     part = parsePart(text, record.string());
   } catch (const InputError&) {
-    return std::nullopt;  // damaged: as good as none
+    return std::nullopt;  // a damaged record counts as none
   }
   if (part.plan != plan_.hash) {
     throw InputError({record.string()},
@@ -317,12 +319,12 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       throw Error(fmt::format("{}: is not as it was written: --resume makes it again", placeOf(shard.file).string()));
     }
     if (fs::exists(folder_ / kManifestName)) {
-      // First of all and for good, so that a mixture never looks finished.
+      // This comes first and is flushed to the disk, so that a mixture of both datasets never looks complete.
       moveFile(folder_ / kManifestName, staging_ / kReplacedName);
       syncFolder(folder_);
     }
     for (const std::string& name : listedIn(staging_ / kReplacedName)) {
-      // One that a killed process has moved here is no old one.
+      // A shard of the new dataset, moved here by a process that was then killed, must stay.
       const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
       checkPlace();
       if (!moved) removeShard(folder_, name);
@@ -340,7 +342,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     AtomicFile file(folder_ / kManifestName);
     file.write(text);
     file.flush();
-    // Last of all: what follows is a name.
+    // Check the folder's identity once more: from here on there are only names to check and a file to rename.
     checkPlace();
     for (const ShardRecord& shard : manifest.shards) {
       if (isThere(folder_ / shard.file)) continue;

@@ -2,10 +2,10 @@
 
 // The folder that a dataset is written into.
 //
-// While a dataset is being made, all of it lies in the hidden folder .scanmill within: its whole shards, a small record
-// beside each (parts.h), what is planned, and the locks of the processes that make it. Readers see nothing of that. At
-// the end the shards are moved to their places, the manifest is written, and the hidden folder goes. A dataset that is
-// to be replaced stays until then.
+// Until a dataset is complete, all its files are in the hidden subfolder .scanmill: its complete shards, a small record
+// beside each (parts.h), the plan, and the locks of the processes that write the dataset. Readers ignore this folder.
+// At the end the shards are moved to their final paths, the manifest is written, and the hidden folder is removed. A
+// dataset that is to be replaced stays until then.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,56 +21,57 @@
 namespace scanmill {
 
 enum class FolderUse {
-  New,      // an absent or an empty folder
-  Replace,  // the dataset that is there, or an unfinished one
-  Resume,   // the unfinished dataset that is there; without one, like New
-  Share,    // the same, together with other processes that share it; or a dataset that these have ended, see isWhole()
+  New,      // the folder must be absent or empty
+  Replace,  // replaces the dataset in the folder, be it complete or unfinished
+  Resume,   // continues the unfinished dataset in the folder; like New if there is none
+  Share,    // like Resume, together with other processes; these may have completed the dataset, see isWhole()
 };
 
 class DatasetFolder {
  public:
-  // Creates the folder. Throws InputError, and changes nothing, where the folder holds what `use` does not allow: a
-  // dataset, files of others, names that shards would get, what another plan has begun; and where a process writes into
-  // it that does not share it.
+  // Creates the folder. Throws InputError, and changes nothing, if the folder holds something that `use` does not
+  // allow: a dataset, files of other programs, files with the names of shards, an unfinished dataset of another plan;
+  // or if a process that does not share the folder is writing into it.
   DatasetFolder(std::filesystem::path folder, FolderUse use, DatasetPlan plan);
-  // Gives the lock back. What is unfinished stays to be resumed, where it holds a whole shard or others work on it.
+  // Releases the lock. An unfinished dataset stays, so that it can be resumed, if it has a complete shard or other
+  // processes work on it.
   ~DatasetFolder();
   DatasetFolder(const DatasetFolder&) = delete;
   DatasetFolder& operator=(const DatasetFolder&) = delete;
 
-  // Throws what the constructor would throw of a folder that nobody writes into, and changes nothing.
+  // Throws the constructor's errors about the contents of the folder, except about another plan; changes nothing.
   static void check(const std::filesystem::path& folder, FolderUse use);
 
-  // Removes what a process has left over that died after it had written the manifest.
+  // Removes the hidden folder if a process died after it had written the manifest.
   static void tidy(const std::filesystem::path& folder);
 
-  // What is planned of the unfinished dataset there. Throws InputError where there is none.
+  // Returns the plan of the unfinished dataset in the folder. Throws InputError if there is none.
   static DatasetPlan planned(const std::filesystem::path& folder);
 
-  // Of a shared folder: other processes have ended the dataset meanwhile. Then there is nothing to do.
+  // True if other processes that share the folder have already completed the dataset: then nothing is left to do.
   bool isWhole() const { return whole_; }
 
-  // Where shards are written.
+  // Returns the folder that shards are written into.
   const std::filesystem::path& staging() const { return staging_; }
 
-  // Claims a shard for this process, as long as what is returned lives; null where another process holds it.
+  // Claims a shard for this process as long as the returned lock lives; null if another process has claimed it.
   std::unique_ptr<FolderLock> claim(const std::string& name);
-  // Keeps the record of a shard that is whole in staging().
+  // Stores the record of a shard that is complete in staging().
   void keep(const DatasetPart& part);
   enum class Check { Size, Bytes };
-  // The record of a shard, where it was kept and the shard is there, by its size, or byte for byte by its hash. Throws
-  // InputError for one of another plan. `name`: see shardName().
+  // Returns the record of a shard if it was stored and the shard has the recorded size and, with Check::Bytes, the
+  // recorded hash. Throws InputError for a record of another plan. `name`: see shardName().
   std::optional<DatasetPart> kept(const std::string& name, Check check) const;
 
-  // Of a shared folder: false, and the folder is left to the others, where other processes work on it. Must come before
-  // publish().
+  // Takes the folder for this process alone. Returns false, and leaves a shared folder to the others, if other
+  // processes work on it. Must be called before publish().
   bool makeAlone();
-  // Moves the shards of the manifest, all of which are kept, to their places, in place of those of an earlier dataset,
-  // and writes the manifest last. Descriptions of samples that would take more than so many bytes in all go to files
-  // beside the shards. Throws Error where the disk fails, or where the folder is not the one that
-  // it was; then the dataset can be resumed.
+  // Moves the shards of the manifest, all of which must be recorded, to their final paths, replaces those of an earlier
+  // dataset, and writes the manifest last. If the descriptions of all samples take more than `mostSampleBytes`, they go
+  // to files beside the shards. Throws Error if the disk fails, or if the folder was removed or replaced; the dataset
+  // can then be resumed.
   void publish(const Manifest& manifest, std::uint64_t mostSampleBytes = 100'000'000);
-  // Throws Error where the folder was removed or replaced since this object was made.
+  // Throws Error if the folder was removed or replaced since this object was created.
   void checkPlace() const;
 
  private:
@@ -81,12 +82,12 @@ class DatasetFolder {
 
   std::filesystem::path folder_;
   std::filesystem::path staging_;
-  std::pair<std::uint64_t, std::uint64_t> place_{0, 0};  // what the file system knows the folder by
+  std::pair<std::uint64_t, std::uint64_t> place_{0, 0};  // device and inode of the folder
   DatasetPlan plan_;
   std::unique_ptr<FolderLock> lock_;
   bool shared_ = false;
   bool whole_ = false;
-  bool created_ = false;  // the folder, by this object
+  bool created_ = false;  // this object has created the folder
   bool published_ = false;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What lies in a folder that a dataset is written into, and what of it is this program's.
+// Lists the files in a folder that a dataset is written into, and finds those that this program has written.
 
 #include <filesystem>
 #include <string>
@@ -8,38 +8,39 @@
 
 namespace scanmill {
 
-// Within the hidden folder (kHiddenName).
+// Names in the hidden folder (kHiddenName).
 inline constexpr const char* kPlanName = "plan";
 inline constexpr const char* kReplacedName = "replaced.json";  // the manifest of the dataset that is being replaced
-inline constexpr const char* kRecordSuffix = ".json";          // behind the name of a shard
+inline constexpr const char* kRecordSuffix = ".json";          // appended to the name of a shard
 
 struct FolderContents {
   bool manifest = false;
-  bool unfinished = false;             // somebody has begun a dataset here
+  bool unfinished = false;             // see isUnfinished()
   std::vector<std::string> shards;     // relative names
   std::vector<std::string> leftovers;  // relative names of temporary files
-  std::string foreign;                 // the first name, by its letters, of what is neither; empty where there is none
+  std::string foreign;                 // name of another file or folder, the first by name; empty: there is none
   bool empty() const { return !manifest && !unfinished && shards.empty() && leftovers.empty() && foreign.empty(); }
 };
 
-// Whether somebody has begun a dataset there, and not ended it.
+// True if a dataset was started in the folder and not completed.
 bool isUnfinished(const std::filesystem::path& folder);
 
-// Looks at the folder and one level below. Throws std::filesystem::filesystem_error.
+// Lists the folder and one level below. Throws std::filesystem::filesystem_error.
 FolderContents contentsOf(const std::filesystem::path& folder);
 
-// The shards that a manifest lists, and the files that describe their samples; none where it is absent. Throws
-// InputError where it cannot be read.
+// Returns the shards that a manifest lists, and the files that describe their samples; none if there is no manifest.
+// Throws InputError if it cannot be read.
 std::vector<std::string> listedIn(const std::filesystem::path& manifest);
 
-// Names of shards that have records in the hidden folder.
+// Returns the names of shards that have records in the hidden folder.
 std::vector<std::string> recordedIn(const std::filesystem::path& hidden);
 
-// The shards in a folder that are this program's: of the dataset there, of one that was being replaced, and of the one
-// that replaced it, where a process was killed meanwhile. Throws InputError as listedIn() does.
+// Returns the names of the shards in a folder that this program wrote, and of the files that describe their samples.
+// They belong to the dataset there or, if a process was killed while it replaced a dataset, to the old or the new one.
+// Throws InputError as listedIn() does.
 std::vector<std::string> ownShards(const std::filesystem::path& folder);
 
-// Throws InputError where a new dataset would destroy, or hide, what this program has not written.
+// Throws InputError if a new dataset would destroy or hide files that this program has not written.
 void checkOwnership(const std::filesystem::path& folder, const FolderContents& contents);
 
 }  // namespace scanmill

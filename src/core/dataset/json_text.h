@@ -16,16 +16,17 @@ namespace scanmill {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// The text of a single value, without line breaks.
+// Returns the text of a single value, without line breaks.
 std::string scalarText(const OrderedJson& value);
 
-// The text of a whole value. What fits into a line stays on one, and so do lists of numbers; all else is indented by
-// one space a level.
+// Returns the text of a complete value. Values that fit into a line, and all lists of numbers, stay on one line; others
+// are broken into lines, indented by one space per level.
 std::string layOut(const OrderedJson& value, std::size_t indent = 0);
-// The text of a list of such texts, whose items were laid out with `indent` + 1.
+// Returns the text of a list whose items are texts that were laid out with `indent` + 1.
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent);
 
-// Give the values themselves. JSON has no infinities and no NaN: they throw an Error that names `what`.
+// These return the given values. For infinities and NaN, which JSON does not have, they throw an Error that names
+// `what`.
 double finite(double value, std::string_view what);
 OrderedJson finiteList(const std::vector<double>& values, std::string_view what);
 

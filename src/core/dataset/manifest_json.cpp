@@ -1,4 +1,5 @@
-// Manifests and sample members as JSON text: keys in a fixed order, numbers that round-trip, the same bytes always.
+// Writes manifests and sample members as JSON text: keys in a fixed order, numbers that round-trip, always the same
+// bytes.
 
 #include <fmt/core.h>
 
@@ -25,7 +26,7 @@ const SemanticClass& classOf(std::uint16_t id, const std::string& key, const Ont
   return *known;
 }
 
-// `ontology` adds the classes' names where it is given.
+// Adds the classes' names if `ontology` is not null.
 OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
   if (scan.worldFromSensor.empty()) throw Error(fmt::format("{}: a scan of {} has no pose", key, scan.sensor));
   OrderedJson poses = OrderedJson::array();
@@ -179,7 +180,7 @@ bool describesInFiles(const Manifest& m) {
                      [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
 }
 
-// Without the samples.
+// Returns the manifest without its samples.
 OrderedJson manifestJson(const Manifest& m) {
   OrderedJson json{
       {"schema_version", describesInFiles(m) ? Manifest::kSchemaVersion : 1},
@@ -230,13 +231,13 @@ OrderedJson sampleObject(const SampleRecord& sample) {
 
 std::string toJson(const Manifest& manifest) {
   std::string text = layOut(manifestJson(manifest), 0) + "\n";
-  // One after the other: the objects of all would take ten times as much memory as their text.
+  // Samples are converted one by one: the JSON objects of all would take ten times as much memory as their text.
   std::vector<std::string> samples;
   if (!describesInFiles(manifest)) {
     samples.reserve(manifest.samples.size());
     for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
   }
-  constexpr std::string_view kPlace = "\n \"samples\": null";  // a text would have \\n
+  constexpr std::string_view kPlace = "\n \"samples\": null";  // unique: a JSON string would have \\n
   text.replace(text.rfind(kPlace) + kPlace.size() - 4, 4, layOutList(samples, 1));
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
   return text;

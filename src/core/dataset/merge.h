@@ -1,6 +1,6 @@
 #pragma once
 
-// Ends a dataset whose shards were made by several processes.
+// Completes a dataset whose shards were written by several processes.
 
 #include <filesystem>
 
@@ -8,10 +8,10 @@
 
 namespace scanmill {
 
-// Joins the parts in a folder, writes the manifest, and returns it; of a dataset that is whole already, its manifest
-// alone. Shards are checked by their records and sizes, not read again: verify() reads them. Throws InputError for
-// shards that are missing, with their numbers, for parts of another plan, and where processes write into the folder;
-// Error for doubles, and where the disk fails.
+// Joins the parts in a folder, writes the manifest, and returns it. If the dataset is already complete, only returns
+// its manifest. Shards are checked by their records and sizes; they are not read, which verifyDataset() does. Throws
+// InputError if shards are missing, with their numbers, for parts of another plan, and if a process is writing into the
+// folder; Error if a sample occurs twice or the disk fails.
 Manifest mergeDataset(const std::filesystem::path& folder);
 
 }  // namespace scanmill

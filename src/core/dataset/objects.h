@@ -1,8 +1,8 @@
 #pragma once
 
-// The member `<key>.objects.json` of a sample: the things near its sensors, their boxes, and how much of each a sensor
-// sees. Its JSON Schema is docs/objects.schema.json. Lengths are metres, times seconds since the start of the sequence;
-// frames are right-handed with x forward, y left, z up; quaternions w, x, y, z.
+// The member `<key>.objects.json` of a sample: the object instances near its sensors, their boxes, and how much of each
+// a sensor sees. Its JSON Schema is docs/objects.schema.json. Lengths are in metres, times in seconds since the start
+// of the sequence; frames are right-handed with x forward, y left, z up; quaternions are w, x, y, z.
 
 #include <cstdint>
 #include <map>
@@ -18,36 +18,37 @@
 namespace scanmill {
 
 inline constexpr std::string_view kObjectsSuffix = "objects.json";
-// The member's name.
+// Returns the member's name.
 std::string objectsMember(const std::string& key);
 
-// What a sensor sees of an object in one revolution.
+// How a sensor sees an object in one revolution.
 struct ObjectView {
   std::string sensor;
-  // When the middle one of the beams that point at it fires; the scan's own time where nothing moves during one.
+  // When the middle one of the beams that point at the object fires; the scan's own time if nothing moves during a
+  // revolution.
   double time = 0;
-  Pose sensorFromBox;                    // of the box at that time, in the frame of the scan's points
-  std::uint64_t points = 0;              // of the scan, with all its effects
-  std::uint32_t beams = 0;               // whose axes meet it before anything else, within the sensor's range
-  std::uint32_t beamsAlone = 0;          // whose axes would if nothing else were there
-  double truncation = 0;                 // share of the box, as seen from the sensor, outside its field or its range
-  std::optional<double> nearestRange{};  // m, noise-free, of the nearest of these beams; none where there is none
+  Pose sensorFromBox;            // pose of the box at `time`, in the frame of the scan's points
+  std::uint64_t points = 0;      // points of the scan on the object, after all effects
+  std::uint32_t beams = 0;       // beams whose axis hits the object first, within the sensor's range
+  std::uint32_t beamsAlone = 0;  // beams whose axis would hit the object if nothing occluded it
+  double truncation = 0;         // share of the box, as seen from the sensor, outside its field of view or range
+  std::optional<double> nearestRange{};  // m, noise-free, least range of `beams`; none: there are no such beams
 
-  // The share of the beams that nothing blocks, 0 to 1; none where no beam would meet the object.
+  // Returns the share of beams that nothing occludes, 0 to 1; none if no beam would hit the object.
   std::optional<double> visibility() const;
 };
 
 struct ObjectRecord {
   std::uint32_t id = 0;            // as in the column `instance`
-  std::uint16_t semantic = 0;      // class id; points on what moves may have the class for that
+  std::uint16_t semantic = 0;      // class id; points of a moving object may have the class for moving ones
   std::string name;                // in the scene
-  std::vector<std::string> parts;  // names of the nodes that it is made of
+  std::vector<std::string> parts;  // names of the nodes that the object consists of
   bool moves = false;              // in this sequence, at any time
-  Pose worldFromBox;               // of the box's middle, at the sample's time
+  Pose worldFromBox;               // pose of the box's centre at the sample's time
   Vec3d size;                      // m: length along x, width along y, height along z
-  bool headingKnown = true;        // else the box's x is its longer side, and front and back are not told apart
+  bool headingKnown = true;        // false: x is along the box's longer side, and may point forward or backward
   Vec3d velocity;                  // m/s over ground, world axes
-  std::vector<ObjectView> views;   // of the sensors whose range reaches the box
+  std::vector<ObjectView> views;   // by the sensors whose range reaches the box
 };
 
 struct SampleObjects {
@@ -55,15 +56,15 @@ struct SampleObjects {
   double time = 0;  // of the sample's first scan
   std::vector<ObjectRecord> objects;
 
-  // By class.
+  // Returns the number of objects of each class.
   std::map<std::uint16_t, ObjectCount> counts() const;
 };
 
-// The member's text: lengths are rounded to 0.1 mm, speeds to 0.1 mm/s, shares to 0.001. Throws Error for a class that
-// the ontology lacks and for what is not finite.
+// Returns the member's text: lengths are rounded to 0.1 mm, speeds to 0.1 mm/s, shares to 0.001. Throws Error for a
+// class that the ontology lacks and for a value that is not finite.
 std::string objectsJson(const SampleObjects& sample, const Ontology& ontology);
 
-// Throws an InputError that begins with `name`, and names the place in it and what is wrong there.
+// Throws an InputError that begins with `name` and says at which place of the text what is wrong.
 SampleObjects parseObjects(std::string_view text, const std::string& name, const Ontology& ontology);
 
 }  // namespace scanmill

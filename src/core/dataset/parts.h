@@ -1,9 +1,9 @@
 #pragma once
 
-// A dataset in parts: what is planned of it, what is known of each shard that is whole, and how these are joined.
+// A dataset in parts: its plan, the records of its complete shards, and how these are joined.
 //
-// Parts are made by any number of processes, in any order. A part says which plan it is of and which of the plan's
-// samples it holds, so that parts of something else, gaps and doubles are found.
+// Any number of processes write parts, in any order. A part states its plan and which of the plan's samples it holds,
+// so that parts of another plan, missing samples and duplicates are found.
 
 #include <cstdint>
 #include <optional>
@@ -16,20 +16,20 @@
 namespace scanmill {
 
 struct DatasetPlan {
-  std::string hash;  // a text without line breaks that differs where what is made differs
+  std::string hash;  // a text without line breaks, different for plans of different datasets
   std::uint64_t samples = 0;
   std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;  // in the order of the shards
-  std::optional<MethodRecord> chosen = {};                           // where the pipeline left the choice of the method
+  std::optional<MethodRecord> chosen = {};                           // set if the pipeline says `method: auto`
 
   bool operator==(const DatasetPlan&) const = default;
-  // The names of all shards, see shardName().
+  // Returns the names of all shards, see shardName().
   std::vector<std::string> shards() const;
 };
 
 struct DatasetPart {
-  std::string plan;                    // its hash
-  std::vector<std::uint64_t> numbers;  // of its samples among all of the plan, from 0
-  Manifest manifest;                   // with this shard and its samples alone
+  std::string plan;                    // hash of its plan
+  std::vector<std::uint64_t> numbers;  // indices of its samples among all samples of the plan
+  Manifest manifest;                   // with only this shard and its samples
 };
 
 std::string toJson(const DatasetPlan& plan);
@@ -38,8 +38,8 @@ std::string toJson(const DatasetPart& part);
 DatasetPlan parsePlan(const std::string& text, const std::string& file);
 DatasetPart parsePart(const std::string& text, const std::string& file);
 
-// The manifest of the whole, from all parts in the order of the plan's shards. Throws Error for samples that are
-// missing or there twice.
+// Returns the manifest of the complete dataset, from all parts in the order of the plan's shards. Throws Error if a
+// sample is missing or occurs twice.
 Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts);
 
 }  // namespace scanmill

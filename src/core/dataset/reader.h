@@ -14,12 +14,12 @@
 
 namespace scanmill {
 
-// Calls visit(name, bytes) for each member of a tar file, in the file's order. Throws an InputError that names the file
-// and the offset at which it is truncated or no tar.
+// Calls visit(name, bytes) for each member of a tar file, in the file's order. Throws an InputError with the file and
+// the offset if it is truncated or not a tar file.
 void readTar(const std::filesystem::path& file, const std::function<void(const std::string&, std::string_view)>& visit);
 
-// Decodes a member of a shard by the format that its suffix names. Throws an InputError that names the member, also for
-// a suffix that is no format's.
+// Decodes a member of a shard in the format that its suffix names. Throws an InputError that names the member, also if
+// no format has this suffix.
 Scan decodeMember(const std::string& name, std::string_view bytes);
 
 }  // namespace scanmill

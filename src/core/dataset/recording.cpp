@@ -110,7 +110,7 @@ Material materialOf(const JsonNode& node) {
   return material;
 }
 
-// A file of the folder itself, wherever the JSON comes from.
+// Reads the name of a file that must be directly in the recording's folder, since the JSON may come from anywhere.
 std::string fileOf(const JsonNode& node) {
   std::string name = node.text();
   if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..") {
@@ -140,7 +140,8 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
   return s;
 }
 
-// Whether an earlier run wrote the file: "street-s1-lane-000012.top.json" of a recording of that sequence and sensor.
+// True if an earlier run wrote the file: "street-s1-lane-000012.top.json", if the earlier recording has this sequence
+// and this sensor.
 bool isOurs(const std::string& name, const Recording& earlier) {
   if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
   if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
@@ -154,7 +155,8 @@ bool isOurs(const std::string& name, const Recording& earlier) {
          });
 }
 
-// Overwriting takes away what this program recorded, and nothing else: a studio's own images look much the same.
+// Removes the files of an earlier recording by this program. Throws InputError if there are others, such as images that
+// a user has rendered, which look much the same.
 void removeEarlier(const fs::path& folder) {
   const std::optional<RecordingKind> kind = recordingIn(folder);
   if (!kind) {
@@ -176,7 +178,7 @@ void removeEarlier(const fs::path& folder) {
     }
     old.push_back(entry.path());
   }
-  fs::remove(folder / kIndex);  // first: from here on nothing looks finished
+  fs::remove(folder / kIndex);  // first, so that the rest never looks like a finished recording
   for (const fs::path& file : old) fs::remove(file);
 }
 
@@ -244,7 +246,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
     root["kind"].fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
   }
   if (root.has("program")) r.programVersion = root["program"].text();
-  // Recordings of other programs are of passes, and need not name a method.
+  // Recordings by other programs hold passes, and need not name a method.
   r.method =
       root.has("method") ? root["method"].text() : std::string(firstMethodThat(&MethodCapabilities::passes).name);
   if (root.has("ontology")) r.ontology = ontologyOf(root["ontology"]);

@@ -1,14 +1,14 @@
 #pragma once
 
-// A recording: the hits or the passes of a pipeline's shots, kept as EXR files, from which scans can be made again
-// without the scene. A folder:
+// A recording: the hits or the passes of a pipeline's shots, stored as EXR files, from which scans can be generated
+// again without the scene. A folder:
 //
-//   recording.json                              what is there; written last
+//   recording.json                              index of the recording; written last
 //   street-s1-lane-000012.top.json              a shot: time, poses, images
 //   street-s1-lane-000012.top.hits.exr          kind hits: passes/exr/hits_exr.h
 //   street-s1-lane-000012.top.0.front.exr       kind passes: step and camera; passes/exr/pass_exr.h
 //
-// docs/recordings.md describes the JSON files, for those who write passes with a renderer of their own.
+// docs/recordings.md describes the JSON files, for users who render passes with another program.
 
 #include <cstdint>
 #include <filesystem>
@@ -28,17 +28,17 @@ enum class RecordingKind { Hits, Passes };
 
 std::string_view nameOf(RecordingKind kind);  // "hits", "passes"
 
-// A stretch of a revolution and the images that were drawn for it: columns [firstColumn, endColumn).
+// A part of a revolution, columns [firstColumn, endColumn), and the images that were rendered for it.
 struct RecordedStep {
   std::uint32_t firstColumn = 0;
   std::uint32_t endColumn = 0;
-  Pose worldFromRig;                // of the sensor when the images were drawn
+  Pose worldFromRig;                // pose of the sensor for which the images were rendered
   std::vector<std::string> images;  // files
 };
 
 // A revolution of a sensor in a sample.
 struct RecordedShot {
-  std::string sample;  // its key
+  std::string sample;  // key of the sample
   std::string sensor;
   double time = 0;                    // s since the start of the sequence
   std::vector<Pose> worldFromSensor;  // see Shot
@@ -52,7 +52,7 @@ struct RecordedSequence {
   std::string trajectory;
   std::uint32_t frames = 0;
   std::uint32_t materials = 0;            // index into Recording::materials
-  std::vector<std::string> without = {};  // what was taken out of the scene, as YAML has it: "car", "17"
+  std::vector<std::string> without = {};  // classes, names and instance ids removed from the scene: "car", "17"
 };
 
 struct RecordedSensor {
@@ -60,43 +60,43 @@ struct RecordedSensor {
   std::uint32_t rings = 0;
   std::uint32_t columns = 0;
   std::string beams;                      // see beamsHash(); empty: unknown
-  std::optional<Pose> vehicleFromSensor;  // where it was mounted; unknown in recordings of others
+  std::optional<Pose> vehicleFromSensor;  // mounting pose; may be unknown in recordings by other programs
 };
 
-// The SHA-256 of what hits depend on: where the beams start and point, and the sensor's range limits.
+// Returns the SHA-256 of those properties of beams that hits depend on: origins, directions and range limits.
 std::string beamsHash(const BeamTable& beams);
 
 struct Recording {
   static constexpr int kSchemaVersion = 1;
   RecordingKind kind = RecordingKind::Hits;
   std::string programVersion;
-  std::string method;  // that made it
+  std::string method;  // that computed the hits or passes
   std::filesystem::path folder;
-  Ontology ontology;  // without classes where the recording has none: then the pipeline must name one
+  Ontology ontology;  // without classes if the recording has no ontology: then the pipeline must name one
   std::vector<RecordedSensor> sensors;
   std::vector<RecordedSequence> sequences;
-  std::vector<std::vector<Material>> materials;  // tables that Hits::material points into
+  std::vector<std::vector<Material>> materials;  // tables of materials, indexed by Hits::material
   std::vector<std::string> modelled;
 
   // Reads the file of a shot. `sample` is a key such as "street-s1-lane-000012". Throws InputError.
   RecordedShot shot(const std::string& sample, const std::string& sensor) const;
 };
 
-// Reads recording.json of a folder. Throws an InputError that names the file, the place in it, and what is wrong there;
+// Reads recording.json in a folder. Throws an InputError that names the file, the place in it, and what is wrong there,
 // also for a recording of the other kind.
 Recording readRecording(const std::filesystem::path& folder, RecordingKind kind);
 
-// The kind of the recording in a folder; nullopt where there is none.
+// Returns the kind of the recording in a folder; nullopt if there is none.
 std::optional<RecordingKind> recordingIn(const std::filesystem::path& folder);
 
 class RecordingWriter {
  public:
-  // Creates the folder. Throws an InputError for one that holds files, unless `overwrite` is true and all of them
-  // belong to a finished recording that this program has made; then they are removed.
+  // Creates the folder. Throws an InputError if it exists and holds files, unless `overwrite` is true and all files
+  // belong to a finished recording by this program; then they are removed.
   RecordingWriter(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }
-  // The path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". Any thread may call it.
+  // Returns the path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". Any thread may call it.
   std::filesystem::path file(std::string_view sample, std::string_view sensor, std::string_view rest) const;
   // Writes the JSON file of a shot whose images have been written. Any thread may call it.
   void add(const RecordedShot& shot);

@@ -9,16 +9,16 @@
 
 namespace scanmill {
 
-// The member's text: key, sequence, frame, split, time (of the first scan) and the poses and counts of the scans. Class
-// ids are those of the manifest's ontology. The record's shard and members are not part of it.
+// Returns the member's text: key, sequence, frame, split, time (of the first scan) and the poses and counts of the
+// scans. Class ids are those of the manifest's ontology. The text does not have the record's shard and members.
 std::string sampleJson(const SampleRecord& sample);
 
-// Says where a member's text differs from the record ("/scans/0/points is 11, not 12"), or why it is no JSON. Empty
-// where they agree.
+// Returns where a member's text differs from the record ("/scans/0/points is 11, not 12"), or that it is no JSON. Empty
+// if they agree.
 std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample);
 
-// The parts of a key: "street-s1-drive-000004" is frame "000004" of the sequence "street-s1-drive". Both are empty for
-// a key that does not end in a number.
+// The parts of a key: "street-s1-drive-000004" is frame "000004" of the sequence "street-s1-drive". Both are empty if
+// the key does not end in a number.
 struct KeyParts {
   std::string sequence;
   std::string frame;

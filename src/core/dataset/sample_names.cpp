@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-// Levenshtein's distance.
+// Returns the Levenshtein distance.
 std::size_t edits(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

@@ -8,22 +8,22 @@
 
 namespace scanmill {
 
-// The parts of a member's name such as "dir/key.top.ray_tracing.pcd": WebDataset's key ends at the first dot of the
-// file's name. Parts that a name lacks are empty.
+// The parts of a member's name such as "dir/key.top.ray_tracing.pcd". As in WebDataset, the key ends at the first dot
+// of the file's name. Parts that a name lacks are empty.
 struct MemberName {
   std::string key;
   std::string sensor;
   std::string method;
-  std::string suffix;  // the format's
+  std::string suffix;  // of the format
 };
 MemberName partsOfMember(const std::string& member);
 
-// The text with the letters A to Z in lower case. Members are named in lower case, whatever the sensor's name.
+// Returns the text with the letters A to Z in lower case. Members' names are in lower case, whatever the sensor's name.
 std::string lowerCase(std::string text);
 
-// The index of the key that is `wanted`: the whole key, its index from 0 ("12", "#12"), or a part that no other key
-// has; where `wanted` is empty, the middle key. Throws InputError with the nearest keys; `where` names the dataset in
-// it.
+// Returns the index of the key that `wanted` names: by the full key, its index from 0 ("12", "#12"), or a part that no
+// other key has. If `wanted` is empty, returns that of the middle key. Throws an InputError with the nearest keys, in
+// which `where` names the dataset.
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Compares a decoded scan with what the manifest says of it.
+// Compares a decoded scan with its record in the manifest.
 
 #include <string>
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// Returns one line for each thing that is wrong, none for a sound scan. `record` is the manifest's of this scan, whose
-// sensor the manifest must have; `maxError` is the largest error of a position in the scan's format (m).
+// Returns one line for each fault, none for a sound scan. `record` is the record of this scan in the manifest, which
+// must have the record's sensor; `maxError` is the largest error of a position in the scan's format (m).
 std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,
                                    double maxError);
 

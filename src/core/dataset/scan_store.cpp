@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A damaged manifest may speak of 65536 x 65536; 40 bytes each.
+// Larger beam tables are not filled: a damaged manifest may claim 65536 x 65536 beams, each of 40 bytes.
 constexpr std::size_t kMostFilledBeams = std::size_t{1} << 23;
 
 void requireDataset(const fs::path& folder) {
@@ -39,7 +39,7 @@ void requireDataset(const fs::path& folder) {
                                kManifestName, scanSuffixes()));
 }
 
-// The manifest that lists the shard, in its folder or the one above; null where there is none.
+// Returns the manifest that lists the shard, from its folder or the one above; null if there is none.
 std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& folderOfManifest) {
   const fs::path file = fs::absolute(shard).lexically_normal();
   for (const fs::path& folder : {file.parent_path(), file.parent_path().parent_path()}) {
@@ -149,7 +149,7 @@ std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor, dou
     beams_.resize(known.size());
     if (beams_[number] != nullptr) return beamsAt(beams_[number], time);
   }
-  // Without the lock: the threads that fill the table may come back here with other work.
+  // Not locked: the threads that fill the table may take up other work, which may call this function.
   auto table = std::make_shared<BeamTable>(found->beams);
   if (table->size() <= kMostFilledBeams) fillBeams(*table);
   const std::lock_guard lock(mutex_);
@@ -201,7 +201,7 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   if (recorded_) return {scanOfRecorded(sample, sensor)};
   const Sample& own = samples_.at(sample);
   std::vector<StoredScan> all;
-  std::vector<std::pair<std::string, std::string>> names;  // of sensor and method, as in members
+  std::vector<std::pair<std::string, std::string>> names;  // sensor and method, as in the members' names
   for (const std::string& member : membersOf(own)) {
     const MemberName name = partsOfMember(member);
     if (formatBySuffix(name.suffix) == nullptr) continue;
@@ -311,7 +311,7 @@ std::vector<std::size_t> ScanStore::unreadableSamples() const {
       const std::uint64_t size = fs::file_size(shard.file, missing);
       try {
         if (missing || size < shard.bytes) openIndex(shard);
-      } catch (const InputError&) {  // said when one of its samples is loaded
+      } catch (const InputError&) {  // reported when one of its samples is loaded
       }
     }
     suspect.push_back(shard.failed || (shard.index != nullptr && !shard.index->damage().empty()));

@@ -15,9 +15,9 @@ namespace scanmill {
 
 namespace {
 
-// What is hashed and written at once: still in the nearest cache when it is written.
+// Bytes that are hashed and then written at a time: they are still in the cache when they are written.
 constexpr std::size_t kPieceBytes = 1 << 17;
-// Headers, padding and short members wait together for so many bytes.
+// Headers, padding and short members are collected up to this size before they are written.
 constexpr std::size_t kShortBytes = 1 << 14;
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::size_t kUstarName = 100;
@@ -34,9 +34,9 @@ struct ShardFile::State {
   Sha256 hash;
   archive* tar = archive_write_new();
   archive_entry* entry = archive_entry_new();
-  std::string waiting;         // not hashed and written yet
-  std::exception_ptr failure;  // of writeBytes: an exception must not cross libarchive's C frames
-  bool discard = false;        // nothing is written any more
+  std::string waiting;         // bytes that are not hashed and written yet
+  std::exception_ptr failure;  // thrown in writeBytes(): an exception must not cross libarchive's C frames
+  bool discard = false;        // write nothing more
 
   explicit State(const std::filesystem::path& where) : path(where), file(where) {}
   ~State() {
@@ -53,7 +53,7 @@ struct ShardFile::State {
     try {
       state.put({static_cast<const char*>(data), size});
     } catch (...) {
-      // libarchive is not told, since it leaks its buffers after a failed write; check() tells our caller.
+      // This is hidden from libarchive, which leaks its buffers after a failed write; check() throws it to the caller.
       state.failure = std::current_exception();
       state.discard = true;
     }
@@ -90,7 +90,7 @@ struct ShardFile::State {
 ShardFile::ShardFile(const std::filesystem::path& path) : state_(std::make_unique<State>(path)) {
   State& s = *state_;
   s.check(archive_write_set_format_pax_restricted(s.tar));
-  s.check(archive_write_set_bytes_per_block(s.tar, 0));      // it hands over what it is given, without a copy
+  s.check(archive_write_set_bytes_per_block(s.tar, 0));      // no blocks: libarchive passes bytes on without a copy
   s.check(archive_write_set_bytes_in_last_block(s.tar, 1));  // no padding to whole blocks
   s.check(archive_write_open(s.tar, &s, nullptr, &State::writeBytes, nullptr));
 }

@@ -11,9 +11,9 @@
 
 namespace scanmill {
 
-// A file in the format POSIX ustar; a name that is too long for that gets a pax header. It holds no times and no user
-// names, so that the same members give the same bytes. The file gets its final name by close(); without that, be it for
-// an exception or a killed run, it never has it. All calls throw an Error with the path where the disk fails.
+// A tar file in the format POSIX ustar; a name that is too long for ustar gets a pax header. The file holds no times
+// and no user names, so that the same members give the same bytes. Only close() gives the file its final name: after an
+// exception, or if the run is killed, it never gets it. All calls throw an Error with the path if the disk fails.
 class ShardFile {
  public:
   explicit ShardFile(const std::filesystem::path& path);
@@ -28,10 +28,10 @@ class ShardFile {
     std::string sha256;
     std::uint64_t bytes = 0;
   };
-  // Ends the file and gives it its final name. Returns its hash and size.
+  // Completes the file and gives it its final name. Returns its hash and size.
   Whole close();
 
-  // How many bytes add() appends to the file for a member, and how many close() does.
+  // Returns how many bytes add() appends to the file for a member. close() appends kEndBytes.
   static std::uint64_t memberBytes(std::size_t nameLength, std::uint64_t bytes);
   static constexpr std::uint64_t kEndBytes = 1024;
 

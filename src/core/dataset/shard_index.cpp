@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// A header and the pax header before it, if there is one.
+// Bytes to read at a time: enough for a header and a pax header before it.
 constexpr std::size_t kHeaderBytes = 2048;
 
 class OpenFile {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Knows where each member of a shard lies, so that one can be read without the others.
+// Finds the offsets of a shard's members, so that a member can be read without the others.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,27 +17,27 @@ struct ShardMember {
   std::uint64_t bytes = 0;
 };
 
-// What is done with a shard whose end is missing or damaged.
+// How to treat a shard whose end is missing or damaged.
 enum class DamagedShard {
-  Refused,           // it is refused
-  ReadAsFarAsWhole,  // its members before the damage are read; it is refused where there is none
+  Refused,           // the constructor throws
+  ReadAsFarAsWhole,  // members before the damage can be read; the constructor throws if there are none
 };
 
 class ShardIndex {
  public:
-  // Reads the members' headers alone. Throws an InputError for what readTar() refuses, with the same message.
+  // Reads only the members' headers. Throws an InputError for files that readTar() refuses, with the same message.
   explicit ShardIndex(std::filesystem::path file, DamagedShard damaged = DamagedShard::Refused);
   ShardIndex(const ShardIndex&) = delete;
   ShardIndex& operator=(const ShardIndex&) = delete;
 
   const std::filesystem::path& file() const { return file_; }
   const std::vector<ShardMember>& members() const { return members_; }  // in the shard's order
-  const ShardMember* find(std::string_view name) const;                 // the first of that name; null where absent
-  // Says why some members are missing, with the file's name; empty for a shard that is whole.
+  const ShardMember* find(std::string_view name) const;                 // the first of that name; null: absent
+  // Returns why some members are missing, with the file's name; empty if the shard is complete.
   const std::string& damage() const { return damage_; }
 
-  // Reads a member's bytes. Any thread may call it. Throws an InputError where the file has been removed or cut short
-  // since the headers were read.
+  // Returns a member's bytes. Any thread may call it. Throws an InputError if the file was removed or truncated since
+  // the headers were read.
   std::string read(const ShardMember& member) const;
 
  private:

@@ -9,17 +9,17 @@
 namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
-// Where a dataset lies while it is made (dataset_folder.h); no reader looks into it.
+// The folder that holds a dataset until it is complete (dataset_folder.h); readers ignore it.
 inline constexpr std::string_view kHiddenName = ".scanmill";
 
-// Whether a split may have this name: it holds lower-case letters, digits, '-' and '_', at least one.
+// True if a split may have this name: it is not empty and has only lower-case letters, digits, '-' and '_'.
 bool isSplitName(std::string_view split);
 
-// The name of a split's shard, relative to the dataset's folder; numbers count from 0.
+// Returns the name of a split's shard, relative to the dataset's folder; numbers count from 0.
 std::string shardName(const std::string& split, std::uint64_t number);
-// Whether `name`, relative to the dataset's folder, is what shardName() gives for some number.
+// True if `name`, relative to the dataset's folder, is a name that shardName() returns.
 bool isShardName(std::string_view name);
-// Whether `name` is the temporary name of a shard, of the file beside it, or of a manifest, of a run that was killed.
+// True if `name` is a temporary name, left by a killed run, of a shard, of the file beside a shard, or of a manifest.
 bool isLeftover(std::string_view name);
 
 }  // namespace scanmill

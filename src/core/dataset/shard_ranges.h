@@ -9,11 +9,11 @@
 
 namespace scanmill {
 
-// `numbers` are sorted.
+// `numbers` must be sorted.
 std::string shardRanges(const std::vector<std::uint64_t>& numbers);
 
-// The numbers in `text`, sorted, none twice. Throws InputError for what is no list of ranges, and for numbers that are
-// not below `count`.
+// Returns the numbers in `text`, sorted and without duplicates. Throws InputError if the text is not a list of ranges,
+// or if a number is not below `count`.
 std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t count);
 
 }  // namespace scanmill

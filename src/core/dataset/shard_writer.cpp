@@ -22,8 +22,9 @@ constexpr std::string_view kJsonSuffix = "json";
   throw Error(fmt::format("sample '{}' cannot be written: {}", sample.key, why));
 }
 
-// WebDataset groups the members that follow each other and share the name up to the first dot, and takes the rest of
-// the name, in lower case, for the member's key. Names are plain ASCII, so that every tar reader sees the same.
+// Checks the names for WebDataset, which groups consecutive members whose names agree up to the first dot, and takes
+// the rest of the name, in lower case, as the member's key. Names must be plain ASCII, so that all tar readers see the
+// same.
 void checkNames(const Sample& sample) {
   const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
   if (sample.key.empty() ||

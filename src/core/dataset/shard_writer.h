@@ -31,32 +31,31 @@ struct Sample {
   std::vector<DrawnValue> draws = {};
 };
 
-// The bytes that the sample takes in its shard, descriptions and headers included.
+// Returns how many bytes the sample takes in its shard, including its description and all headers.
 std::uint64_t bytesInShard(const Sample& sample);
 
-// What a manifest says of one shard and its samples (SampleRecord::shard is 0).
+// The records of one shard and its samples for a manifest (SampleRecord::shard is 0).
 struct ShardPart {
   ShardRecord shard;
   std::vector<SampleRecord> samples;
 };
 
-// The same samples in the same order give the same bytes. The file gets its final name by finish() alone.
+// The same samples in the same order give the same bytes. Only finish() gives the file its final name.
 class ShardWriter {
  public:
-  // `name`: relative to the folder, see shardName(). Throws Error where the disk fails, as all calls do.
+  // `name`: relative to the folder, see shardName(). Like all calls, throws Error if the disk fails.
   ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split);
 
-  // Throws Error for names that readers of WebDataset would misread. After any other failure nothing can be added any
-  // more.
+  // Throws Error for names that readers of WebDataset would misread. After any other failure nothing more can be added.
   void add(const Sample& sample);
-  std::uint64_t bytes() const { return bytes_; }  // that the file will have
+  std::uint64_t bytes() const { return bytes_; }  // size of the file if finished now
   ShardPart finish();
 
  private:
   ShardPart part_;
   ShardFile file_;
   std::uint64_t bytes_ = ShardFile::kEndBytes;
-  bool broken_ = false;  // a sample was written in part: the shard may not be closed any more
+  bool broken_ = false;  // a sample was only partly written: the shard must not be closed
 };
 
 }  // namespace scanmill

@@ -29,8 +29,8 @@ std::string plural(const std::string& by) {
   return by == "seed" ? "seeds" : "trajectories";
 }
 
-// Each group draws its rank from the seed and its own name, so that neither their order nor a further group reshuffles
-// them.
+// Sorts groups by a hash of the seed and the group's name, so that neither their order in the pipeline nor a new group
+// changes the order of the others.
 std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint64_t seed) {
   std::map<std::string, std::string> ranked;
   for (const std::string& group : groups) ranked[sha256(fmt::format("split {} {}", seed, group))] = group;
@@ -40,8 +40,8 @@ std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint
   return order;
 }
 
-// How many groups each share gets: the whole part of its quota, then one each to the largest remainders; among equal
-// ones to the split that is named first.
+// Returns how many groups each share gets: the integer part of its quota, and one more for those with the largest
+// remainders; among equal remainders, the first in kSplits gets it.
 std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSplits.size()>& shares,
                                                   std::size_t groups) {
   std::array<std::size_t, kSplits.size()> counts{};
@@ -124,7 +124,7 @@ Assignment byLists(Fields& fields, const std::set<std::string>& groups, const st
   return splits;
 }
 
-// Whether the splits are lists; shares and lists cannot be mixed.
+// True if the splits are given as lists. Throws InputError if shares and lists are mixed.
 bool usesLists(Fields& fields) {
   bool any = false;
   bool lists = false;

@@ -12,21 +12,21 @@ struct archive;
 namespace scanmill {
 
 // Goes through the file from front to back, and skips the bytes of members that are not asked for. Throws an InputError
-// that names the file and the offset where it is truncated, is no tar, or holds anything but plain files.
+// with the file and the offset if it is truncated, is not a tar file, or holds anything but plain files.
 class TarReader {
  public:
-  // `blockBytes` is how much is read from the disk at a time. It should be large where members are read, and small
-  // where only headers are.
+  // `blockBytes` is how much is read from the disk at a time. It should be large if members are read, and small if only
+  // headers are read.
   TarReader(const std::filesystem::path& file, std::size_t blockBytes);
 
-  // Goes to the next member; false at the end of the archive.
+  // Goes to the next member; returns false at the end of the archive.
   bool next();
 
-  // Of the current member.
+  // These are about the current member.
   const std::string& name() const { return name_; }
   std::uint64_t offset() const { return begin_; }  // of its first byte in the file
   std::uint64_t bytes() const { return memberBytes_; }
-  // Replaces `bytes` by those of the member.
+  // Replaces `bytes` by the bytes of the member.
   void readInto(std::string& bytes);
 
  private:

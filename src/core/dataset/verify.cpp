@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// One shard: its file, its members, its scans.
+// Checks one shard: its file, its members, its scans.
 class ShardCheck {
  public:
   ShardCheck(const fs::path& folder, const Manifest& manifest, std::uint32_t shard,
@@ -62,7 +62,7 @@ class ShardCheck {
  private:
   void problem(std::string_view text) { problems_.push_back(fmt::format("{}: {}", record_.file, text)); }
 
-  // Without the shard's name, which problem() says.
+  // Returns the error's text without the shard's name, which problem() adds.
   std::string withoutPlace(const InputError& error) const {
     const std::string text = error.what();
     const std::string place = file_.string() + ": ";
@@ -121,7 +121,7 @@ class ShardCheck {
     }
   }
 
-  // Finds what can be decoded and agrees with the manifest, but is not what was written.
+  // Finds a member that can be decoded and agrees with the manifest, but was changed since it was written.
   void checkDigest(const std::string& name, std::string_view bytes) {
     const auto owner = owner_.find(name);
     if (owner == owner_.end() || owner->second->xxh3.empty()) return;
@@ -171,7 +171,7 @@ class ShardCheck {
     }
   }
 
-  // It stands before the scans, so that they can be compared with it.
+  // The list of objects comes before the scans of its sample, so that they can be compared with it.
   void checkObjects(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     objects_ = nullptr;
     countedSensors_.clear();
@@ -251,15 +251,15 @@ class ShardCheck {
   fs::path file_;
   std::uint64_t samples_ = 0;
   std::vector<std::string> expected_;                 // members, in order
-  std::map<std::string, const SampleRecord*> owner_;  // of each member
+  std::map<std::string, const SampleRecord*> owner_;  // by member: the sample that it belongs to
   std::vector<std::string> problems_;
   std::unique_ptr<const SampleObjects> objects_;  // of the sample whose list was read last; null: it is damaged
-  std::set<std::string> countedSensors_;          // whose points were compared with it
+  std::set<std::string> countedSensors_;          // sensors whose points were compared with objects_
   std::uint64_t scans_ = 0;
   std::uint64_t points_ = 0;
 };
 
-// What the manifest says of itself.
+// Checks that the manifest is consistent in itself.
 void checkManifest(const Manifest& manifest, std::vector<std::string>& problems) {
   const auto problem = [&](const std::string& text) { problems.push_back(std::string(kManifestName) + ": " + text); };
   if (sha256(manifest.pipelineText) != manifest.pipelineSha256) {
@@ -295,8 +295,8 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
   }
 }
 
-// Files that look like part of the dataset and are not: anything beside the shards of a split, and any tar or temporary
-// file in the folder or below it. Notes and pictures in the dataset's own folder are nobody's business.
+// Reports files that look like part of the dataset but are not listed: anything beside the shards of a split, and any
+// tar or temporary file in the folder or below it. Other files in the dataset's folder, such as notes, are allowed.
 void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vector<std::string>& problems) {
   std::set<std::string> listed;
   std::set<std::string> splits;

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// By its own name or, where that is unknown there, by one of its aliases.
+// Finds the class in `to` by the name of `own` or, if `to` does not know this, by one of the aliases of `own`.
 const SemanticClass* counterpart(const SemanticClass& own, const Ontology& to) {
   if (const SemanticClass* found = to.find(std::string_view(own.name))) return found;
   for (const std::string& alias : own.aliases) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Which classes of an ontology become which of another.
+// Maps the classes of one ontology to those of another.
 
 #include <cstdint>
 #include <string>
@@ -13,17 +13,17 @@ namespace scanmill {
 class ClassMap {
  public:
   ClassMap() = default;
-  // By names and aliases of `to`; a class for what moves becomes that of what stands where `to` has none. Classes that
-  // have none there become 0 (unlabeled).
+  // Maps a class of `from` to the class of `to` that has its name or one of its aliases. A class for moving objects
+  // without such a counterpart becomes that of still ones. Other classes without a counterpart become 0 (unlabeled).
   ClassMap(const Ontology& from, Ontology to);
 
   const Ontology& target() const { return target_; }
-  // The target's class of one of the first ontology; 0 for what that does not know.
+  // Returns the target's class for a class of the first ontology; 0 if that has no such class.
   std::uint16_t of(std::uint16_t id) const { return id < of_.size() ? of_[id] : 0; }
   const SemanticClass& classOf(std::uint16_t id) const { return *target_.find(of(id)); }
-  // The same of a thing that moves: the target's class for that, if it has one.
+  // Does the same for an object that moves: returns the target's class for moving objects of its kind, if it has one.
   std::uint16_t ofMoving(std::uint16_t id) const;
-  // One line each: classes that become unlabeled.
+  // Returns one line for each class that becomes unlabeled.
   const std::vector<std::string>& lost() const { return lost_; }
 
  private:

@@ -30,11 +30,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kRecord = "scanmill_export.json";       // of what it was made of, once it is whole
-constexpr const char* kUnfinished = ".scanmill_export.json";  // the same while it is not
+constexpr const char* kRecord = "scanmill_export.json";       // what was exported; written once the export is complete
+constexpr const char* kUnfinished = ".scanmill_export.json";  // the same text until then
 constexpr const char* kLock = ".scanmill_export.lock";
 
-// Whether this is the temporary name of a file (AtomicFile).
+// True if this is the temporary name of a file (AtomicFile).
 bool isLeftover(const std::string& name) {
   constexpr std::string_view kMark = ".partial-";
   const std::size_t mark = name.rfind(kMark);
@@ -42,7 +42,7 @@ bool isLeftover(const std::string& name) {
          name.find_first_not_of("0123456789", mark + kMark.size()) == std::string::npos;
 }
 
-// A frame, or a whole sequence.
+// A frame or a complete sequence.
 struct Unit {
   std::size_t sequence = 0;
   std::size_t frame = 0;
@@ -202,7 +202,7 @@ class Export {
     }
   }
 
-  // What an export that is resumed must agree in.
+  // Returns the description of this export. An export can be resumed only with the same description.
   std::string record() const {
     OrderedJson json{{"program", {{"name", "scanmill"}, {"version", kVersion}}},
                      {"layout", options_.layout->name},
@@ -217,7 +217,8 @@ class Export {
     return layOut(json) + "\n";
   }
 
-  // Whether it holds this very export already, which was to be resumed. Throws InputError where it must not be written.
+  // True if the export is to be resumed, and the folder already has it complete. Throws InputError if the folder must
+  // not be written.
   bool lookAtFolder() const {
     const fs::path& folder = folder_.path();
     std::error_code failure;
@@ -244,7 +245,7 @@ class Export {
 
   void beginFolder() {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.place(kLock));
-    std::vector<fs::path> leftovers;  // of a run that was killed
+    std::vector<fs::path> leftovers;  // temporary files of a run that was killed
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
       if (entry.is_regular_file() && isLeftover(entry.path().filename().string())) leftovers.push_back(entry.path());
     }
@@ -278,7 +279,7 @@ class Export {
     return sample;
   }
 
-  // Calls work(unit, read) for all units. Frames count when they are read.
+  // Calls work(unit, read) for all units. Frames count as done when they are read.
   template <class Do>
   void forUnits(const char* stage, const std::vector<Unit>& units, const Do& work) {
     std::uint64_t all = 0;
@@ -302,7 +303,7 @@ class Export {
   std::unique_ptr<Layout> layout_;
   ScanStore store_;
   ExportFolder folder_;
-  std::unique_ptr<FolderLock> lock_;  // while it is written
+  std::unique_ptr<FolderLock> lock_;  // held while the folder is written
   ExportPlan plan_;
   ExportSummary summary_;
 };

@@ -1,15 +1,16 @@
 // The folders of KITTI's object benchmark (Geiger, Lenz and Urtasun, "Are we ready for Autonomous Driving? The KITTI
 // Vision Benchmark Suite", CVPR 2012; devkit_object/readme.txt):
 //
-//   training/velodyne/000000.bin   float32 x, y, z, reflectance a point
+//   training/velodyne/000000.bin   float32 x, y, z, reflectance per point
 //   training/label_2/000000.txt    a line for each object: type, truncation, occlusion, alpha, box in the image (px),
-//                                  height, width, length, place in the camera's frame (m), rotation about its y
+//                                  height, width, length, position in the camera frame (m), rotation about camera y
 //   training/calib/000000.txt      P0 to P3, R0_rect, Tr_velo_to_cam, Tr_imu_to_velo
-//   training/image_2/000000.png    which loaders want: it is black, since there is no camera
+//   training/image_2/000000.png    required by loaders; black, since there is no camera
 //   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
 //
-// The camera stands in the sensor's origin, looks along its x axis and sees what KITTI's left colour camera does. As
-// there, objects are listed that the image shows. Frames are numbered through the sequences of a folder.
+// The camera is placed at the sensor's origin, looks along the sensor's x axis and has the field of view of KITTI's
+// left colour camera. As in KITTI, only objects in the image are listed. Frames are numbered across all sequences of a
+// folder.
 
 #include <fmt/core.h>
 
@@ -28,7 +29,7 @@ namespace scanmill {
 
 namespace {
 
-// Of KITTI's camera 2 (px).
+// The image and intrinsics of KITTI's camera 2 (px).
 constexpr int kWidth = 1242;
 constexpr int kHeight = 375;
 constexpr double kFocal = 721.5377;
@@ -36,7 +37,7 @@ constexpr double kCenterX = 609.5593;
 constexpr double kCenterY = 172.854;
 constexpr double kNear = 0.1;  // m, in front of the camera
 
-constexpr std::size_t kMostFrames = 1'000'000;  // of six digits
+constexpr std::size_t kMostFrames = 1'000'000;  // numbers have six digits
 
 // Camera axes: x right, y down, z forward.
 Vec3d inCamera(const Vec3d& p) {
@@ -53,7 +54,8 @@ struct ImageBox {
   }
 };
 
-// About the corners of a box (in the sensor's frame); edges that pass the camera are cut in front of it.
+// Returns the bounds of a box's projected corners (px). Edges that reach behind the camera are clipped kNear in front
+// of it.
 ImageBox projected(const Pose& sensorFromBox, const Vec3d& size) {
   std::array<Vec3d, 8> corners;
   for (std::size_t k = 0; k < 8; ++k) {
@@ -77,7 +79,7 @@ ImageBox projected(const Pose& sensorFromBox, const Vec3d& size) {
   return box;
 }
 
-// As the devkit has it: 0 fully visible, 1 partly occluded, 2 largely occluded.
+// Returns the devkit's levels: 0 fully visible, 1 partly occluded, 2 largely occluded.
 int occlusion(const ObjectView& view) {
   const double visibility = view.visibility().value_or(0);
   return visibility >= 0.8 ? 0 : visibility >= 0.4 ? 1 : 2;
@@ -91,13 +93,13 @@ Vec3d bottomOf(const ObjectRecord& object, const ObjectView& view) {
   return inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
 }
 
-// Whether the image shows a part of the box, whose middle is in front of the camera.
+// True if a part of the box is in the image, and the middle of its bottom is in front of the camera.
 bool isShown(const ObjectRecord& object, const ObjectView& view) {
   const ImageBox seen = projected(view.sensorFromBox, object.size).within(kWidth - 1, kHeight - 1);
   return seen.area() > 0 && bottomOf(object, view).z >= kNear;
 }
 
-// Empty where the image does not show it.
+// Returns the object's line in label_2; empty if the object is not in the image.
 std::string labelOf(const std::string& type, const ObjectRecord& object, const ObjectView& view) {
   if (!isShown(object, view)) return {};
   const ImageBox whole = projected(view.sensorFromBox, object.size);
@@ -185,7 +187,7 @@ class Kitti : public Layout {
   }
 
  private:
-  // The things of KITTI's types that the scan has points of, as the sensor sees them.
+  // Calls work(type, object, view) for the objects of KITTI's types that have points in the scan.
   template <class Do>
   static void forSeen(const ExportPlan& plan, const SampleObjects& objects, const Do& work) {
     for (const ObjectRecord& object : objects.objects) {

@@ -1,18 +1,18 @@
-// LAS 1.4, a file for each scan: "LAS Specification 1.4 - R15", American Society for Photogrammetry and Remote Sensing,
+// A LAS 1.4 file for each scan: "LAS Specification 1.4 - R15", American Society for Photogrammetry and Remote Sensing,
 // 2019. Point format 6, uncompressed:
 //
-//   X, Y, Z              in the world (m), in steps of 0.5 mm: 0.25 mm off along each axis at most. The file's
-//                        offset is the sensor's place, rounded to whole metres
-//   intensity            none to the sensor's full one become 0 to 65535; what is beyond is cut there
-//   return number and    columns `return` and `returns`, of which 15 is the most; where a scan lacks one it is counted,
-//   number of returns    and the header says so (global encoding, bit 3)
+//   X, Y, Z              in the world (m), in steps of 0.5 mm, so that a coordinate is off by at most 0.25 mm. The
+//                        file's offset is the sensor's position, rounded to whole metres
+//   intensity            0 to the sensor's full scale becomes 0 to 65535; higher values are clamped
+//   return number and    columns `return` and `returns`, limited to 15. If a scan lacks one of them, the returns are
+//   number of returns    counted, and the header says so (global encoding, bit 3)
 //   classification       class ids of the ontology that is exported, up to 255, not ASPRS's own; their names are in the
-//                        record of the classification lookup
-//   synthetic            set: nobody measured these points
-//   GPS time             s since the start of the sequence: of the point where the scan has the column `time`, else of
-//                        the scan. Global encoding says GPS week time; of no week
+//                        classification lookup record
+//   synthetic            set, since the points are simulated
+//   GPS time             s since the start of the sequence: of the point if the scan has the column `time`, else of the
+//                        scan. The global encoding says GPS week time, but the time belongs to no week
 //   point source ID      1 for the first sensor that is exported, 2 for the second, and so on
-//   extra bytes          the other columns in their own types, and the intensity as it was: `intensity_f`
+//   extra bytes          the other columns in their own types, and the unscaled intensity as `intensity_f`
 //
 // The coordinate system is a local one, without a place on the earth. Misses are left out.
 
@@ -32,13 +32,13 @@ namespace scanmill {
 namespace {
 
 constexpr double kStep = 0.0005;        // m
-constexpr std::uint8_t kSynthetic = 1;  // bit of the classification's flags
+constexpr std::uint8_t kSynthetic = 1;  // bit of the classification flags
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
-// Where the points of a scan lie in the world. Points of a deskewed scan are in the sensor's frame at the start of the
-// revolution. Others are in that at the time of their own column, of which the record knows the first and the last: the
-// sensor is taken to have moved evenly between them.
+// Transforms the points of a scan to the world. Points of a deskewed scan are in the sensor's frame at the start of the
+// revolution, others in the sensor's frame at the time of their own column. The record has the poses at the first and
+// the last column; between them the sensor counts as moving evenly.
 class WorldPlaces {
  public:
   WorldPlaces(const ExportPlan& plan, const ExportScan& given)
@@ -62,8 +62,8 @@ class WorldPlaces {
   }
 
  private:
-  // Of the way from the first column to the last. Points that do not tell their column tell it by their time, to within
-  // the offset between the rings' firing times.
+  // Returns how far the sensor has moved when a point is measured, from 0 at the first column to 1 at the last. If the
+  // scan does not know its beams, the column follows from the point's time, up to offsets between the rings' times.
   double shareOf(std::size_t point) const {
     const double all = starts_.empty() ? 0 : starts_.back() - starts_.front();
     if (!(all > 0)) return 0;
@@ -79,7 +79,7 @@ class WorldPlaces {
   std::vector<double> starts_;  // s since the start of the revolution, when each column fires
 };
 
-// The numbers of returns. Where there are no columns for them, a beam's points are counted: they are in order.
+// The return numbers. If the scan lacks the columns, the points of each beam are counted; they are in the right order.
 class Returns {
  public:
   explicit Returns(const Scan& scan)
@@ -93,8 +93,8 @@ class Returns {
     }
   }
 
-  // Of each point that is no miss, to be called in their order: the number in the lower four bits, and how many returns
-  // there are in the upper ones.
+  // Returns a point's return number in the lower four bits, and the number of returns in the upper four. Must be called
+  // for all points in their order, without misses.
   std::uint8_t next(std::size_t point) {
     std::uint32_t number = counts_ ? ++soFar_[beamOf(point)] : 1;
     std::uint32_t all = counts_ ? all_[beamOf(point)] : 1;
@@ -132,7 +132,7 @@ class Las : public ScanFiles {
     const Scan& scan = given.scan;
     const WorldPlaces places(plan, given);
     const ColumnSet columns = exportedColumns(plan, scan);
-    // Those that no field of the point format holds whole.
+    // Columns that no field of the point format holds in full.
     const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
     Returns returns(scan);
     LasPoints points;
@@ -184,7 +184,7 @@ class Las : public ScanFiles {
     }
   }
 
-  // X, Y and Z. NaN fails the comparison too.
+  // Appends X, Y and Z. NaN fails the comparison too.
   static void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
                        LasPoints& points, std::string& bytes) {
     const Vec3d exact = (place - points.offset) * (1 / kStep);

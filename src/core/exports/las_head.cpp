@@ -17,19 +17,19 @@ constexpr std::uint8_t kFormat = 6;
 constexpr std::uint16_t kReturnsAreMadeUp = 1 << 3;  // bits of the global encoding
 constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;
 
-// As "OpenGIS Implementation Specification: Coordinate Transformation Services", OGC 01-009, 7.2, writes a system that
-// has no place on the earth; local data may have the types 10000 to 32767. There is no third axis because PROJ, which
-// most readers use, refuses one.
+// A local system without a place on the earth, in the notation of "OpenGIS Implementation Specification: Coordinate
+// Transformation Services", OGC 01-009, 7.2; a local datum may have the types 10000 to 32767. There is no third axis
+// because PROJ, which most readers use, refuses one.
 constexpr std::string_view kCoordinateSystem =
     R"(LOCAL_CS["scanmill world",LOCAL_DATUM["scanmill world",32767],UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])";
 
-// A text in a field of its own length: cut there, or filled up with zeros.
+// Appends a text in a field of `length` bytes: cut off, or filled up with zeros.
 void putText(std::string text, std::size_t length, std::string& bytes) {
   text.resize(length, '\0');
   bytes += text;
 }
 
-// A variable length record.
+// Appends a variable length record.
 void putRecord(const char* user, std::uint16_t id, const char* description, std::string_view data, std::string& bytes) {
   putNumber(std::uint16_t{0}, bytes);
   putText(user, 16, bytes);
@@ -39,7 +39,7 @@ void putRecord(const char* user, std::uint16_t id, const char* description, std:
   bytes += data;
 }
 
-// A class and 15 characters, 256 times.
+// Returns 256 entries of 16 bytes: a class id and 15 characters of the class's name.
 std::string classNames(const Ontology& classes) {
   std::string bytes;
   for (std::uint16_t id = 0; id <= kMostLasClass; ++id) {
@@ -64,13 +64,13 @@ std::uint8_t extraType(ColumnType type) {
   return 0;
 }
 
-// 192 bytes for each column.
+// Returns the descriptors of the extra bytes, 192 bytes for each column.
 std::string descriptors(std::span<const LasExtra> extra) {
   std::string bytes;
   for (const LasExtra& column : extra) {
     putNumber(std::uint16_t{0}, bytes);
     putNumber(extraType(column.type), bytes);
-    putNumber(std::uint8_t{0}, bytes);  // states no value for "none", no range, no scale and no offset
+    putNumber(std::uint8_t{0}, bytes);  // no value for "none", no range, no scale and no offset
     putText(std::string(column.name), 32, bytes);
     bytes.append(4 + 5 * 24, '\0');
     putText(column.unit.empty() ? "" : fmt::format("unit: {}", column.unit), 32, bytes);
@@ -96,14 +96,14 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   putNumber(std::uint8_t{4}, bytes);
   putText("SIMULATION", 32, bytes);
   putText(fmt::format("scanmill {}", kVersion), 32, bytes);
-  putNumber(std::uint16_t{1}, bytes);  // created on the first day of 2000, whenever that was: the field must be there
+  putNumber(std::uint16_t{1}, bytes);  // day and year of creation: mandatory, but always 2000-01-01
   putNumber(std::uint16_t{2000}, bytes);
   putNumber(kHeaderBytes, bytes);
   putNumber(static_cast<std::uint32_t>(kHeaderBytes + records.size()), bytes);
   putNumber(static_cast<std::uint32_t>(extra.empty() ? 2 : 3), bytes);
   putNumber(kFormat, bytes);
   putNumber(static_cast<std::uint16_t>(pointBytes), bytes);
-  bytes.append(4 + 5 * 4, '\0');  // counts as earlier versions had them
+  bytes.append(4 + 5 * 4, '\0');  // counts in the form of earlier versions: none
   for (int axis = 0; axis < 3; ++axis) putNumber(points.step, bytes);
   const std::array<double, 3> offset{points.offset.x, points.offset.y, points.offset.z};
   for (const double along : offset) putNumber(along, bytes);
@@ -113,7 +113,7 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
     putNumber(placeOf(points.least[axis]), bytes);
   }
   putNumber(std::uint64_t{0}, bytes);  // waveforms: none
-  putNumber(std::uint64_t{0}, bytes);  // records behind the points: none
+  putNumber(std::uint64_t{0}, bytes);  // records after the points: none
   putNumber(std::uint32_t{0}, bytes);
   putNumber(points.count, bytes);
   for (const std::uint64_t count : points.byReturn) putNumber(count, bytes);

@@ -68,7 +68,7 @@ bool hasVoxels(const ExportPlan& plan, std::size_t sequence, std::size_t frame) 
 std::vector<std::size_t> velodyneOrder(const ExportScan& given) {
   const Scan& scan = given.scan;
   struct Place {
-    std::int64_t down;  // of the ring
+    std::int64_t down;  // number of the ring, rising downwards
     double azimuth;     // rad, from 0
     std::size_t point;
   };

@@ -1,18 +1,18 @@
-// A file of MCAP (mcap.dev, profile ros2) for each sequence, as Foxglove, the tools of MCAP and rosbag2 of ROS 2 read
-// it: train/street-s1-lane.mcap. Its topics:
+// An MCAP file (mcap.dev, profile ros2) for each sequence, train/street-s1-lane.mcap, which Foxglove, the tools of MCAP
+// and rosbag2 of ROS 2 read. Its topics:
 //
 //   /<sensor>/points  sensor_msgs/msg/PointCloud2           all columns of the scan, in the sensor's frame
 //   /tf               tf2_msgs/msg/TFMessage                map -> vehicle, at the start of each revolution
 //   /tf_static        tf2_msgs/msg/TFMessage                vehicle -> sensors, once
-//   /objects          visualization_msgs/msg/MarkerArray    boxes and their names in map, where the dataset lists them
+//   /objects          visualization_msgs/msg/MarkerArray    boxes and their names in map, if the dataset lists objects
 //
-// map is the dataset's world; the other frames have the sensors' names. Points are those of the scan: where the sensor
-// moves during the revolution and the dataset is not deskewed, each point is in the frame that the sensor had when its
-// column fired (field `time`), while /tf tells where that frame was when the revolution began. The misses of organised
-// scans stay, as NaN. Classes are in the fields `label` and `label_2`; the record of metadata "classes" names them, and
-// "scanmill" says what the file was made of.
+// map is the dataset's world; the frames of the sensors have the sensors' names. If the sensor moves during the
+// revolution and the dataset is not deskewed, each point is in the sensor's frame at the time when its column fired
+// (field `time`), while /tf has the pose at the start of the revolution. The misses of organised scans stay, as NaN.
+// Classes are in the fields `label` and `label_2`; the metadata record "classes" names them, and the record "scanmill"
+// names the dataset and the sequence.
 //
-// Time 0 of a sequence is the first second of 2020: a time of 0 has a meaning of its own in tf2.
+// Time 0 of a sequence is the start of 2020, since a time of 0 has a meaning of its own in tf2.
 
 #include <fmt/core.h>
 
@@ -47,7 +47,7 @@ std::uint64_t timeOf(double seconds) {
   return static_cast<std::uint64_t>(kStart + std::llround(seconds * 1e9));
 }
 
-// Names of ROS have letters, digits and '_', and do not begin with a digit
+// Returns the topic of a sensor's points. Names in ROS have letters, digits and '_', and do not begin with a digit
 // (design.ros2.org/articles/topic_and_service_names.html).
 std::string topicOf(const SensorRecord& sensor) {
   std::string name = sensor.name;
@@ -58,8 +58,9 @@ std::string topicOf(const SensorRecord& sensor) {
   return "/" + name + "/points";
 }
 
-// How rosbag2 publishes a topic when it plays the file: reliably, and static transforms also for those who come later.
-// Numbers are those of ROS 2's middleware interface (rmw/types.h); periods are endless.
+// Returns how rosbag2 shall publish a topic when it plays the file: reliably, and `forLatecomers` (static transforms)
+// also to subscribers that join later. Numbers are those of ROS 2's middleware interface (rmw/types.h); durations are
+// infinite.
 McapMap publishing(bool forLatecomers) {
   constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";
   return {{"offered_qos_profiles",
@@ -72,7 +73,7 @@ class Bag {
  public:
   Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
       : plan_(plan), file_(path, "ros2", fmt::format("scanmill {}", kVersion)) {
-    // With this record, which Humble writes, later versions of rosbag2 take the above numbers for what they are.
+    // This record, which Humble writes, makes later versions of rosbag2 read the above numbers as Humble does.
     file_.addMetadata("rosbag2", {{"ROS_DISTRO", "humble"}});
     file_.addMetadata("scanmill", {{"dataset", plan.manifest.name},
                                    {"sequence", plan.sequences[sequence].name},
@@ -135,7 +136,7 @@ class Bag {
       RosMarker box;
       box.shape = RosMarker::Shape::Cube;
       box.nameSpace = semantic.name;
-      box.id = static_cast<std::int32_t>(object.id);  // those from 2^31 become negative: still different
+      box.id = static_cast<std::int32_t>(object.id);  // ids from 2^31 become negative, but stay unique
       box.pose = object.worldFromBox;
       box.scale = object.size;
       for (std::size_t i = 0; i < 3; ++i) box.color[i] = static_cast<float>(semantic.color[i]) / 255;
@@ -155,7 +156,7 @@ class Bag {
     file_.addMessage(*objects_, time, markersMessage(time, kWorld, markers));
   }
 
-  // "car 7, 72 %": class, id and how much of it the exported sensor sees that sees most of it.
+  // Returns "car 7, 72 %": the class, the id, and the highest visibility of the object from any exported sensor.
   std::string nameOf(const ObjectRecord& object, const SemanticClass& semantic) const {
     std::optional<double> visible;
     for (const ObjectView& view : object.views) {
@@ -173,7 +174,7 @@ class Bag {
   std::uint16_t mounts_ = 0;
   std::uint16_t poses_ = 0;
   std::vector<std::uint16_t> clouds_;       // by sensor
-  std::optional<std::uint16_t> objects_{};  // once there are some
+  std::optional<std::uint16_t> objects_{};  // set when the first objects are added
 };
 
 class Mcap : public Layout {

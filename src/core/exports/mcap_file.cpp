@@ -8,9 +8,9 @@
 //   summary: Schemas, Channels, Statistics, ChunkIndices, MetadataIndices, and a SummaryOffset for each of these groups
 //   Footer, magic
 //
-// A record is a byte that tells its kind, the length of its content (uint64) and the content; numbers have the least
-// significant byte first. Chunks are frames of LZ4, or uncompressed where that is smaller. Check sums are the CRC-32 of
-// zlib.
+// A record is a byte with its kind, the length of its content (uint64) and the content; numbers have the least
+// significant byte first. A chunk is compressed as an LZ4 frame, unless this makes it larger. Check sums are the CRC-32
+// of zlib.
 
 #include "exports/mcap_file.h"
 
@@ -119,7 +119,7 @@ void McapFile::addMetadata(std::string_view name, const McapMap& values) {
 }
 
 std::uint16_t McapFile::addSchema(std::string_view name, std::string_view encoding, std::string_view text) {
-  const std::uint16_t id = ++schemaCount_;  // 0 means that a channel has none
+  const std::uint16_t id = ++schemaCount_;  // from 1: 0 means that a channel has no schema
   std::string content;
   putNumber(id, content);
   putText(name, content);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes the container MCAP: messages of topics with their times, in compressed and indexed chunks.
+// Writes files in the container format MCAP: messages of topics with their times, in compressed and indexed chunks.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,22 +16,22 @@ namespace scanmill {
 
 using McapMap = std::map<std::string, std::string>;
 
-// Memory holds the chunk that is being filled and the indices of those before. Calls throw the Errors of AtomicFile;
-// without commit() nothing is left on the disk.
+// Only the current chunk and the indices of earlier chunks are in memory. Calls throw the Errors of AtomicFile; without
+// commit() nothing is left on the disk.
 class McapFile {
  public:
-  // `profile`: of the specification's registry, "ros2". `library`: the program that writes.
+  // `profile`: a name in the specification's registry, "ros2". `library`: the program that writes the file.
   McapFile(const std::filesystem::path& path, std::string_view profile, std::string_view library);
 
-  // A named list of keys and values, beside the messages.
+  // Adds a named list of keys and values, independent of the messages.
   void addMetadata(std::string_view name, const McapMap& values);
-  // Give the number that channels and messages name them by.
+  // These return the number by which channels refer to the schema, and messages to the channel.
   std::uint16_t addSchema(std::string_view name, std::string_view encoding, std::string_view text);
   std::uint16_t addChannel(std::uint16_t schema, std::string_view topic, std::string_view encoding,
                            const McapMap& metadata);
-  // `time`: ns, at which it is both published and recorded. Times may come in any order.
+  // `time`: ns, both the time of publishing and of recording. Times may come in any order.
   void addMessage(std::uint16_t channel, std::uint64_t time, std::string_view data);
-  // Writes the summary and gives the file its name. Nothing can be added afterwards.
+  // Writes the summary and gives the file its final name. Nothing can be added afterwards.
   void commit();
 
  private:
@@ -47,11 +47,11 @@ class McapFile {
   std::string statistics() const;
 
   AtomicFile file_;
-  std::uint32_t crc_ = 0;  // of all that was written
+  std::uint32_t crc_ = 0;  // of all bytes written so far
 
-  std::string chunk_;  // its records, uncompressed
+  std::string chunk_;  // records of the current chunk, uncompressed
   TimeSpan chunkTimes_;
-  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunkMessages_;  // time and offset
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunkMessages_;  // time, offset
 
   // Records of the summary.
   std::string schemas_;
@@ -62,7 +62,7 @@ class McapFile {
   std::uint16_t schemaCount_ = 0;
   std::uint32_t chunkCount_ = 0;
   std::uint32_t metadataCount_ = 0;
-  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel; they number messages too
+  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel; also the number of the next message
   TimeSpan times_;
 };
 

@@ -1,20 +1,21 @@
-// NumPy's archives, a file for each scan (numpy.org/doc/stable/reference/generated/numpy.lib.format.html), which
-// numpy.load() reads without pickle. N points, or (rings * planes, columns) of an organised scan, whose misses stay as
-// NaN; P poses, one, or two where the sensor moves during the revolution: of its first and of its last column; M boxes:
+// A NumPy archive for each scan (numpy.org/doc/stable/reference/generated/numpy.lib.format.html), which numpy.load()
+// reads without pickle. N is the number of points; in an organised scan N stands for (rings * planes, columns), and
+// misses stay as NaN. P is the number of poses: one or, if the sensor moves during the revolution, two, of its first
+// and its last column. M is the number of boxes.
 //
 //   xyz                float32 (N, 3)    in the sensor's frame (m)
 //   a column's name    (N,)              each of the scan's columns, in its own type; classes are the exported ones
 //   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
 //
-// and where the dataset lists objects, those whose boxes the sensor's range reaches, those without a point too:
+// If the dataset lists objects, all objects whose boxes are within the sensor's range, even those without points:
 //
-//   boxes              float32 (M, 7)    x, y, z of the middle, length, width, height (m), yaw (rad), as points lie
-//   box_pose           float64 (M, 4, 4) sensor point = matrix * point in the box from its middle; pitch and roll too
+//   boxes              float32 (M, 7)    x, y, z of the centre, length, width, height (m), yaw (rad); frame of xyz
+//   box_pose           float64 (M, 4, 4) sensor point = matrix * point from the box's centre; with pitch and roll
 //   box_class          uint16 (M,)
 //   box_instance       uint32 (M,)       as in the column `instance`
-//   box_velocity       float32 (M, 3)    over ground, along the sensor's axes as the revolution begins (m/s)
-//   box_points         uint32 (M,)       how many points of the scan are the object's
-//   box_visibility     float32 (M,)      share of its beams that nothing blocks; NaN where it would get none
+//   box_velocity       float32 (M, 3)    over ground, along the sensor's axes at the start of the revolution (m/s)
+//   box_points         uint32 (M,)       number of the scan's points on the object
+//   box_visibility     float32 (M,)      share of its beams that nothing occludes; NaN if no beam would hit it
 
 #include <algorithm>
 #include <limits>
@@ -75,7 +76,7 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
   });
 }
 
-// As a matrix, row by row.
+// Appends the pose as a 4 x 4 matrix, row by row.
 void putPose(const Pose& pose, std::string& bytes) {
   const Mat3 r = toMatrix(pose.rotation);
   const Vec3d& t = pose.translation;

@@ -1,27 +1,29 @@
 // The layout of nuScenes (Caesar et al., "nuScenes: A multimodal dataset for autonomous driving", CVPR 2020) with the
-// labels of Panoptic nuScenes (Fong et al., RA-L 2022), which the devkit opens as version v1.0-trainval. Its schema,
-// and what the files hold, are described in docs/ and python-sdk/nuscenes/eval/ of github.com/nutonomy/nuscenes-devkit:
+// labels of Panoptic nuScenes (Fong et al., RA-L 2022), which the devkit opens as version v1.0-trainval. Its schema and
+// the contents of the files are described in docs/ and python-sdk/nuscenes/eval/ of
+// github.com/nutonomy/nuscenes-devkit:
 //
 //   v1.0-trainval/*.json                               the tables, and splits.json
-//   samples/LIDAR_TOP/KEY__LIDAR_TOP__TIME.pcd.bin     float32 x, y, z, intensity, ring a point
-//   lidarseg/v1.0-trainval/TOKEN_lidarseg.bin          uint8 a point: its class
-//   panoptic/v1.0-trainval/TOKEN_panoptic.npz          uint16 a point: 1000 * class + instance
-//   maps/TOKEN.png, sweeps/LIDAR_TOP/                  a white map; nothing
+//   samples/LIDAR_TOP/KEY__LIDAR_TOP__TIME.pcd.bin     float32 x, y, z, intensity, ring per point
+//   lidarseg/v1.0-trainval/TOKEN_lidarseg.bin          uint8 per point: its class
+//   panoptic/v1.0-trainval/TOKEN_panoptic.npz          uint16 per point: 1000 * class + instance
+//   maps/TOKEN.png                                     a white map
+//   sweeps/LIDAR_TOP/                                  empty
 //
-// - The frame of points is that of the real LIDAR_TOP, x to the right, y forward, z up, so that models which were
-//   trained on it get what they know; calibrated_sensor says how the frame stands on the vehicle. Rings count from the
-//   lowest beam; they are 0 where the dataset does not know them. Intensities are whole numbers from 0 to 255, as that
-//   sensor gives them; what is brighter than 1 is 255, and without the column all are 0.
+// - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models that were trained
+//   with it can be used; calibrated_sensor has the frame's pose on the vehicle. Rings count from the lowest beam; they
+//   are 0 if the dataset does not know them. Intensities are integers from 0 to 255, as from the real sensor: those
+//   above 1 become 255, and without the column all are 0.
 // - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
-// - Each sequence is a scene with a log. The first is on 2020-01-01, each other on the day after, as times must differ
+// - Each sequence is a scene with a log. The first is on 2020-01-01, each other one day later, since times must differ
 //   from scene to scene. Times and ego_pose are those of the start of a revolution.
-// - sample_annotation has the listed objects that are things in labels/nuscenes.yaml, which nuScenes has boxes of, and
-//   that have a point at least. Boxes are where the beams meet them. visibility tells what the lidar sees of them.
+// - sample_annotation has the listed objects that are things in labels/nuscenes.yaml, of which nuScenes has boxes, and
+//   that have at least one point. Boxes are where the beams hit the objects. visibility is that from the lidar.
 // - Instances count from 1 to 999 within a class and a scene, in the order of the dataset's own ids.
-// - splits.json names the scenes of each split, for newer versions of the devkit, which have names of their own for the
-//   splits of nuScenes (`train`, `val`, ...): so each split is also called `scanmill_train` and so forth.
-// - Without the column label there are no labels, without instance no panoptic ones, and without lists of objects no
-//   rows in sample_annotation and instance. The devkit refuses to read labels of a scan without points.
+// - splits.json lists the scenes of each split, for newer versions of the devkit. These reserve the names of nuScenes's
+//   own splits (`train`, `val`, ...), so each split is also listed as `scanmill_train` and so on.
+// - Without the column label there are no labels, without the column instance no panoptic labels, and without lists of
+//   objects no rows in sample_annotation and instance. The devkit refuses to read labels of a scan without points.
 
 #include <fmt/core.h>
 
@@ -45,12 +47,12 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint16_t kClassStep = 1000;   // of panoptic labels
+constexpr std::uint16_t kClassStep = 1000;   // between the panoptic labels of classes
 constexpr std::size_t kMostInstances = 999;  // of a class in a scene
-constexpr std::size_t kMostClasses = 65;     // 64 * 1000 + 999 is the last that 16 bits hold
+constexpr std::size_t kMostClasses = 65;     // 64 * 1000 + 999 is the largest label that fits 16 bits
 constexpr float kFullIntensity = 255;
 
-// What is told apart: a thing of a class of the target. Points of a thing's parts may have other classes.
+// A class of the target and an instance id. Both count, since the parts of an object may have different classes.
 using Instance = std::pair<std::uint16_t, std::uint32_t>;
 
 Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
@@ -58,7 +60,7 @@ Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point)
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
 }
 
-// Numbers the instances of scenes. The numbers are the same whichever frame is seen first: they need all of them.
+// Numbers the instances of scenes. This needs all frames of a scene, so that numbers do not depend on their order.
 class InstanceNumbers {
  public:
   void add(const ExportPlan& plan, const ExportSample& sample) {
@@ -83,8 +85,8 @@ class InstanceNumbers {
     }
   }
 
-  // Reads the frames that were not added yet, such as those that an earlier run has written. It does so without a lock:
-  // another thread may read the same ones.
+  // Returns the numbers of a sequence's instances. Reads the frames that were not added yet, such as those that an
+  // earlier run has written, without a lock: another thread may read the same frames.
   std::map<Instance, std::uint16_t> of(const ExportPlan& plan, std::size_t sequence, const ReadSample& read) {
     for (const std::size_t f : unknownFrames(sequence, plan.sequences[sequence].samples.size())) {
       add(plan, read(sequence, f));
@@ -118,7 +120,7 @@ class InstanceNumbers {
   std::map<std::size_t, Scene> scenes_;  // by sequence
 };
 
-// Of each ring, its number from the lowest beam on. Rings that do not lie on cones keep theirs.
+// Returns the number of each ring, counted from the lowest. Rings that are not cones keep their numbers.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});
@@ -130,7 +132,7 @@ std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   return numbers;
 }
 
-// In LIDAR_TOP's frame: x to the right, y forward, z up.
+// Returns the points in LIDAR_TOP's frame: x to the right, y forward, z up.
 std::string pointsOf(const ExportScan& exported) {
   const Scan& scan = exported.scan;
   const std::vector<std::uint16_t> rings = ringsFromBelow(exported.sensor->beams);
@@ -184,7 +186,7 @@ class NuScenes : public Layout {
   bool checksSamples(const ExportPlan& plan) const override { return isPanoptic(plan); }
 
   void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
-    // Scenes are whole afterwards, and write() need not read any frame but its own.
+    // After all calls, the frames of each scene are known, and write() need not read other frames than its own.
     numbers_.add(plan, sample);
   }
 
@@ -233,7 +235,7 @@ class NuScenes : public Layout {
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
 
-  // The devkit counts points by class from 0 to the number of categories.
+  // Throws InputError unless class ids count from 0 without gaps, as the devkit needs them to count points by class.
   static void checkClasses(const ExportPlan& plan) {
     const Ontology& target = plan.classes.target();
     std::set<std::uint16_t> ids;

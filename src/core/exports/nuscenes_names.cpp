@@ -16,13 +16,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::sys_days kFirstDay = std::chrono::year{2020} / 1 / 1;
-constexpr std::int64_t kMicroseconds = 1'000'000;  // of a second
+constexpr std::int64_t kMicroseconds = 1'000'000;  // per second
 
 std::chrono::sys_days dayOf(std::size_t sequence) {
   return kFirstDay + std::chrono::days(sequence);
 }
 
-// The devkit finds labels by the token of the scan that they are of.
+// Returns the name of a file with labels. It starts with the token of the scan, by which the devkit finds it.
 fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::string_view kind, std::string_view suffix) {
   const std::string token = nuScenesToken(plan, "sample_data", sample.key);
   return fs::path(kind) / kNuScenesVersion / fmt::format("{}_{}.{}", token, kind, suffix);

@@ -1,4 +1,4 @@
-// Tables are lists of rows, which point to each other by tokens; docs/schema_nuscenes.md in
+// Tables are lists of rows, which refer to each other by tokens; docs/schema_nuscenes.md in
 // github.com/nutonomy/nuscenes-devkit describes their fields.
 
 #include "exports/nuscenes_tables.h"
@@ -23,14 +23,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The axes of nuScenes' LIDAR_TOP, x to the right, y forward, z up, in those of the sensor, x forward, y left, z up: a
-// turn about z by -90 degrees.
+// The rotation from nuScenes' LIDAR_TOP (x right, y forward, z up) to the sensor's axes (x forward, y left, z up): by
+// -90 degrees about z.
 constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.70710678118654752440};
 
-// No scene of the official splits has such a number: whoever takes those finds nothing, in place of the wrong scenes.
+// No scene of the official splits has such a number: with those splits the devkit finds no scenes, rather than wrong
+// ones.
 constexpr std::size_t kFirstScene = 9001;
 
-constexpr double kMoving = 0.2;         // m/s, of what is called moving
+constexpr double kMoving = 0.2;         // m/s, above which an object counts as moving
 constexpr std::uint32_t kMapSide = 64;  // pixels of 0.1 m, a square
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAttributes{{
@@ -52,13 +53,13 @@ OrderedJson listOf(const Quat& q, const std::string& what) {
   return finiteList({q.w, q.x, q.y, q.z}, what);
 }
 
-// nuScenes' four steps of visibility; an empty text where nothing is known of it.
+// Returns nuScenes' four levels of visibility; an empty text if the visibility is unknown.
 std::string visibilityToken(const std::optional<double>& visible) {
   if (!visible) return "";
   return *visible < 0.4 ? "1" : *visible < 0.6 ? "2" : *visible < 0.8 ? "3" : "4";
 }
 
-// What things do, by their category; empty for those of which nuScenes does not say it.
+// Returns the attribute (moving, parked, ...) of an object; empty if nuScenes has none for its category.
 std::string attributeOf(const std::string& category, const ObjectRecord& object) {
   const bool moving = length(object.velocity) > kMoving;
   if (category == "vehicle.bicycle" || category == "vehicle.motorcycle") {
@@ -71,7 +72,7 @@ std::string attributeOf(const std::string& category, const ObjectRecord& object)
   return "";
 }
 
-// The mask of the map, in which all is foreground: anything may be anywhere.
+// Returns the mask of the map. All of it is foreground, since objects may be anywhere.
 std::string mapMask() {
   const std::vector<std::uint8_t> pixels(kMapSide * kMapSide, 255);
   png_image image{};
@@ -102,7 +103,7 @@ class Tables {
   }
 
  private:
-  // The token of a row of a table.
+  // Returns the token of a row of a table.
   std::string token(std::string_view kind, std::string_view name) const { return nuScenesToken(plan_, kind, name); }
 
   void open(const std::string& name) {
@@ -112,11 +113,11 @@ class Tables {
 
   std::string mapFile() const { return fmt::format("maps/{}.png", token("map", "")); }
 
-  // What is the same for all scenes.
+  // Adds the rows that are the same for all scenes.
   void addFixed() {
     for (const char* name : {"attribute", "calibrated_sensor", "category", "ego_pose", "instance", "log", "map",
                              "sample", "sample_annotation", "sample_data", "scene", "sensor", "visibility"}) {
-      open(name);  // without rows it is there too
+      open(name);  // the file must exist even without rows
     }
     if (hasColumn(plan_, "label")) open("lidarseg");
     if (hasColumn(plan_, "label") && hasColumn(plan_, "instance")) open("panoptic");
@@ -141,7 +142,7 @@ class Tables {
   }
 
   void addCategories() {
-    std::map<std::uint16_t, std::string> sources;  // the dataset's classes that become each
+    std::map<std::uint16_t, std::string> sources;  // names of the dataset's classes, by the target's class
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {
       std::string& names = sources[plan_.classes.of(c.id)];
       names += (names.empty() ? "" : ", ") + c.name;
@@ -193,7 +194,7 @@ class Tables {
     const ExportSequence& sequence = plan_.sequences[s];
     const auto tokenAt = [&](std::string_view of, std::size_t frame) {
       return frame < sequence.samples.size() ? token(of, plan_.manifest.samples[sequence.samples[frame]].key)
-                                             : std::string();  // before the first and behind the last
+                                             : std::string();  // before the first frame and after the last
     };
     const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
     const ScanRecord& scan = onlyScanOf(plan_, sample);
@@ -235,8 +236,8 @@ class Tables {
       std::uint16_t category = 0;
       std::size_t annotations = 0;
       OrderedJson first;      // token
-      OrderedJson last;       // row, that does not know its next one yet
-      std::size_t place = 0;  // of that
+      OrderedJson last;       // row, whose `next` is not known yet
+      std::size_t place = 0;  // of the row `last`
     };
     const ExportSequence& sequence = plan_.sequences[s];
     JsonListFile& annotations = tables_.at("sample_annotation");
@@ -277,7 +278,8 @@ class Tables {
     return token("instance", fmt::format("{} {}", plan_.sequences[s].name, id));
   }
 
-  // The box is that at the time at which the beams meet it, where the vehicle's pose puts it, and so fits the points.
+  // Returns a row of sample_annotation. The box fits the points: it is the box at the time when the beams hit the
+  // object, relative to the sensor, placed in the world with the sensor's pose at the start of the revolution.
   OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const ObjectView& view,
                          const std::string& category) const {
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);

@@ -1,11 +1,11 @@
-// PLY, a file for each scan (Turk, "The PLY Polygon File Format", 1994; paulbourke.net/dataformats/ply), binary and
-// little-endian, as CloudCompare, MeshLab, Blender and Open3D open it:
+// A PLY file for each scan (Turk, "The PLY Polygon File Format", 1994; paulbourke.net/dataformats/ply), binary and
+// little-endian, which CloudCompare, MeshLab, Blender and Open3D open:
 //
-//   comment dataset, sample, sensor, time of the scan (s), frame of the points, world_from_sensor (of the first column,
-//           of the last one too where the sensor moves), and a line `class ID NAME` for each class
+//   comment dataset, sample, sensor, time of the scan (s), frame of the points, world_from_sensor (at the first column
+//           and, if the sensor moves, at the last), and a line `class ID NAME` for each class
 //   element vertex
 //     float x, y, z                in the sensor's frame (m)
-//     uchar red, green, blue       of the class; of a scan without classes grey, by the intensity
+//     uchar red, green, blue       colour of the class; in a scan without classes grey, by the intensity
 //     the scan's columns           under their own names, in their own types
 //
 // Misses are left out. The order of the points is the scan's.
@@ -26,7 +26,7 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 
-constexpr std::uint8_t kMiddleGrey = 128;  // of points that have neither class nor intensity
+constexpr std::uint8_t kMiddleGrey = 128;  // for points that have neither class nor intensity
 
 constexpr std::string_view plyType(ColumnType type) {
   switch (type) {
@@ -42,7 +42,7 @@ constexpr std::string_view plyType(ColumnType type) {
   return {};
 }
 
-// A comment ends with its line, whatever a name holds.
+// Replaces line breaks, since a line break would end a comment of the header.
 std::string oneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');

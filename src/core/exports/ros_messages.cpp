@@ -1,12 +1,12 @@
 // Messages of ROS 2 Humble and later: sensor_msgs/msg/PointCloud2, tf2_msgs/msg/TFMessage and
 // visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces, rcl_interfaces and geometry2, branch humble).
 //
-// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without its comments;
-// one that needs others is followed by these, each behind a line of 80 '=' and its name.
+// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments. The
+// definitions of all types that a definition uses follow it, each after a line of 80 '=' and its name.
 //
-// Bytes are those of DDS: CDR, version 1, with the least significant byte first (OMG, "DDS for Extremely Large Scale
-// and Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS", section 7.4.1).
-// A number lies at a multiple of its size, counted from behind the four bytes that tell the encoding.
+// Messages are serialised as in DDS: CDR, version 1, with the least significant byte first (OMG, "DDS for Extremely
+// Large Scale and Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS",
+// section 7.4.1). A number is aligned to its size, counted from the end of the four bytes that state the encoding.
 
 #include "exports/ros_messages.h"
 
@@ -146,12 +146,12 @@ class Cdr {
   }
   Cdr& header(std::uint64_t nanoseconds, std::string_view frame) { return time(nanoseconds).text(frame); }
   Cdr& vector(const Vec3d& v) { return number(v.x).number(v.y).number(v.z); }
-  // Those of ROS have w last.
+  // Quaternions of ROS have w last.
   Cdr& pose(const Pose& pose) {
     const Quat& q = pose.rotation;
     return vector(pose.translation).number(q.x).number(q.y).number(q.z).number(q.w);
   }
-  // So many bytes, for the caller to fill.
+  // Appends `size` bytes and returns a pointer to them, for the caller to fill.
   char* room(std::size_t size) {
     bytes_.resize(bytes_.size() + size);
     return bytes_.data() + bytes_.size() - size;
@@ -172,7 +172,7 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.number(static_cast<std::int32_t>(marker.shape)).number(static_cast<std::int32_t>(marker.action));
   out.pose(marker.pose).vector(marker.scale);
   for (const float channel : marker.color) out.number(channel);
-  out.time(0).number(false);            // lifetime: for ever; frame_locked
+  out.time(0).number(false);            // lifetime: infinite; frame_locked
   out.count(0).count(0);                // points, colors
   out.text("").header(0, "").text("");  // texture_resource; texture: header, format
   out.count(0).count(0);                // texture: data; uv_coordinates
@@ -196,8 +196,8 @@ constexpr std::size_t roundedUp(std::size_t value, std::size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-// Calls visit(name, values, offset) for the columns. Each lies at a multiple of its size, as readers cast pointers.
-// Returns the size of a point.
+// Calls visit(name, values, offset) for the columns, and returns the size of a point. Each column is aligned to its
+// size, since readers cast pointers.
 template <class Visit>
 std::size_t visitFields(const Scan& scan, Visit&& visit) {
   std::size_t offset = sizeof(Vec3f);
@@ -261,7 +261,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
         putField(name, offset, kDatatype<FieldValue<T>>);
       });
   out.number(std::endian::native == std::endian::big).number(static_cast<std::uint32_t>(step));
-  out.count(step * scan.width()).count(step * scan.size());  // of a row, of all
+  out.count(step * scan.width()).count(step * scan.size());  // bytes of a row, bytes of all rows
   char* const points = out.room(step * scan.size());
   for (std::size_t i = 0; i < scan.size(); ++i) std::memcpy(points + i * step, &scan.position[i], sizeof(Vec3f));
   visitFields(scan, [&]<class T>(std::string_view, const std::vector<T>& values, std::size_t offset) {

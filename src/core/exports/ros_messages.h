@@ -1,6 +1,6 @@
 #pragma once
 
-// Messages of ROS 2, as bytes and as the texts that define them.
+// Messages of ROS 2: their bytes, and the texts that define them.
 
 #include <array>
 #include <cstdint>
@@ -15,14 +15,14 @@ namespace scanmill {
 
 struct RosSchema {
   std::string_view name;  // "sensor_msgs/msg/PointCloud2"
-  std::string text;       // its definition and those of all types in it
+  std::string text;       // the type's definition and those of all types that it contains
 };
 
 RosSchema pointCloudSchema();
 RosSchema transformsSchema();
 RosSchema markersSchema();
 
-// Where the frame `child` stands in the frame `parent`.
+// The pose of the frame `child` in the frame `parent`.
 struct RosTransform {
   std::uint64_t time = 0;  // ns
   std::string parent;
@@ -30,7 +30,7 @@ struct RosTransform {
   Pose parentFromChild;
 };
 
-// What viewers draw. It replaces the one of the same name space and id.
+// A shape that viewers render. It replaces the marker with the same name space and id.
 struct RosMarker {
   enum class Shape : std::int32_t { None = 0, Cube = 1, Text = 9 };
   enum class Action : std::int32_t { Add = 0, DeleteAll = 3 };
@@ -38,13 +38,14 @@ struct RosMarker {
   Shape shape = Shape::None;
   std::string nameSpace;
   std::int32_t id = 0;
-  Pose pose;                     // in the frame of all markers of a message
-  Vec3d scale;                   // m: of a cube its sides, of a text the height of its letters (z)
+  Pose pose;                     // in the frame of the message
+  Vec3d scale;                   // m: the sides of a cube, or (z) the height of a text's letters
   std::array<float, 4> color{};  // red, green, blue, opacity, 0 to 1
   std::string text;
 };
 
-// The messages, serialised. Times are nanoseconds. They throw Error for what is larger than a message can be.
+// These return serialised messages. Times are in nanoseconds. They throw Error if the content exceeds a message's
+// limits.
 std::string transformsMessage(std::span<const RosTransform> transforms);
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers);
 // Fields are x, y and z, then the scan's columns by their names. An organised scan keeps its misses and its height.

@@ -1,6 +1,6 @@
 #pragma once
 
-// What layouts share that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX, "train/street-s1-lane-000000.top.las".
+// The base of layouts that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX, "train/street-s1-lane-000000.top.las".
 
 #include <cstddef>
 #include <cstdint>
@@ -18,14 +18,14 @@ class ScanFiles : public Layout {
  public:
   explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
 
-  // One for each sensor that is exported, in their order.
+  // Returns one file for each sensor that is exported, in their order.
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override;
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
              const ExportFolder& folder) const override;
 
  protected:
-  // The bytes of the file of one of the sample's scans.
+  // Returns the bytes of the file of one of the sample's scans.
   virtual std::string bytesOf(const ExportPlan& plan, const ExportSample& sample, const ExportScan& scan) const = 0;
 
  private:
@@ -34,10 +34,11 @@ class ScanFiles : public Layout {
   std::string suffix_;  // without a dot
 };
 
-// The columns that the file of a scan has besides the position: the scan's or, where that has no points, the dataset's.
+// Returns the columns that the file of a scan has besides the position: those of the scan or, if it has no points,
+// those of the dataset.
 ColumnSet exportedColumns(const ExportPlan& plan, const Scan& scan);
 
-// The value of a column as it is exported: classes are those of the ontology that is exported.
+// Returns the exported value of a column: classes are mapped to the ontology that is exported.
 template <class Key>
 typename Key::Value exported(const ClassMap& classes, Key, typename Key::Value value) {
   if constexpr (Key::row.display.colors == ColumnColors::Classes) {

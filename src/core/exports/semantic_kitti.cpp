@@ -3,14 +3,14 @@
 // which are those of KITTI's odometry benchmark with labels beside them:
 //
 //   semantic-kitti.yaml                    classes, colours (blue, green, red) and splits, for the API's --config
-//   sequences/00/velodyne/000000.bin       float32 x, y, z, remission a point, ring after ring from the top
-//   sequences/00/labels/000000.label       uint32 a point: class in the lower 16 bits, instance in the upper
-//   sequences/00/voxels/000000.*           where the dataset has voxels, see exports/semantic_kitti_voxels.h
-//   sequences/00/poses.txt                 12 numbers a line: pose of camera 0 relative to the first line
+//   sequences/00/velodyne/000000.bin       float32 x, y, z, remission per point, ring after ring from the top
+//   sequences/00/labels/000000.label       uint32 per point: class in the lower 16 bits, instance in the upper
+//   sequences/00/voxels/000000.*           if the dataset has voxels, see exports/semantic_kitti_voxels.h
+//   sequences/00/poses.txt                 12 numbers per line: pose of camera 0 relative to the first line
 //   sequences/00/calib.txt, times.txt
 //
-// There is no camera: camera 0 stands in the sensor's origin and looks along its x axis. Sequences are numbered in the
-// order of the dataset. What moves has the classes 252 to 259, where the dataset lists objects.
+// There is no camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
+// numbered in the order of the dataset. If the dataset lists objects, moving objects have the classes 252 to 259.
 
 #include <fmt/core.h>
 
@@ -28,8 +28,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kMostInstances = 32767;  // readers shift signed numbers
-constexpr std::size_t kMostSequences = 100;      // of two digits
+constexpr std::uint32_t kMostInstances = 32767;  // 15 bits, since readers shift signed numbers
+constexpr std::size_t kMostSequences = 100;      // numbers have two digits
 
 // Camera axes: x right, y down, z forward.
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
@@ -41,7 +41,7 @@ std::string twelve(const Pose& pose) {
                      r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z);
 }
 
-// The numbers that SemanticKITTI's own sequences of a split have, which programs for training have built in; none of
+// Returns the numbers of SemanticKITTI's own sequences in a split, which training programs have built in; none for
 // other splits.
 std::vector<std::size_t> usualNumbers(const std::string& split) {
   if (split == "train") return {0, 1, 2, 3, 4, 5, 6, 7, 9, 10};
@@ -50,8 +50,8 @@ std::vector<std::size_t> usualNumbers(const std::string& split) {
   return {};
 }
 
-// The number of each sequence: the first usual one of its split that is free, else the first that is no split's, else
-// any.
+// Returns the number of each sequence: the first free one of usualNumbers() for its split, else the first free one from
+// 22 on, which no split has, else any free one.
 std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
   constexpr std::size_t kFirstUnusual = 22;
   std::set<std::size_t> taken;
@@ -171,8 +171,9 @@ class SemanticKitti : public Layout {
   }
 
  private:
-  // As the API's config/semantic-kitti.yaml: trained classes are those that points can have, in the order of their ids;
-  // what moves is trained as what stands. The split `val` is called `valid` there.
+  // Returns a configuration like the API's config/semantic-kitti.yaml. Trained classes are those that points can have,
+  // in the order of their ids; a class of moving objects is trained as that of still ones. There `val` is called
+  // `valid`.
   static std::string configuration(const ExportPlan& plan) {
     std::string text = "# Of a simulated dataset, in the form of SemanticKITTI's configuration.\nname: \"" +
                        plan.classes.target().name + "\"\nlabels:\n";
@@ -180,7 +181,7 @@ class SemanticKitti : public Layout {
     std::string trained;
     std::string back;
     std::string ignored;
-    std::map<std::uint16_t, int> number;  // of each class that is trained
+    std::map<std::uint16_t, int> number;  // by class that is trained
     std::set<std::uint16_t> reached{0};
     for (const SemanticClass& c : plan.manifest.ontology.classes) reached.insert(plan.classes.of(c.id));
     for (const SemanticClass& c : plan.classes.target().classes) {

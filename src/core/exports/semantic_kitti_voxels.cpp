@@ -27,7 +27,7 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
     const double steps = std::max({std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)});
     const Vec3d step = way * (1 / steps);
     Vec3d place = middle;
-    const int before = static_cast<int>(std::ceil(steps)) - 1;  // the sensor's own voxel, which is in nobody's way
+    const int before = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's own voxel
     for (int i = 0; i < before; ++i) {
       place += step;
       // The grid is convex: a line that leaves it does not come back.

@@ -1,11 +1,11 @@
-// The folders of KITTI (Geiger et al., "Vision meets Robotics: The KITTI Dataset", IJRR 2013) and of what took them
-// over:
+// The folders of KITTI (Geiger et al., "Vision meets Robotics: The KITTI Dataset", IJRR 2013) and of datasets that
+// adopted its layout:
 //
 //   sequences/00/velodyne/000000.bin            the odometry benchmark; SemanticKITTI has labels/000000.label beside it
 //   training/velodyne/000000.bin                the object benchmark; testing/ likewise
 //   DRIVE/velodyne_points/data/0000000000.bin   raw drives
 //
-// The folder may be the root or any of those within that lead to the scans.
+// The given folder may be the root or any folder on the path from there to the scans.
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 //   samples/LIDAR_TOP/*.pcd.bin      the key frames, which alone have labels
 //   lidarseg/v1.0-mini/*_lidarseg.bin
 //
-// The folder is the root or the one of the tables.
+// The given folder is the root or the folder of the tables.
 
 #include <algorithm>
 #include <functional>
@@ -31,8 +31,8 @@ bool isThere(const fs::path& file) {
   return fs::exists(file, ignored);
 }
 
-// Calls visit(row) for the rows of a table that `wanted` takes. Others are dropped while the text is read, since a
-// table of the whole dataset has millions.
+// Calls visit(row) for the rows of a table that `wanted` accepts. Other rows are dropped during parsing, since a table
+// of the complete dataset has millions of rows.
 void readTable(const fs::path& file, const std::function<bool(const Json&)>& wanted,
                const std::function<void(const Json&)>& visit) {
   const auto keep = [&](int depth, Json::parse_event_t event, Json& value) {
@@ -55,7 +55,7 @@ bool isLidarKeyFrame(const Json& row) {
   return row.value("is_key_frame", false) && row.value("filename", "").ends_with(".pcd.bin");
 }
 
-// The folder of the tables; empty where there is none. The first one whose scans are there, as a root may hold several.
+// Returns the folder of the tables; empty if there is none. A root may hold several versions: the first by name counts.
 fs::path tablesIn(const fs::path& folder) {
   if (isThere(folder / kRows)) return folder;
   std::vector<fs::path> versions;
@@ -76,14 +76,14 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   if (given.empty()) return {};
   const fs::path tables = fs::absolute(given).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  std::map<std::string, std::string> sceneOf;  // of samples, by token
-  std::map<std::string, std::string> nameOf;   // of scenes
+  std::map<std::string, std::string> sceneOf;  // token of a sample to token of its scene
+  std::map<std::string, std::string> nameOf;   // token of a scene to its name
   readTable(tables / "scene.json", always,
             [&](const Json& row) { nameOf[row.at("token").get<std::string>()] = row.at("name").get<std::string>(); });
   readTable(tables / "sample.json", always, [&](const Json& row) {
     sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
   });
-  std::map<std::string, fs::path> labelsOf;  // of sample_data
+  std::map<std::string, fs::path> labelsOf;  // by token of sample_data
   if (isThere(tables / "lidarseg.json")) {
     readTable(tables / "lidarseg.json", always, [&](const Json& row) {
       labelsOf[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();

@@ -1,7 +1,7 @@
 #pragma once
 
-// Folders of scans that somebody recorded, in the layouts of public datasets. Adding a layout is a new file and a row
-// in scan_folder.cpp.
+// Folders of recorded scans, in the layouts of public datasets. A new layout needs a new file and a row in
+// scan_folder.cpp.
 
 #include <filesystem>
 #include <optional>
@@ -16,36 +16,36 @@ namespace scanmill {
 struct FolderScan {
   std::string key;                 // "08-000010": sequence and frame
   std::filesystem::path points;    // a file that readCloud() reads (formats/cloud_file.h)
-  std::filesystem::path lidarseg;  // of nuScenes; empty where there is none
+  std::filesystem::path lidarseg;  // the labels of nuScenes-lidarseg; empty: none
 };
 
 struct ScanFolder {
   std::string layout;                // "kitti"
-  std::string sensor;                // "velodyne"; empty where the layout names none
-  std::optional<Ontology> ontology;  // of its labels; none where the layout has no labels
+  std::string sensor;                // "velodyne"; empty: the layout does not name the sensor
+  std::optional<Ontology> ontology;  // the classes of the labels; none: there are no labels
   std::vector<FolderScan> scans;     // in the order of their keys
 };
 
-// What the first layout that fits makes of a folder: a dataset's root, or a part of it such as one sequence. None where
-// it holds no scans. Throws InputError.
+// Finds the scans in a folder, by the first layout that fits. The folder may be a dataset's root, or a part of it such
+// as one sequence. Returns none if it holds no scans. Throws InputError.
 std::optional<ScanFolder> scanFolderIn(const std::filesystem::path& folder);
 
-// Reads a scan with its labels, in the frame that its file has. Any thread may call it. Throws InputError.
+// Reads a scan with its labels, in the coordinate frame of its file. Any thread may call it. Throws InputError.
 Scan readFolderScan(const FolderScan& scan);
 
-// The classes of the labels that readCloud() finds beside a scan; none where there are no labels.
+// Returns the classes of the labels that readCloud() finds beside a scan; none if there are no labels.
 std::optional<Ontology> ontologyBeside(const std::filesystem::path& scan);
 
-// The readers of the layouts: none where the folder is of another one. Throw InputError where it is of this one and
-// damaged.
+// Each of these reads one layout. They return none if the folder has another layout, and throw InputError if it has
+// this layout but is damaged.
 std::optional<ScanFolder> readNuScenesFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readKittiFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readPlainFolder(const std::filesystem::path& folder);
 
-// The files of a folder that satisfy `wanted`, sorted by name; none where there is no such folder.
+// Returns the files in a folder that satisfy `wanted`, sorted by name; none if the folder does not exist.
 std::vector<std::filesystem::path> filesIn(const std::filesystem::path& folder,
                                            bool (*wanted)(const std::filesystem::path&));
-// The folders in it, likewise.
+// Returns the subfolders of a folder, sorted by name; none if the folder does not exist.
 std::vector<std::filesystem::path> foldersIn(const std::filesystem::path& folder);
 
 }  // namespace scanmill

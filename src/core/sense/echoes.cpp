@@ -8,16 +8,16 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kBelowOne = 0.99999994f;  // the next float: a share beside another class's
+constexpr float kBelowOne = 0.99999994f;  // the largest float below 1: the largest share if there is a second class
 
-// A ray that met something.
+// A ray with a hit.
 struct Part {
   float range;
   std::uint32_t ray;
   double power;
 };
 
-// Power by class. A beam meets few classes.
+// Power by class. A list is enough, since a beam hits few classes.
 class ClassPowers {
  public:
   void clear() { entries_.clear(); }
@@ -36,7 +36,8 @@ class ClassPowers {
     double power = 0;
   };
 
-  // The strongest but for `other`; of equals that of the lower class id. Power -1 where there is none.
+  // Returns the strongest class except that of `other`; of equally strong ones the lower class id. Power -1: there is
+  // none.
   Entry strongest(const Entry* other) const {
     Entry best{0, -1};
     for (const Entry& e : entries_) {
@@ -73,7 +74,7 @@ class EchoFinder {
         farthest = std::max(farthest, range);
       }
       if (parts_.size() == 1 || (!parts_.empty() && pulse_ > 0 && farthest - nearest <= pulse_)) {
-        addEcho(beam, parts_);  // most beams: nothing has to be told apart
+        addEcho(beam, parts_);  // most beams: all rays form one echo
       } else if (!parts_.empty()) {
         addBeam(beam);
       }
@@ -83,7 +84,7 @@ class EchoFinder {
   }
 
  private:
-  // Empty where the rays lie by beam as they are.
+  // Returns the rays' indices sorted by beam; empty if the rays are already in that order.
   std::vector<std::uint32_t> raysByBeam() const {
     const std::vector<std::uint32_t>& beam = hits_.beamOfRay;
     std::vector<std::uint32_t> order;
@@ -125,7 +126,7 @@ class EchoFinder {
     }
   }
 
-  // The parts are in any order where no two of them are farther apart than a pulse, else by range.
+  // The parts must be sorted by range, unless all of them lie within one pulse length.
   Echo echoOf(std::uint32_t beam, std::span<const Part> parts) {
     Echo echo{beam, parts.front().ray, parts.front().range, static_cast<float>(parts.front().power)};
     if (parts.size() == 1) return echo;
@@ -142,10 +143,10 @@ class EchoFinder {
 
   struct PowerAndMean {
     double power;
-    double mean;  // m, of the ranges by power
+    double mean;  // m, of the ranges, weighted by power
   };
 
-  // All are alike where none has power.
+  // If no part has power, all have equal weight.
   static PowerAndMean powerAndMean(std::span<const Part> parts) {
     const double first = parts.front().range;
     double total = 0;

@@ -10,15 +10,15 @@
 namespace scanmill {
 namespace {
 
-// Beams lie in memory ring by ring, dense scans column by column. Tiles keep both sides in the nearest cache: short
-// rows of beams are read whole, and as many places as a tile has columns are written to in turn.
+// Beams are stored ring by ring, dense scans column by column. Working in tiles keeps both sides in the first-level
+// cache: a tile is read in short runs along its rings, and written to one place per column.
 constexpr std::uint32_t kTileRings = 16;
 constexpr std::uint32_t kTileColumns = 64;
 constexpr std::size_t kPoints = std::size_t{kTileRings} * kTileColumns;
 
 constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
 
-// Which row of the table is a beam's nth return: the nearest first, of equal ranges that of the lower row.
+// Finds the row of a beam's nth return. Returns are ordered by range, those of equal range by row.
 class ReturnOrder {
  public:
   ReturnOrder(const Returns& returns, std::size_t beams) : returns_(returns) {
@@ -41,13 +41,13 @@ class ReturnOrder {
   }
 
   std::uint32_t planes() const { return std::max<std::uint32_t>(static_cast<std::uint32_t>(planes_.size()), 1); }
-  // How many returns the beam has.
+  // Returns how many returns the beam has.
   std::uint32_t count(std::uint32_t beam) const {
     std::uint32_t number = 0;
     while (number < planes_.size() && planes_[number][beam] != kNoRow) ++number;
     return planes_.empty() ? 1 : number;
   }
-  // kNoRow: the beam has no such return.
+  // Returns kNoRow if the beam has no such return.
   std::uint32_t row(std::uint32_t plane, std::uint32_t beam) const {
     return plane < planes_.size() ? planes_[plane][beam] : kNoRow;
   }
@@ -55,11 +55,11 @@ class ReturnOrder {
 
  private:
   const Returns& returns_;
-  std::vector<std::vector<std::uint32_t>> planes_;  // empty where there is one row per beam
+  std::vector<std::vector<std::uint32_t>> planes_;  // by return, then beam; empty if there is one row per beam
 };
 
-// The points of a tile: of which beam, row and hit they are, and to which row of the scan they go. Where there is one
-// row per beam, beam, row and hit are the same number.
+// The points of a tile: the beam, row and hit that each comes from, and the row of the scan that it goes to. If there
+// is one row per beam, beam, row and hit are the same number.
 class Moves {
   std::array<std::uint32_t, kPoints> rows_;
   std::array<std::uint32_t, kPoints> hits_;
@@ -83,14 +83,15 @@ class Moves {
   }
 };
 
-// A stretch of columns, and where the next point of each goes.
+// Neighbouring columns, and the row of the scan that the next point of each goes to.
 struct Strip {
   std::uint32_t firstColumn;
   std::uint32_t width;
   std::array<std::uint32_t, kTileColumns> next;
 };
 
-// From the frame of a step of the revolution to that of its start. Differences of the large world coordinates first.
+// Returns the transform from the sensor's frame at a step of the revolution to that at its start. The large world
+// coordinates are subtracted first, which keeps precision.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   if (step == 0) return {};
   const Pose& start = shot.worldFromSensor[0];
@@ -140,7 +141,7 @@ class Gathering {
   }
 
  private:
-  // Gives every column its size; what was not asked for is empty. Organised scans start as all misses.
+  // Sizes every column; columns that were not asked for become empty. Organised scans start as all misses.
   void shape() {
     scan_.rings = hits_.rings;
     scan_.columns = hits_.columns;
@@ -167,8 +168,8 @@ class Gathering {
     });
   }
 
-  // Where the points of each of the strip's columns start in a dense scan; `next`: where the strip's do, and where the
-  // next strip's do.
+  // Finds the row of a dense scan at which each of the strip's columns starts. `next`: the row at which the strip
+  // starts; it becomes that of the next strip.
   void startStrip(std::uint32_t& next) {
     std::array<std::uint32_t, kTileColumns> returned{};
     for (std::uint32_t ring = 0; ring < hits_.rings; ++ring) {
@@ -186,8 +187,8 @@ class Gathering {
     }
   }
 
-  // One row per beam. The members are copied to variables: what the loop writes might be one of them for all that the
-  // compiler knows, and it would read them again for every beam.
+  // Collects the points of a tile if there is one row per beam. Members are copied to local variables: the compiler
+  // must assume that the loop's writes may change members, and would read them again for every beam.
   void collect(std::uint32_t firstRing) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
@@ -200,7 +201,7 @@ class Gathering {
     for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
       const std::uint32_t line = ring * columns + firstColumn;
       for (std::uint32_t c = 0; c < width; ++c) {
-        // Written always, kept only where there is a return: misses are too irregular for branches.
+        // Always written, but kept only if there is a return: misses are too irregular for branch prediction.
         moves_.beam[count] = line + c;
         moves_.to[count] = organised ? line + c : next[c];
         moves_.ring[count] = static_cast<std::uint16_t>(ring);
@@ -214,8 +215,9 @@ class Gathering {
     moves_.count = count;
   }
 
-  // Any number of rows per beam. In a dense scan the returns of a beam follow each other, so the place of one counts
-  // those before it: of its own beam, and of the rings of the tile above it.
+  // Collects the points of a tile in one plane, for any number of rows per beam. In a dense scan the returns of a beam
+  // follow each other, so the row of a return counts all returns before it: those of its own beam, and those of the
+  // tile's earlier rings in its column.
   void collectPlane(std::uint32_t firstRing, std::uint32_t plane) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
@@ -248,9 +250,9 @@ class Gathering {
     });
   }
 
-  // Positions in the sensor's frame; in that of the revolution's start where `toStart` is given, one entry per column
-  // of the strip.
-  // A function of its own, since within the loop over the tiles its pointers would not all stay in registers.
+  // Computes positions in the sensor's frame or, if `toStart` is given (an entry per column of the strip), in its frame
+  // at the start of the revolution.
+  // Not inlined: within the loop over the tiles, the pointers used here would not all stay in registers.
   [[gnu::noinline]] void place(const Affine* toStart) {
     std::array<double, kPoints> x;
     std::array<double, kPoints> y;
@@ -290,7 +292,7 @@ class Gathering {
     }
   }
 
-  // What each column of the table holds. A row of the table that is not named here does not compile.
+  // Fills one column of the scan. If the table has a column that is not named here, this does not compile.
   template <class Key, class T>
   void fill(Key key, std::uint32_t plane, std::vector<T>& values) {
     constexpr std::string_view name = Key::row.name;
@@ -310,7 +312,7 @@ class Gathering {
     } else if constexpr (name == "range_true") {
       copyHits(key, hits_.range, values);
     } else if constexpr (name == "incidence") {
-      // From cosines. In double, as the float versions of the function differ between libraries. NaN stays NaN.
+      // The angle follows from its cosine, in double: the float versions of acos() differ between libraries. NaN stays.
       putHits(key, values, [&](std::uint32_t hit) {
         return static_cast<float>(std::acos(std::clamp(double{hits_.incidence[hit]}, 0.0, 1.0)));
       });
@@ -345,7 +347,7 @@ class Gathering {
     }
   }
 
-  // Points on moving things get the classes for those.
+  // Gives points on moving objects the class for moving objects of their kind, if the ontology has one.
   void relabel(std::vector<std::uint16_t>& values) {
     const bool ownInstances = !returns_.instance.empty();
     for (std::size_t m = 0; m < moves_.count; ++m) {
@@ -369,8 +371,8 @@ class Gathering {
     });
   }
 
-  // In the axes in which points are given. `of(hit, place, time)`: in world axes, of a place in the world that is met
-  // at a time (s since the start of the revolution).
+  // Writes one component of a vector, in the axes in which points are given. `of(hit, place, time)` returns the vector
+  // in world axes for a place in the world that was hit at a time (s since the start of the revolution).
   template <class Of>
   void putMotion(char axis, std::vector<float>& values, const Of& of) {
     put(values, [&](std::size_t m) {
@@ -386,7 +388,7 @@ class Gathering {
     });
   }
 
-  // Of a hit, noise-free, in the frame of the sensor when it fired (m).
+  // Returns the noise-free position of a hit in the sensor's frame at the time of firing (m).
   Vec3d placeOf(std::uint32_t hit) const {
     const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
     const Vec3d along = beams_.direction[beam] * double{hits_.range[hit]};
@@ -407,7 +409,7 @@ class Gathering {
     put(values, [source, at](std::size_t m) { return source[at[m]]; });
   }
 
-  // Of hits; rows without one have the column's value for none.
+  // Writes values that are computed from hits; rows without a hit get the column's value for none.
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
     const std::uint32_t* const hits = moves_.hit;

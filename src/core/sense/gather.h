@@ -1,6 +1,6 @@
 #pragma once
 
-// The last stage of sensing: rows of the table of returns become points of a scan.
+// The last stage of the receiver model: turns rows of the table of returns into points of a scan.
 
 #include "scan/hits.h"
 #include "scan/scan.h"
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Keeps the columns of the layout; an intensity only where an effect has set it. Dense scans are ordered by column,
-// then ring, then return: the order of firing. Of a beam's returns the nearest is the first. `motions`: of a scene that
-// moves, else null.
+// Fills the scan's columns that the layout asks for; intensity and power only if an effect has set them. Dense scans
+// are ordered by column, then ring, then return, which is the order of firing. The nearest return of a beam is its
+// first. `motions`: of a scene that moves, else null.
 void gather(const Hits& hits, const Shot& shot, const Returns& returns, const ScanLayout& layout,
             const ThingMotions* motions, Scan& scan);
 

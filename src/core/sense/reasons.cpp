@@ -6,7 +6,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kSmooth = 0.1f;  // roughness of what reflects like a mirror
+constexpr float kSmooth = 0.1f;  // largest roughness of a surface that reflects like a mirror
 constexpr float kMetal = 0.5f;
 
 Reason ofFaint(const Hits& hits, std::span<const Material> materials, std::uint32_t hit) {
@@ -16,7 +16,7 @@ Reason ofFaint(const Hits& hits, std::span<const Material> materials, std::uint3
   return material.roughness <= kSmooth || material.metallic >= kMetal ? Reason::MirroredAway : Reason::TooFaint;
 }
 
-// Of the beams that no ray of which met anything that is reported.
+// Sets the reason of beams whose rays hit nothing reportable.
 void fillEmpty(const Hits& hits, std::vector<std::uint8_t>& reasons) {
   const auto beamOf = [&](std::size_t ray) {
     return hits.beamOfRay.empty() ? static_cast<std::uint32_t>(ray) : hits.beamOfRay[ray];
@@ -40,12 +40,12 @@ void fillEmpty(const Hits& hits, std::vector<std::uint8_t>& reasons) {
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns) {
   if (!returns.tellsReasons()) throw Error("the table of returns does not tell reasons");
   std::vector<std::uint8_t> reasons(hits.size(), 0);
-  std::vector<std::uint32_t> told(hits.size(), kNoHit);  // the row that the reason is of
+  std::vector<std::uint32_t> told(hits.size(), kNoHit);  // by beam: the row that its reason is for
   for (std::uint32_t row = 0; row < returns.size(); ++row) {
     const bool returned = returns.returned(row);
     const Reason lost = returns.lostTo(row);
-    if (!returned && lost == Reason::None) continue;        // a ray that met nothing
-    if (!returned && returns.hit(row) == kNoHit) continue;  // a drop that nobody has seen
+    if (!returned && lost == Reason::None) continue;        // a ray that missed
+    if (!returned && returns.hit(row) == kNoHit) continue;  // an added row, such as a raindrop, that was lost
     const std::uint32_t beam = returns.beam(row);
     const std::uint32_t other = told[beam];
     const auto power = [&](std::uint32_t r) { return returns.power.empty() ? 0.0f : returns.power[r]; };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds out for every beam what its return comes from, or why it has none.
+// Finds for every beam what its return comes from, or why it has none.
 
 #include <cstdint>
 #include <span>
@@ -13,9 +13,9 @@
 
 namespace scanmill {
 
-// One value of Reason a beam, once all effects have run on a table that tells reasons (Returns::tellReasons()). Of a
-// beam without a return that of its strongest echo. Mirrors, metals and glass are told from other surfaces that are too
-// faint where the hits have the channel Material.
+// Returns one value of Reason per beam, after all effects have run on a table that records reasons
+// (Returns::tellReasons()). A beam without a return has the reason of its strongest echo. If the hits have the channel
+// Material, faint mirrors, metals and glass get reasons of their own instead of TooFaint.
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns);
 
 }  // namespace scanmill

@@ -128,7 +128,7 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(snr, added.snr);
   append(label, added.label);
   append(instance, added.instance);
-  // Where there were no rows, columns that effects have set cannot be told from those that none has.
+  // If the table had no rows, columns that effects have set were empty like all others: fill them with this row.
   if (size() != 1) return;
   intensity = {added.intensity};
   power = {added.power};

@@ -1,6 +1,6 @@
 #pragma once
 
-// From hits to a scan: detect, apply the effects, gather.
+// The receiver model turns hits into a scan: it detects, applies the effects and gathers.
 
 #include <span>
 
@@ -15,24 +15,25 @@
 
 namespace scanmill {
 
-// Channels of Hits that the effects and the columns need.
+// Returns the channels of Hits that the effects and the columns need.
 Channels channelsFor(EffectList effects, ColumnSet columns);
 
-// Starts the table of returns: of one ray a beam as the rays are, of several from their echoes (sense/echoes.h), whose
-// power is as the effects see it. Rays of a sensor whose file does not say how long its pulses are do not add up.
+// Starts the table of returns. If beams fire one ray, each ray becomes a row. If they fire several, each echo becomes a
+// row (sense/echoes.h), with the power that the effects compute; if the sensor file gives no pulse length, each ray is
+// an echo of its own.
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns);
 
-// How hits become a scan. What it refers to must outlive it.
+// The settings by which hits become a scan. All objects that they refer to must outlive the receiver.
 struct Receiver {
   EffectList effects = {};                   // in the order in which they run
-  std::span<const Material> materials = {};  // that Hits::material points into
-  ScanLayout layout = {};                    // which columns are kept
-  const ThingMotions* motions = nullptr;     // of a scene that moves, if points tell how
+  std::span<const Material> materials = {};  // indexed by Hits::material
+  ScanLayout layout = {};                    // the columns that the scan gets
+  const ThingMotions* motions = nullptr;     // null: nothing moves, or no column or class depends on motion
 };
 
-// Detects, applies the effects and keeps the columns asked for. `returns` is reused between calls. Throws Error where
-// the hits lack a channel or belong to another sensor.
+// Detects, applies the effects and keeps the columns asked for. `returns` is reused between calls. Throws Error if the
+// hits lack a channel or belong to another sensor.
 void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

@@ -8,9 +8,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMoment = 0.01;  // s, of a revolution in which all stands still
+constexpr double kMoment = 0.01;  // s, the interval that velocities are taken over if nothing moves during a revolution
 
-// How far a place on a triangle moves from one moment of an animation to another: by its barycentric coordinates.
+// Returns how far a place on a triangle moves from one mesh of an animation to another: it keeps its barycentric
+// coordinates.
 Vec3d carried(const Mesh& now, const Mesh& next, std::uint32_t primitive, const Vec3d& place) {
   const auto corner = [&](const Mesh& mesh, int k) { return Vec3d(mesh.positions[mesh.triangles[primitive][k]]); };
   const Vec3d a = corner(now, 1) - corner(now, 0);
@@ -46,7 +47,7 @@ ThingMotions::ThingMotions(const Scene& scene, const Shot& shot)
   const double duration = shot.duration > 0 ? shot.duration : kMoment;
   for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
     const Instance& i = scene.instances[index];
-    // What an animation alone moves has a class that moves, and the velocity of its place.
+    // An instance that only its animation moves counts as moving; its velocity is that of its pose.
     if (i.animation == nullptr && (i.movement == nullptr || !i.movement->moves())) continue;
     const Affine from = i.worldFromMeshAt(shot.time);
     const Affine to = i.worldFromMeshAt(shot.time + duration);
@@ -83,7 +84,8 @@ Vec3d ThingMotions::flow(std::uint32_t thing, std::uint32_t primitive, const Vec
   const auto [first, last] = instances_.equal_range(thing);
   if (first == last) return {};
   if (std::next(first) == last) return flowOf(scene_.instances[first->second], primitive, place, time);
-  // Of a thing of several objects, by that whose triangle of this number is nearest to the place.
+  // If several entries of Scene::instances share the id, the one whose triangle `primitive` is nearest to the place
+  // counts.
   const Instance* nearest = nullptr;
   double least = 0;
   for (auto own = first; own != last; ++own) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// How the things of a scene move during a shot: for the columns and classes that tell.
+// How the object instances of a scene move during a shot, for the columns and classes that depend on motion.
 
 #include <cstdint>
 #include <map>
@@ -15,32 +15,33 @@ namespace scanmill {
 
 class ThingMotions {
  public:
-  // Whether such columns or classes are asked for, in a scene in which anything moves.
+  // True if the scene moves and the layout has a column, or the ontology a class, that depends on motion.
   static bool areToldOf(const Scene& scene, const ScanLayout& layout);
 
-  // The scene must outlive it. Where nothing moves it has no things.
+  // Computes the motion of each instance that moves. The scene must outlive this object.
   ThingMotions(const Scene& scene, const Shot& shot);
 
-  // The class of points on a thing: where it moves, the ontology's class for that, if there is one.
+  // Returns the class of points on an instance whose class is `semantic`. If the instance moves, and the ontology has a
+  // class for moving objects of this kind ("moving-car" for "car"), this is that class, else `semantic`.
   std::uint16_t classOf(std::uint16_t semantic, std::uint32_t thing) const;
   bool tellsClasses() const { return !things_.empty() && !movingClasses_.empty(); }
 
-  // m/s over ground, world axes, of a thing's surface at a place (m, world): as its beams meet it, on straight lines
-  // over the revolution. Zero for what stands still, and for what is no thing.
+  // Returns the velocity over ground (m/s, world axes) of an instance's surface at a place (m, world), with motion
+  // taken as linear over the revolution. Zero if the instance stands still, or if `thing` is 0 (no instance).
   Vec3d velocity(std::uint32_t thing, const Vec3d& place) const;
 
-  // m over ground, world axes: from a place (m, world) on a thing's triangle, `primitive`, at a time (s since the start
-  // of the revolution; the shot's own where nothing moves during one) to where the same place of the surface is when
-  // the next frame is as old, carried by the thing and its animation. Zero for what stands still, and for what is no
-  // thing.
+  // Returns how far a point of an instance's surface moves over ground (m, world axes) from `time` (s since the start
+  // of the revolution; 0 if nothing moves during a revolution) to the same time in the next frame, through the movement
+  // of the instance and its animation. `place` (m, world) is the point at `time`, and `primitive` its triangle. Zero if
+  // the instance stands still, or if `thing` is 0 (no instance).
   Vec3d flow(std::uint32_t thing, std::uint32_t primitive, const Vec3d& place, double time) const;
 
  private:
   Vec3d flowOf(const Instance& instance, std::uint32_t primitive, const Vec3d& place, double time) const;
 
   struct Motion {
-    Vec3d pivot;    // m, world: a place of the thing, in the middle of the revolution
-    Vec3d ofPivot;  // m/s
+    Vec3d pivot;    // m, world: the origin of the mesh in the middle of the revolution
+    Vec3d ofPivot;  // m/s, velocity of the pivot
     Mat3 perMetre;  // m/s for each metre from the pivot
   };
   const Scene& scene_;
@@ -48,8 +49,8 @@ class ThingMotions {
   double duration_;   // s
   double untilNext_;  // s
   std::unordered_map<std::uint32_t, Motion> things_;
-  std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // of each thing
-  std::map<std::uint16_t, std::uint16_t> movingClasses_;             // by the class of what stands still
+  std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // by instance id: index into Scene::instances
+  std::map<std::uint16_t, std::uint16_t> movingClasses_;             // by class of still objects: that of moving ones
 };
 
 }  // namespace scanmill

@@ -1,11 +1,11 @@
-// angular_jitter: the beam did not point quite where the sensor believes. The point is reported at the right range, in
-// a wrong direction.
+// angular_jitter: a beam does not point exactly where the sensor believes it does. The point is reported at the right
+// range, in a wrong direction.
 //
 //   angular_jitter: {sigma_deg: 0.01}
 //   angular_jitter: {azimuth_sigma_deg: 0.02, elevation_sigma_deg: 0.005}
 //
 // Azimuth errors turn the beam about the sensor's z axis (an encoder's error: they move a steep beam less), elevation
-// errors tilt it. Both are Gaussian and independent from beam to beam. Runs last, on the range that is reported.
+// errors tilt it. Both are Gaussian and independent from beam to beam. The effect runs last, on the reported range.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
@@ -14,7 +14,7 @@
 namespace scanmill {
 namespace {
 
-// 6.76 sigma, the largest normal number, stays below the 45 degrees that sinCosSmall() knows.
+// The largest error, 6.76 sigma, must stay below 45 degrees, the limit of sinCosSmall().
 constexpr Range kSigmaDeg{0, 5};
 
 class AngularJitter : public Effect {

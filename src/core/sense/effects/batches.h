@@ -1,7 +1,7 @@
 #pragma once
 
-// Batches of neighbouring rows of the table of returns: their random numbers, the same as randomBlock() gives one by
-// one, and what their beams and hits are.
+// Batches of neighbouring rows of the table of returns: their random numbers, the same as from randomBlock() row by
+// row, and the values of their beams and hits.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace scanmill {
 
-constexpr std::size_t kBatch = 128;  // rows; the working set of a batch stays in the nearest cache
+constexpr std::size_t kBatch = 128;  // rows; the working set of a batch stays in the first-level cache
 
 template <class T>
 using Batch = std::array<T, kBatch>;
@@ -39,7 +39,7 @@ struct RandomWords {
   Batch<std::uint32_t> b;
 };
 
-// Calls keep(i, block) with the random words of each row's address, for rows first + i.
+// Calls keep(i, block) for each row first + i of a batch, with the random words of the row's address.
 template <class Keep>
 void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Keep& keep) {
   const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {
@@ -53,7 +53,7 @@ void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::
   for (std::size_t i = 0; i < count; ++i) draw(i, returns.beam(first + i), returns.number(first + i));
 }
 
-// The first two words of each row's block, for rows first, first + 1, ...
+// Sets `words` to the first two random words of rows first, first + 1, ...
 inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first,
                       RandomWords& words) {
   drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
@@ -62,8 +62,8 @@ inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns,
   });
 }
 
-// The values of the hits of rows first, first + 1, ...: where they lie, or gathered in `buffer`. `none`: of rows
-// without a hit.
+// Returns the values of the hits of rows first, first + 1, ...: a pointer into `values` if they are in that order
+// there, else `buffer`, filled with them. Rows without a hit have the value `none`.
 template <class T>
 const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer,
                       T none = {}) {
@@ -76,7 +76,7 @@ const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std:
   return buffer.data();
 }
 
-// The values of their beams.
+// Does the same for the values of the rows' beams.
 template <class T>
 const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer) {
   if (returns.onePerBeam()) return values.data() + first;

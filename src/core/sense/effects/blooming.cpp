@@ -1,17 +1,19 @@
-// blooming: retroreflectors shine beside themselves.
+// blooming: retroreflectors cause returns in beams that point beside them.
 //
 //   blooming: {share: 0.001, angle_deg: 0.5}
 //
-// A part of the light leaves beside the beam's core and is scattered in the optics. A target that sends back hundreds
-// of times what a white one does answers it: beams that look by it have a return at its range. Here a beam of the angle
-// t beside one that meets a retroreflector gets, besides its own echoes, one of the strength
+// A small part of the light is scattered in the optics and leaves outside the beam's core. A retroreflector, hundreds
+// of times as bright as a white target, returns enough of it to be detected: beams that point beside the retroreflector
+// report a return at its range. Here a beam at the angle t to a beam that hits a retroreflector gets one more echo, of
+// the strength
 //
 //   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
 //
-// in units of a white target there, of cause 7; of several the strongest. Materials of a retroreflectance of at least
-// `above` bloom. Echoes that would lie within a pulse's length of one of the beam's own join that and are left out.
+// in units of a white target at the same range, with cause 7. If several retroreflectors are near, the strongest of
+// these echoes counts. Materials with a retroreflectance of at least `above` bloom. An added echo within a pulse length
+// of one of the beam's own would merge with it, and is left out.
 //
-// The shape of the halo and its figures differ from unit to unit, and makers state none: all are the user's.
+// The shape and the figures of the halo differ from unit to unit, and manufacturers state none: the user gives all.
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +34,7 @@ struct BloomingOptions {
 };
 
 struct Stray {
-  float echo = 0;  // in units of a white target there
+  float echo = 0;  // in units of a white target at this range
   float range = 0;
 };
 
@@ -69,11 +71,11 @@ class Blooming : public Effect {
     return hits.material[hit] < materials.size() ? materials[hits.material[hit]].retroreflectance : 0.0f;
   }
 
-  // Of each beam the strongest; nothing where there is none.
+  // Returns the strongest stray echo of each beam; echo 0: there is none.
   std::vector<Stray> straysOf(const BeamTable& beams, const std::vector<Source>& sources) const {
     std::vector<Stray> strays(beams.size());
-    const double leastCosine = std::cos(2 * o_.angle);  // farther out there are 3 parts in 10,000 of the middle's
-    // How many columns and rings away a neighbour may be: directions decide.
+    const double leastCosine = std::cos(2 * o_.angle);  // the halo has 3 / 10,000 of its peak there
+    // Columns to search on either side, for neighbours in any ring; spill() then compares the directions.
     const double step = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
     const auto reach = static_cast<std::int64_t>(std::ceil((2 * o_.angle + widestOffset(beams)) / step)) + 1;
     for (const Source& source : sources) {
@@ -104,7 +106,7 @@ class Blooming : public Effect {
   void spill(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
     const double cosine = dot(beams.direction[source.beam], beams.direction[to]);
     if (cosine < leastCosine) return;
-    const double square = 2 * (1 - std::min(1.0, cosine));  // of a small angle
+    const double square = 2 * (1 - std::min(1.0, cosine));  // of the angle, which is small
     const double spilled = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
     const auto echo = static_cast<float>(spilled);
     if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};

@@ -3,33 +3,32 @@
 //   detection: {returns: strongest}                 # or first, last, dual (strongest and last), all, or a number
 //   detection: {returns: dual, noise: 0.0008, threshold: 4.8, min_separation_m: 1}
 //
-// noise is the standard deviation of the receiver's noise, in the unit of the effect intensity's power: 1 is a white
-// target at the reference range. An echo of power P is measured as P + noise * n with n from the standard normal law,
-// and found where that is at least threshold * noise. So the probability of detection is
+// `noise` is the standard deviation of the receiver's noise, in the unit of the effect intensity's power: 1 is a white
+// target at the reference range. An echo of power P is measured as P + noise * n, with n a standard normal number, and
+// found if this is at least threshold * noise. So the probability of detection is
 //
 //   Pd = Q(threshold - P / noise),    Q(x) = erfc(x / sqrt 2) / 2
 //
 // (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal in Gaussian noise whose phase is known, as
-// the receiver of pulses without a carrier has it). Noise alone passes the threshold in each of the
-// (farthest - nearest) / (c pulse / 2) stretches of range that the receiver tells apart with the probability
-// Q(threshold): false positives, of a range drawn evenly, of cause 2, without a class and of intensity 0. Without noise
-// every echo is found and no other.
+// for pulses without a carrier). The receiver resolves (farthest - nearest) / (c pulse / 2) intervals of range; in
+// each, noise alone passes the threshold with the probability Q(threshold). These false positives have a uniformly
+// random range, cause 2, no class and intensity 0. With noise 0 every echo is found, and there are no false positives.
 //
-// sun: {azimuth_deg, elevation_deg, noise}: daylight that a surface sends back adds to the noise. `noise` is what a
-// white surface that faces the sun adds, in the same unit; the shot noise of light grows with its root, so a surface of
-// the reflectance R whose normal n is at an angle to the sun's direction s has
+// sun: {azimuth_deg, elevation_deg, noise}: daylight that a surface reflects adds to the noise. sun.noise is the noise
+// that a white surface facing the sun adds, in the same unit. The shot noise of light grows with the square root of its
+// power, so for a surface of reflectance R and normal n, and the direction s to the sun,
 //
 //   noise^2 + sun.noise^2 R max(0, n . s)
 //
-// in place of noise^2, and the threshold with it: bright sunlit surfaces are lost earlier. Azimuth and elevation are in
-// the world's frame. Shadows are not traced, and beams into the sun itself are not told from others.
+// replaces noise^2. The threshold rises with the noise: bright sunlit surfaces are lost earlier. Azimuth and elevation
+// are in the world's frame. Shadows are not traced, and beams that point at the sun get no special treatment.
 //
-// interference: the probability a beam of a return from another sensor's pulse, of cause 7, at a range drawn evenly and
-// a power drawn between the threshold and 100 times that, evenly in its logarithm.
+// interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7, a
+// uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.
 //
-// Of what is found nearer than min_separation_m to a stronger echo of the same beam nothing is reported; then `returns`
-// chooses. dual: the strongest and the last; where they are the same, the second strongest too (as Velodyne's
-// sensors do). A number: so many of the strongest.
+// Of the echoes found, those nearer than min_separation_m to a stronger echo of the same beam are not reported; then
+// `returns` chooses. dual: the strongest and the last; if these are the same, also the second strongest (as Velodyne's
+// sensors do). A number: that many of the strongest.
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +46,7 @@ enum class Report { Strongest, First, Last, Dual };
 
 struct DetectionOptions {
   Report report = Report::Strongest;
-  std::uint32_t most = 1;  // of Report::Strongest
+  std::uint32_t most = 1;  // echoes that Report::Strongest reports
   double noise = 0;
   double threshold = 4.8;
   float separation = 0;  // m
@@ -68,7 +67,7 @@ class Detection : public Effect {
   Channels reads() const override {
     return o_.sun ? Channel::Range | Channel::Normal | Channels(Channel::Reflectance) : Channels(Channel::Range);
   }
-  // First and last are known without.
+  // Reporting the first or the last echo needs no intensity.
   bool needsIntensity() const override {
     return o_.noise > 0 || o_.separation > 0 || o_.report == Report::Dual ||
            (o_.report == Report::Strongest && o_.most < kMostReturns);
@@ -103,7 +102,7 @@ class Detection : public Effect {
   }
 
  private:
-  // Of each row.
+  // Returns the noise of each row.
   std::vector<float> noiseInDaylight(const Hits& hits, const Returns& returns) const {
     std::vector<float> noise(returns.size(), static_cast<float>(o_.noise));
     for (std::size_t row = 0; row < returns.size(); ++row) {
@@ -115,7 +114,8 @@ class Detection : public Effect {
     return noise;
   }
 
-  // `daylight`: the noise of each row; empty: it is the same for all.
+  // Removes rows that are not found, and sets the snr and measured power of all. `daylight`: the noise of each row;
+  // empty: the noise is the same for all.
   SCANMILL_BEST_INSTRUCTIONS void findInNoise(const Shot& shot, const std::vector<float>& daylight, Returns& returns,
                                               std::vector<float>& measured) const {
     returns.snr.assign(returns.size(), 0);
@@ -142,8 +142,8 @@ class Detection : public Effect {
     });
   }
 
-  // At most one a beam. How far its measure exceeds the threshold follows the tail of the normal law, which is close to
-  // an exponential one there.
+  // Adds at most one false positive per beam. The excess of its power over the threshold follows the tail of the
+  // normal distribution, which is nearly exponential there.
   void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     const double length = beams.maxRange - beams.minRange;
@@ -191,7 +191,7 @@ class Detection : public Effect {
     return randomBlock({shot.seed, shot.scene, shot.frame, shot.sensor, beam, 0, Purpose::FalsePositives});
   }
 
-  // The first word of each of a batch of beams.
+  // Sets `words` to the first random word of each beam of a batch.
   SCANMILL_BEST_INSTRUCTIONS static void draw(const Shot& shot, std::size_t first, Batch<std::uint32_t>& words) {
     for (std::size_t i = 0; i < kBatch; ++i) words[i] = wordsOf(shot, static_cast<std::uint32_t>(first + i))[0];
   }
@@ -201,7 +201,7 @@ class Detection : public Effect {
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
-    // By beam; of a beam's the strongest first, of equals the nearest.
+    // Sort by beam, then the strongest first, of equally strong ones the nearest first.
     const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
       if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
@@ -217,7 +217,7 @@ class Detection : public Effect {
     }
   }
 
-  // `rows`: of one beam, the strongest first.
+  // Removes the rows of one beam that are not reported. `rows`: the strongest first.
   void chooseOf(std::span<std::uint32_t> rows, Returns& returns) const {
     std::size_t count = 1;
     for (std::size_t i = 1; i < rows.size(); ++i) {

@@ -3,8 +3,8 @@
 //   dropout: {threshold: 0.002}      # returns with less power than this are lost; 1 is a white target at the
 //                                    # reference range of the intensity effect, before gain and saturation
 //   dropout: {probability: 0.01}     # lost at random, independent from beam to beam
-//   dropout: {probability: 0.8, things: true}     # those of things alone: dark or shining paint
-//   dropout: {rings: 0.25}           # a quarter of the rings, drawn once for each sensor, report nothing
+//   dropout: {probability: 0.8, things: true}     # only returns of object instances: dark or shiny paint
+//   dropout: {rings: 0.25}           # a random quarter of a sensor's rings, the same in all frames, reports nothing
 //
 // All may be given together. A threshold needs the intensity effect.
 
@@ -63,7 +63,7 @@ class DropOut : public Effect {
     }
   }
 
-  // So many of them as the share says, to the nearest number: those that draw the least numbers.
+  // Removes the returns of the share `rings_` of the rings, rounded: the rings with the smallest random numbers.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ranks;
@@ -108,7 +108,7 @@ std::unique_ptr<Effect> makeDropOut(Fields& options) {
   const double probability = options.number("probability", {0, 1}, 0);
   const bool things = options.boolean("things", false);
   const double rings = options.number("rings", {0, 1}, 0);
-  options.finish();  // first: a misspelt key is the likelier reason for the lack of one
+  options.finish();  // first: if a key is missing, it is probably misspelt
   if (!options.has("threshold") && !options.has("probability") && !options.has("rings")) {
     throw InputError(options.where(), "effect dropout: give threshold, probability or rings, or several of them");
   }

@@ -3,9 +3,9 @@
 //   footprint: {rays: 19}      # 7, 19, 37, 61, 91 or 127
 //
 // The sensor's file says how wide the beam is (divergence_mrad, exit_width_mm, beam_shape) and how long the pulse is
-// (pulse_ns). Rays whose surfaces lie at most c * pulse / 2 apart add up to one echo, whose range lies between theirs:
-// the mixed pixels at edges. Others are echoes of their own, of which the effect `detection` reports the strongest or
-// more. sensors/footprint.h and sense/echoes.h say how; nothing is left to do here.
+// (pulse_ns). Rays whose hits lie at most c * pulse / 2 apart form one echo, with a range between theirs: the mixed
+// pixels at edges. Other rays form echoes of their own; the effect `detection` reports the strongest echo or more. All
+// of this is implemented in sensors/footprint.h and sense/echoes.h; apply() has nothing left to do.
 
 #include "sensors/footprint.h"
 

@@ -1,4 +1,4 @@
-// intensity: how strong the return of each beam is, and what the sensor makes of it.
+// intensity: the power of each return, and the intensity that the sensor reports for it.
 //
 //   intensity: {reference_range_m: 10, falloff: inverse_square, near_range_m: 1, attenuation_per_m: 0,
 //               gain: 1, saturation: 4, gamma: 1, output: float}
@@ -10,32 +10,32 @@
 //
 // the lidar equation for a target wider than the beam (Hoefle and Pfeifer, "Correction of laser scanning intensity
 // data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways).
-// `near_range` stands for the overlap of emitter and receiver: nearer targets gain nothing. falloff: none leaves the
-// square out, as sensors do that correct for range.
+// near_range_m models the overlap of emitter and receiver: at smaller ranges the power grows no further. `falloff:
+// none` leaves the square out, like sensors that correct for range.
 //
-// specular(t) is a microfacet surface (Torrance and Sparrow 1967) of which the sensor sees what it lights: the half
-// vector is the beam, so D F G / (4 cos^2 t) of Walter et al., "Microfacet models for refraction through rough
-// surfaces", EGSR 2007, eq. 20, times pi cos t, has F = F0, D of their eq. 33 (GGX), and, as shadowing and masking
+// specular(t) is the reflection of a microfacet surface (Torrance and Sparrow 1967) back along the beam, so the half
+// vector is the beam itself. It is pi cos t times D F G / (4 cos^2 t) (Walter et al., "Microfacet models for refraction
+// through rough surfaces", EGSR 2007, eq. 20), with F = F0, D of their eq. 33 (GGX), and, since shadowing and masking
 // coincide, G = 1 / (1 + Lambda) (Heitz, "Understanding the masking-shadowing function in microfacet-based BRDFs",
 // JCGT 3(2), 2014, eq. 72 for Lambda of GGX; section 5 for correlated directions).
 //
-// diffuse: oren_nayar puts A cos t + B sin^2 t in place of the cosine of what is diffuse: rough surfaces show their
-// facets' lit sides to a sensor that stands where the light comes from, so that roads stay bright where the beam grazes
-// them (Oren and Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, eq. 30, with both directions
-// the beam's; A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle of the slope
-// alpha / sqrt(2), the root mean square of a Beckmann surface of the same alpha (GGX's slopes have no variance).
+// `diffuse: oren_nayar` replaces the cosine of the diffuse part by A cos t + B sin^2 t: since the sensor is at the
+// light source, it sees the lit sides of a rough surface's facets, and roads stay bright at grazing incidence (Oren and
+// Nayar, "Generalization of Lambert's reflectance model", SIGGRAPH 1994, eq. 30, with both directions along the beam;
+// A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle whose tangent is alpha / sqrt(2), the
+// root-mean-square slope of a Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
 // Effects that run earlier may set Returns::gain, by which the power is multiplied.
 //
 // The response: v = min(gain * power, saturation) ^ gamma for output float; 255 * (min(gain * power, saturation) /
 // saturation) ^ gamma, rounded, for output u8, with a saturation of 1 unless one is given. A miss gets 0.
 //
-// model: reflectivity reports the power that the surface would have sent back from the reference range through clear
-// air, as sensors do that are calibrated against targets of known reflectance: 1 is a white diffuse target at normal
-// incidence, whatever its range. The effects that look at the power still see what arrives. With retro_full_scale the
-// byte is 100 v for v <= 1 and 100 + 155 log(v) / log(retro_full_scale) beyond, the scale that manuals state: 0 to 100
-// for diffuse targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D,
-// section 6.1; Ouster, Firmware User Manual, "Calibrated reflectivity"). How bright the brightest is they leave open.
+// `model: reflectivity` reports the power that the surface would have sent back from the reference range through clear
+// air, like sensors calibrated against targets of known reflectance: 1 is a white diffuse target at normal incidence,
+// whatever its range. Effects that read the power still get the received power. With retro_full_scale the byte is 100 v
+// for v <= 1 and 100 + 155 log(v) / log(retro_full_scale) beyond. This is the scale of manuals: 0 to 100 for diffuse
+// targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1;
+// Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not say how bright a target of 255 is.
 
 #include <algorithm>
 #include <cfloat>
@@ -48,7 +48,7 @@
 namespace scanmill {
 namespace {
 
-// A lobe is never narrower than the beam: 4 mrad is wide for a beam.
+// A specular lobe is never narrower than the beam: 4 mrad is wide for a beam.
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // refractive index 1.5, as glTF
 
@@ -61,27 +61,26 @@ struct IntensityOptions {
   float saturation = FLT_MAX;
   double gamma = 1;
   bool bytes = false;
-  bool reflectivity = false;  // as seen from the reference range
+  bool reflectivity = false;  // report the power as from the reference range
   bool orenNayar = false;
   double retroFullScale = 0;  // 0: bytes are linear
 };
 
-// What a material does to light that comes back along its way: diffuse = matt * reflectance, F0 = glossy + metal *
-// reflectance.
+// How a material reflects light back along the beam: diffuse = matt * reflectance, F0 = glossy + metal * reflectance.
 struct Lobes {
   float matt = 1;
   float metal = 0;
   float glossy = 0;
   float alpha2 = 1;
   float retro = 0;
-  float even = 1;     // the diffuse part's share that follows the cosine
-  float grazing = 0;  // and that which follows the square of the sine
+  float even = 1;     // factor of cos t in the diffuse part
+  float grazing = 0;  // factor of sin^2 t in the diffuse part
 };
 
 constexpr double kHalfRoot = 0.70710678118654752440;
 
-// The arc tangent for 0 to kHalfRoot, from additions, multiplications and divisions only, so that all machines give the
-// same: atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and the series of what is left, errors under 1e-9.
+// Returns the arc tangent of t, from 0 to kHalfRoot. It uses only operations that give the same result on all machines:
+// atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and a series for the latter; errors under 1e-9.
 double angleOfSlope(double t) {
   const double half = t / (1 + std::sqrt(1 + t * t));
   const double z = half * half;
@@ -93,7 +92,7 @@ Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance,
   const float roughness = std::clamp(givenRoughness, 0.0f, 1.0f);
   const float metallic = std::clamp(givenMetallic, 0.0f, 1.0f);
   // glTF's roughness is the root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A dielectric of
-  // roughness 1 is matt: all that it reflects is diffuse; what is glossy is taken from the diffuse part.
+  // roughness 1 is matt: it reflects only diffusely; otherwise the glossy part is taken from the diffuse part.
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
   const float width = std::max(alpha, kSmallestAlpha);
@@ -107,8 +106,8 @@ Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance,
   return lobes;
 }
 
-// A matt surface's `reflectance` at the cosine c of the angle of incidence, in units of a white one's at normal
-// incidence.
+// Returns the light that a surface reflects back along the beam at the cosine c of the angle of incidence, in units of
+// a white matt surface at normal incidence.
 float reflected(const Lobes& lobe, float c, float reflectance) {
   const float sin2 = (1 - c) * (1 + c);
   const float width = lobe.alpha2 * c * c + sin2;
@@ -140,8 +139,8 @@ class Intensity : public Effect {
   }
 
  private:
-  // The lobes of each material, and at the end those of what has none: matt. `glass`: rays go on behind it, and clean
-  // panes scatter nothing.
+  // Returns the lobes of each material, and at the end those of surfaces without a material, which are matt. `glass`:
+  // rays continue behind glass, and clean panes scatter nothing.
   std::vector<Lobes> lobesOfAll(std::span<const Material> materials, bool glass) const {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);
@@ -199,7 +198,7 @@ class Intensity : public Effect {
     });
   }
 
-  // Rows that come from no hit were added with the power that they would have from the reference range.
+  // Sets the power of rows that come from no hit. They were added with the power as from the reference range.
   void takeAdded(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given, float* power,
                  float* sent) const {
     for (std::size_t i = 0; i < count; ++i) {
@@ -210,7 +209,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Finite, and nothing where there is no return.
+  // Makes the power finite, and 0 for rows without a return.
   static void settle(const float* range, std::size_t count, float* power) {
     for (std::size_t i = 0; i < count; ++i) {
       const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
@@ -218,7 +217,7 @@ class Intensity : public Effect {
     }
   }
 
-  // How the surfaces of neighbouring rays or rows reflect. Null: as their materials say.
+  // How the surfaces of neighbouring rays or rows reflect. A null pointer: the values of their materials apply.
   struct Surfaces {
     const std::uint16_t* material;
     const float* reflectance;
@@ -269,7 +268,7 @@ class Intensity : public Effect {
     }
   }
 
-  // The power that echoes would have from the reference range through clear air.
+  // Computes the power that echoes would have from the reference range through clear air.
   void sentFor(const float* range, std::size_t count, const float* power, float* sent) const {
     Batch<float> lost;
     lost.fill(1);

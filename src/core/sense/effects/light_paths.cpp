@@ -1,12 +1,13 @@
-// light_paths: rays go on behind glass and off mirrors.
+// light_paths: rays continue behind glass and off mirrors.
 //
 //   light_paths: {panes: 4, bounces: 1}
 //   light_paths: {bounces: 2, mirrored: unlabeled, least: 0.0001}
 //
-// Materials with a `transmission` let light through (two-way, by Fresnel's equations and what the glass absorbs), those
-// of a roughness of at most 0.1 mirror. What a ray meets there is an echo of its own: returns behind glass have the
-// cause 3 and the class of what they hit, mirror images the cause 4 and lie where the sensor believes them, as far
-// along the beam as the light has gone. methods/interface/light_paths.h says how; nothing is left to do here.
+// Materials with a `transmission` let light through (both ways, by Fresnel's equations and the absorption of the
+// glass); materials with a roughness of at most 0.1 act as mirrors. Each hit of a continued ray is an echo of its own.
+// Returns behind glass have cause 3 and the class of the surface that they hit. Mirror images have cause 4 and are
+// placed where the sensor believes them to be: along the beam, at the length of the light's path. All of this is
+// implemented in methods/interface/light_paths.h; apply() has nothing left to do.
 
 #include "methods/interface/light_paths.h"
 
@@ -21,9 +22,9 @@ class LightPathsEffect : public Effect {
  public:
   explicit LightPathsEffect(const LightPaths& paths) : paths_(paths) {}
 
-  Channels reads() const override { return Channel::Range; }  // those who follow the rays read more
+  Channels reads() const override { return Channel::Range; }  // followLight() reads more
   const LightPaths* lightPaths() const override { return &paths_; }
-  // Each pane and each mirror adds one at most to each ray; no more than rows there are.
+  // Counts one return more per ray for each pane, and two for each bounce; kMostReturns at most.
   std::uint32_t mostReturns(std::uint32_t before) const override {
     return std::min(before * (1 + paths_.panes + 2 * paths_.bounces), kMostReturns);
   }

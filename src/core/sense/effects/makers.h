@@ -1,6 +1,6 @@
 #pragma once
 
-// The makers behind the rows of effects(), one per file.
+// The functions that create the effects in the rows of effects(), one per file.
 
 #include <memory>
 

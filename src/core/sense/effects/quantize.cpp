@@ -2,7 +2,7 @@
 //
 //   quantize: {step_m: 0.008}
 //
-// A return stays a return: what is nearer than half a step is reported at one step.
+// No return is lost: ranges below half a step are reported as one step.
 
 #include <cmath>
 

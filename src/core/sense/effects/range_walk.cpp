@@ -2,9 +2,9 @@
 //
 //   range_walk: {per_decade_m: 0.02, above: 1}
 //
-// A pulse crosses the receiver's threshold the earlier the stronger it is. A return of the power P seems nearer by
-// per_decade_m log10(P / above) where P is beyond `above`, and is never moved nearer than the sensor reports. Sensors
-// correct most of it; makers state no figures.
+// The stronger a pulse is, the earlier it crosses the receiver's threshold. A return of power P seems nearer by
+// per_decade_m log10(P / above) if P exceeds `above`, but is never moved below the sensor's minimum range. Sensors
+// correct most of this error; manufacturers state no figures.
 
 #include <cmath>
 

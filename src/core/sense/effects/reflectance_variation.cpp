@@ -1,16 +1,16 @@
-// reflectance_variation: surfaces are brighter here and darker there: patches of asphalt, blades of grass, courses of
-// brick, dirt.
+// reflectance_variation: the reflectance of a surface varies from place to place: patches of asphalt, blades of grass,
+// brickwork, dirt.
 //
 //   reflectance_variation: {}                # as much as the table of materials says
 //   reflectance_variation: {strength: 0.5}   # half as much
 //
-// The reflectance at a place is that of the material times exp(sum of c_k n_k - c_k^2 / 2), with a contrast c_k and a
-// size for each of the material's `variations`, and n_k a Gaussian field of variance 1 over cubes of that size
-// (spatial_noise.h): a log-normal law whose mean is the material's reflectance. The fields belong to the world and the
-// pipeline's seed, so that every frame, every sensor and every method finds the same patches.
+// The reflectance at a place is that of the material times exp(sum of c_k n_k - c_k^2 / 2). Each of the material's
+// `variations` has a contrast c_k and a size, and n_k is a Gaussian field of variance 1 over cubes of that size
+// (spatial_noise.h). This is a log-normal distribution whose mean is the material's reflectance. The fields depend only
+// on the place in the world and the pipeline's seed: every frame, sensor and method finds the same patches.
 //
-// A beam averages over its own width: where the sensor's file says how wide it is, the variance c_k^2 is divided by
-// 1 + area of the beam / size^2, which is that of the mean of so many independent patches.
+// A beam averages over its own width: if the sensor's file gives the width, the variance c_k^2 is divided by
+// 1 + area of the beam / size^2, as for the mean of this number of independent patches.
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +66,7 @@ class ReflectanceVariation : public Effect {
   }
 
  private:
-  // Without contrast where there is none, or nothing that it could belong to.
+  // Returns the variation k of the row's material; contrast 0: the row has no hit, or the material no such variation.
   static Variation variationOf(const Hits& hits, std::span<const Material> materials, const Returns& returns,
                                std::size_t row, std::uint32_t k) {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return {};

@@ -1,16 +1,17 @@
-// relief: surfaces are rough: grass, gravel, leaf litter, courses of stone, bark. A beam is stopped by the first height
-// in its way.
+// relief: surfaces such as grass, gravel, leaf litter, stonework and bark are rough. A height field over the mesh
+// models this, and a beam ends where it first hits the height field.
 //
 //   relief: {}                # as rough as the table of materials says
 //   relief: {strength: 0.5}   # half as high
 //
-// Heights over the mesh are the sum of height_k n_k, with a height and a size for each of the material's `relief`, and
-// n_k a Gaussian field of variance 1 over cubes of that size (spatial_noise.h) that belongs to the world and the
-// pipeline's seed: every frame, every sensor and every method meets the same tufts. The beam is followed from where it
-// comes within kDeviations of the mesh, in steps of no more than the smallest size, to where it is first below a
-// height; there, between two steps, twice by a straight line (relief mapping: Policarpo, Oliveira and Comba,
-// "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). So a grazing beam meets the tips and jumps
-// from tuft to tuft, and one that falls from above meets heights of mean 0.
+// The height over the mesh is the sum of height_k n_k over the entries of the material's `relief`. Each entry has a
+// height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The field
+// depends only on the place in the world and the pipeline's seed: every frame, sensor and method hits the same tufts.
+// The beam is followed from kDeviations standard deviations of the height before the mesh, in steps shorter than the
+// smallest size (unless this takes more than kMostSteps), to the first step below the height field. Two linear
+// interpolations between this step and the one before it then find the hit (relief mapping: Policarpo, Oliveira and
+// Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). So a grazing beam hits the tips and
+// jumps from tuft to tuft, and a beam from above hits heights of mean 0.
 //
 // A beam averages over its own width: as in reflectance_variation, the variance is divided by 1 + area / size^2, here
 // with the area that the beam lights on the slanted surface.
@@ -26,24 +27,24 @@
 namespace scanmill {
 namespace {
 
-constexpr double kDeviations = 2.5;  // heights beyond are rare: 0.6 %
+constexpr double kDeviations = 2.5;  // standard deviations of the height; only 0.6 % of heights are higher
 constexpr double kLeastCosine = 0.05;
-constexpr double kStep = 0.75;  // of the smallest size
+constexpr double kStep = 0.75;  // length of a step relative to the smallest size
 constexpr int kMostSteps = 24;
 
 // A beam that ends on a rough surface.
 struct RoughHit {
   std::size_t row = 0;
-  Vec3d place, along;                         // of the mesh, and of the beam, in the world
-  std::array<double, kMostReliefs> height{};  // m, as the beam sees it
-  std::array<double, kMostReliefs> cubes{};   // a metre
-  double cosine = 1;                          // of the incidence
-  double reach = 0;                           // m before the mesh and behind it that are searched
-  double step = 0;                            // m
+  Vec3d place, along;                         // hit on the mesh (m), direction of the beam; world axes
+  std::array<double, kMostReliefs> height{};  // m, averaged over the beam's width
+  std::array<double, kMostReliefs> cubes{};   // per metre
+  double cosine = 1;                          // of the angle of incidence
+  double reach = 0;                           // m along the beam that are searched before the mesh, and behind it
+  double step = 0;                            // m along the beam
   int steps = 0;
 };
 
-// Follows many beams at once, each in a slot, whose place the next beam takes as soon as it has met a height.
+// Follows many beams at once, each in a slot. As soon as a beam has hit the height field, the next one takes its slot.
 class March {
  public:
   March(std::uint64_t seed, std::span<const RoughHit> hits, Returns& returns)
@@ -82,7 +83,7 @@ class March {
     look(slot, -hit.reach);
   }
 
-  // `at`: m behind the mesh.
+  // Moves the slot's position along its beam to `at` (m behind the mesh).
   void look(std::size_t slot, double at) {
     const RoughHit& hit = *hit_[slot];
     at_[slot] = at;
@@ -95,7 +96,7 @@ class March {
     const RoughHit& hit = *hit_[slot];
     const double at = at_[slot];
     const double over = -at * hit.cosine - height;
-    if (below_[slot] < 0) {  // between two steps: once more, by the line between here and one of them
+    if (below_[slot] < 0) {  // after the first interpolation: the second one, between here and one of the steps
       const double first = step_[slot] * hit.step - hit.reach;
       end(slot, over > 0 ? at + (first + hit.step - at) * over / (over - below_[slot])
                          : first + (at - first) * above_[slot] / (above_[slot] - over));
@@ -125,10 +126,10 @@ class March {
   std::size_t running_ = 0;
   std::size_t levels_ = 0;
   Batch<const RoughHit*> hit_{};
-  Batch<int> step_{};      // the one that is looked at; once below_ is known, the last one over the heights
-  Batch<double> at_{};     // m behind the mesh
-  Batch<double> above_{};  // how far the beam is over the heights, at the last step where it is
-  Batch<double> below_{};  // at the first where it is not; 0: not known yet
+  Batch<int> step_{};      // the current step; once below_ is known, the last step above the height field
+  Batch<double> at_{};     // m along the beam, behind the mesh
+  Batch<double> above_{};  // m from the height field up to the beam, at the last step above it
+  Batch<double> below_{};  // the same at the first step below it (negative); 0: not known yet
   Places places_{};
   std::array<Batch<double>, kMostReliefs> height_{}, cubes_{};
 };
@@ -164,7 +165,7 @@ class ReliefEffect : public Effect {
   }
 
  private:
-  // Appends the row, without its place, where its material has a relief.
+  // Appends the row to `rough` if its material has a relief; the caller sets place and direction.
   void prepare(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
                std::size_t row, std::vector<RoughHit>& rough) const {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return;

@@ -1,12 +1,13 @@
-// ring_bias: what a sensor's calibration leaves over of each laser: an offset of its ranges, an error of its elevation
-// and its gain. They stay the same for all beams of a ring and all frames of a dataset.
+// ring_bias: the errors of each laser that remain after a sensor's calibration: in its range, its elevation and its
+// gain. They are the same for all beams of a ring and all frames of a dataset.
 //
 //   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
 //   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one figure per ring
 //
-// Offsets are what is reported less what is true; elevation is positive upwards. Spreads are standard deviations:
-// Gaussian numbers, drawn once per sensor and ring from the pipeline's seed; the gain is exp(gain_sigma * number). Each
-// of the three is given either as a spread or as a list. A ring whose range would fall below 1 mm reports 1 mm.
+// An offset is the reported minus the true value; elevation is positive upwards. The keys with `sigma` are standard
+// deviations of Gaussian numbers, sampled once per sensor and ring from the pipeline's seed; the gain is
+// exp(gain_sigma * number). Each of the three errors is given either by its sigma or as a list. A range that would fall
+// below 1 mm is reported as 1 mm.
 
 #include <cmath>
 
@@ -19,7 +20,7 @@ namespace {
 
 constexpr double kNearestRange = 0.001;  // m
 
-// Of one figure: either a list, or a spread from which it is drawn.
+// One kind of error: either a list with a value per ring, or the standard deviation to sample them with.
 struct PerRing {
   double sigma = 0;
   std::vector<double> list;
@@ -80,7 +81,7 @@ class RingBias : public Effect {
     return errors;
   }
 
-  // Of neighbouring rows of one ring.
+  // Applies the errors of one ring to neighbouring rows of that ring.
   SCANMILL_BEST_INSTRUCTIONS void change(const Errors& errors, const Shot& shot, std::size_t firstRow,
                                          std::size_t count, Returns& returns) const {
     float* const range = returns.range.data() + firstRow;
@@ -130,7 +131,7 @@ std::unique_ptr<Effect> makeRingBias(Fields& options) {
   PerRing range = readFigure(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
   PerRing elevation = readFigure(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
   PerRing gain = readFigure(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
-  options.finish();  // first: a misspelt key is the likelier reason for the lack of one
+  options.finish();  // first: if a key is missing, it is probably misspelt
   bool given = false;
   for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {
     given |= options.has(key);

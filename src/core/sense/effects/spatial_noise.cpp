@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// A coordinate among the lattice's points, of at most 2^51 either way.
+// A coordinate on the lattice, from -2^51 to 2^51, between two corners.
 struct Cell {
   std::uint32_t corner;  // the lower one, modulo 2^32
   double lower;          // weights of the two corners
@@ -25,7 +25,8 @@ Cell cellOf(double at) {
   return {static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted)) - (below ? 1u : 0u), 1 - upper, upper};
 }
 
-// The sum of four uniform numbers, of variance 1: close to the normal law within two deviations and never beyond 3.5.
+// Returns the sum of four uniform numbers, scaled to variance 1: close to the normal distribution within two standard
+// deviations and never beyond 3.5.
 double standard(const RandomBlock& words) {
   const double sum = toDouble(words[0]) + toDouble(words[1]) + toDouble(words[2]) + toDouble(words[3]);
   return (sum * 0x1p-32 - 2) * 1.7320508075688772;

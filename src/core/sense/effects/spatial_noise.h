@@ -1,6 +1,7 @@
 #pragma once
 
-// Random fields in space: what varies from place to place in the world and stays there, whoever looks and when.
+// Random fields in space: values that differ from place to place in the world, and are the same for all sensors and at
+// all times.
 
 #include <cstdint>
 #include <vector>
@@ -13,19 +14,20 @@
 
 namespace scanmill {
 
-// Of a batch of rows, in the world (m).
+// The positions of a batch of rows in the world (m).
 struct Places {
   Batch<double> x;
   Batch<double> y;
   Batch<double> z;
 };
 
-// Where the hits of rows are: noise-free, along their beams. A mirror image is where the sensor believes it.
+// Finds the noise-free positions of the hits of rows, along their beams. A mirror image is where the sensor believes it
+// to be, not at the surface.
 class PlacesOfHits {
  public:
   PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
-  // Rows first, first + 1, ...; those that come from no hit, or are gone, lie in the origin. `along`, where wanted: the
-  // beams' directions, unit vectors in the world; 0 of those rows.
+  // Finds the positions of rows first, first + 1, ...; rows that come from no hit or were removed get the origin.
+  // `along`, unless null, gets the beams' directions (unit vectors in the world), 0 for such rows.
   void find(std::size_t first, Places& places, Places* along = nullptr) const;
 
  private:
@@ -35,17 +37,18 @@ class PlacesOfHits {
   std::vector<Mat3> rotation_;  // world from sensor, per step
 };
 
-// A Gaussian field of mean 0 and variance 1 at every place: lattice noise (Perlin, "Improving noise", SIGGRAPH 2002,
-// for its weights), with standard numbers at the corners of a lattice of cubes, drawn from a counter by seed, purpose
-// and number of the field, and weighted so that the sum of the squares of the weights is 1. Fields of other numbers or
-// purposes are independent, and so are places that lie two cubes or more apart along an axis.
+// A Gaussian field with mean 0 and variance 1 at every place. It is lattice noise: each corner of a lattice of cubes
+// has a random number of mean 0 and variance 1, which depends on the corner and on the field's seed, purpose and
+// number. The value at a place is a weighted sum over the corners of its cube (weights of Perlin, "Improving noise",
+// SIGGRAPH 2002), scaled so that the squares of the weights add up to 1. Fields of different number or purpose are
+// independent, and so are the values at places that lie two cubes or more apart along an axis.
 struct SpatialField {
   std::uint64_t seed = 0;
   Purpose purpose = Purpose::Test;
   std::uint32_t number = 0;  // below 4096
 };
 
-// values[i] += factor[i] * field(place / cube). `cubes`: number of cubes a metre, of each row.
+// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: the number of cubes per metre, for each row.
 void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes, const Batch<double>& factor,
               Batch<double>& values);
 

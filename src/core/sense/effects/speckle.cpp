@@ -1,12 +1,13 @@
-// speckle: the grain of laser light on rough surfaces. The power of each return is multiplied by a random factor.
+// speckle: the granular interference pattern of laser light on rough surfaces. The power of each return is multiplied
+// by a random factor.
 //
 //   speckle: {looks: 12}
 //
-// Light that a rough surface scatters interferes with itself; what a detector gets when it averages over `looks`
-// independent patterns follows the gamma law of mean 1 and variance 1 / looks, for one look the exponential law
-// (Goodman, "Statistical properties of laser speckle patterns", in Laser Speckle and Related Phenomena, 1975). Drawn
-// exactly: the sum of `looks` exponential numbers is minus the logarithm of the product of as many uniform ones.
-// Independent from return to return.
+// Light that a rough surface scatters interferes with itself. Averaged over `looks` independent patterns, the relative
+// power at the detector follows the gamma distribution of mean 1 and variance 1 / looks, which is the exponential
+// distribution for one look (Goodman, "Statistical properties of laser speckle patterns", in Laser Speckle and Related
+// Phenomena, 1975). The factor is sampled exactly: the sum of `looks` exponential numbers is minus the logarithm of the
+// product of as many uniform ones. Factors are independent from return to return.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
@@ -15,7 +16,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kMostLooks = 30;  // the product of so many numbers of at least 2^-33 is still a normal number
+constexpr int kMostLooks = 30;  // the product of 30 numbers of at least 2^-33 is still a normal double
 
 class Speckle : public Effect {
  public:
@@ -36,7 +37,7 @@ class Speckle : public Effect {
       product.fill(1.0);
       for (int drawn = 0; drawn < looks_; drawn += 4) {
         const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
-        // Words that are one too many count as 1.
+        // A block has four words; those beyond `looks_` count as 1.
         const int left = looks_ - drawn;
         const double keep[] = {1, left > 1 ? 1.0 : 0.0, left > 2 ? 1.0 : 0.0, left > 3 ? 1.0 : 0.0};
         drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {

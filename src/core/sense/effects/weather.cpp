@@ -1,32 +1,34 @@
-// weather: rain, snow, fog or dust between the sensor and what it sees.
+// weather: rain, snow, fog or dust between the sensor and the surfaces that it sees.
 //
 //   weather: {kind: rain, severity: moderate}      # or light, heavy
 //   weather: {kind: rain, rate_mm_h: 12.5, wet: 0.6}
 //   weather: {kind: fog, visibility_m: 80}
 //
-// All returns lose what the air takes on both ways, exp(-2 extinction r), before the receiver looks for them. What the
-// particles send back are returns of their own, of cause 6, in front of the nearest surface that the beam meets; they
-// are unlabelled, or have the class id that `label` says. sense/weather.h has the laws.
+// The power of all returns is multiplied by exp(-2 extinction r), the air's transmission both ways, before detection.
+// Particles add returns of their own, with cause 6, in front of the nearest surface that the beam hits; they are
+// unlabelled, or have the class id that `label` gives. The physics is in sense/weather.h.
 //
-// Raindrops and snowflakes are few: how many of a beam are bright enough follows Poisson's law, with the mean
+// Raindrops and snowflakes are sparse: the number of drops in a beam that are bright enough follows the Poisson
+// distribution with the mean
 //
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) (r / 10 m)^2 exp(2 extinction r) / dropEcho
 //
-// over the way to the surface. A(r) is the area that the beam lights (beamArea() in sensors/footprint.h), N the drops a
-// volume and `least` the power, in units of a white target at 10 m, below which drops are not looked at. Ranges are
-// drawn by the integral, diameters by the law beyond D_least: exactly as if all drops in the beam had been drawn. The
-// area is taken as evenly lit, and a drop as wholly inside or outside of it.
+// from the sensor to the surface. A(r) is the area that the beam lights (beamArea() in sensors/footprint.h), N the
+// number of drops per volume, and `least` the power, in units of a white target at 10 m, below which drops are ignored.
+// Ranges are sampled from the integrand, diameters from the distribution beyond D_least: the result is distributed
+// exactly as if all drops in the beam had been sampled. The area counts as evenly lit, and a drop as wholly inside or
+// outside.
 //
-// Fog and dust are many particles. A beam is cut into stretches of a pulse's length; each sends back pi backscatter
-// length exp(-2 extinction r) of what a white target does there, times a random number of the exponential law, since
-// the light of very many particles interferes (Goodman 1975, one look). Those of at least `least` are returns, at a
-// range drawn within the stretch.
+// Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
+// length exp(-2 extinction r), in units of a white target at the same range, times a random number of the exponential
+// distribution, since the light of very many particles interferes (Goodman 1975, one look). If its power is at least
+// `least`, it becomes a return at a random range within the interval.
 //
-// Of drops and of stretches a beam has eight at most, the strongest.
+// A beam gets at most eight returns from particles, the strongest.
 //
-// wet: surfaces that face up (by less than 60 degrees) have drawn in water and are darker; that share of them lies
-// under a film of standing water besides, in patches of about a metre, which sends light that grazes it away like a
-// mirror. Mirror images in it are not modelled, nor are drops on the sensor, spray behind wheels and lying snow.
+// wet: surfaces that face up (within 60 degrees of the vertical) have soaked up water and are darker. The share `wet`
+// of them is also under a film of standing water, in patches of about a metre, which reflects grazing light away like a
+// mirror. Mirror images in the film are not modelled, nor are drops on the sensor, spray behind wheels and lying snow.
 
 #include "sense/weather.h"
 
@@ -45,12 +47,12 @@
 namespace scanmill {
 namespace {
 
-constexpr double kReferenceRange = 10;      // m, of the unit of power
-constexpr double kNearRange = 1;            // m, nearer particles gain nothing, as surfaces do
-constexpr std::size_t kMostOfBeam = 8;      // drops or stretches that become returns
-constexpr std::size_t kMostStretches = 32;  // a random block has numbers for two, an address for 16 blocks
-constexpr double kLeastUp = 0.5;            // cosine of the angle to the vertical, of what is wet
-constexpr double kPuddle = 1.2;             // m
+constexpr double kReferenceRange = 10;      // m, where a white target has power 1
+constexpr double kNearRange = 1;            // m; at smaller ranges the power grows no further, as for surfaces
+constexpr std::size_t kMostOfBeam = 8;      // drops or intervals of a beam that become returns
+constexpr std::size_t kMostStretches = 32;  // intervals per beam: there are 16 random blocks, each for two
+constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
+constexpr double kPuddle = 1.2;             // m, size
 
 struct WeatherOptions {
   Weather weather;
@@ -72,14 +74,14 @@ class DropTable {
     }
   }
 
-  // Drops that are expected up to a range.
+  // Returns the expected number of drops up to a range.
   double upTo(double range) const {
     const double at = std::clamp((range - beams_.minRange) / step_, 0.0, double{kSteps});
     const auto i = std::min(static_cast<std::size_t>(at), kSteps - 1);
     return sum_[i] + (at - static_cast<double>(i)) * (sum_[i + 1] - sum_[i]);
   }
 
-  // The range up to which so many are expected.
+  // Returns the range up to which this number of drops is expected.
   double rangeOf(double expected) const {
     const auto next = std::upper_bound(sum_.begin() + 1, sum_.end() - 1, expected);
     const double before = *(next - 1);
@@ -87,7 +89,7 @@ class DropTable {
     return beams_.minRange + (static_cast<double>(next - sum_.begin()) - 1 + part) * step_;
   }
 
-  // Of the smallest drop that is bright enough (mm).
+  // Returns the diameter of the smallest drop that is bright enough (mm).
   double leastDiameter(double range) const {
     const double way = std::max(range, kNearRange) / kReferenceRange;
     const double area = beamArea(beams_, range);
@@ -106,14 +108,14 @@ class DropTable {
   std::array<double, kSteps + 1> sum_{};
 };
 
-// Up to which range each beam is open (m): to the nearest surface, or the end of the sensor's range.
+// Returns the range of the nearest surface in each beam, or the sensor's maximum range (m).
 std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
   std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
   for (std::size_t row = 0; row < returns.size(); ++row) {
     float& range = open[returns.beam(row)];
     if (returns.returned(row)) range = std::min(range, returns.range[row]);
   }
-  // The own vehicle may block a beam nearer than the sensor reports.
+  // The own vehicle may block a beam below the sensor's minimum range.
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
     if (hits.pathOfRay[ray] != RayPath::OwnVehicle || hits.hit(ray)) continue;
     open[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]] = 0;
@@ -123,7 +125,7 @@ std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Re
 
 struct Particle {
   float range;
-  float echo;      // of what a white target there sends back, with what the air takes
+  float echo;      // in units of a white target at the same range, after the loss in the air
   float strength;  // power in units of a white target at the reference range
 };
 
@@ -189,7 +191,7 @@ class WeatherEffect : public Effect {
     });
   }
 
-  // Where the normal law has a share below; by bisection.
+  // Returns the number below which the standard normal distribution has this share, by bisection.
   static double quantileOfNormal(double share) {
     double low = -8;
     double high = 8;
@@ -211,7 +213,7 @@ class WeatherEffect : public Effect {
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       const double expected = table.upTo(double{open[beam]});
       if (expected <= 0) continue;
-      // Number 15 is for how many there are, the others are for the drops.
+      // The random block 15 gives the number of drops, the blocks before it one drop each.
       double left = uniform(draw(shot, beam, 15, Purpose::Weather)[0]);
       double probability = exponential(-expected);
       drops.clear();
@@ -243,7 +245,7 @@ class WeatherEffect : public Effect {
       for (std::uint32_t k = 0; k < kMostStretches; ++k) {
         const double start = beams.minRange + k * whole;
         const double length = std::min(whole, double{open[beam]} - start);
-        if (length <= 0 || mean[k] * 23 < o_.least) break;  // 2^-33 is the least number drawn: 23 its logarithm
+        if (length <= 0 || mean[k] * 23 < o_.least) break;  // factor < 23: the smallest uniform number is 2^-33
         if (k % 2 == 0) words = draw(shot, beam, k / 2, Purpose::Fog);
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
         const double factor = -naturalLog(uniform(words[2 * (k % 2)]));
@@ -282,7 +284,7 @@ class WeatherEffect : public Effect {
   Location where_;
 };
 
-// The ladder: rates in mm/h of water, visibilities in m, and the share of the ground under standing water.
+// A rate (mm/h of water) or visibility (m), and the share of the ground under standing water.
 struct Severity {
   double amount;
   double wet;
@@ -296,8 +298,9 @@ struct Kind {
   std::array<Severity, 3> ladder;  // light, moderate, heavy
 };
 
-// Rain by the bounds of the American Meteorological Society's glossary (2.5 and 7.6 mm/h); snow and fog by visibility
-// as observers do (1000 and 500 m, 1000 and 200 m); one figure within each step is an estimate, as is how wet it is.
+// Severities have the bounds that observers use: for rain by rate (2.5 and 7.6 mm/h, glossary of the American
+// Meteorological Society), for snow and fog by visibility (1000 and 500 m, 1000 and 200 m). The figures chosen within
+// these bounds, and the shares under water, are estimates.
 constexpr std::array<Kind, 4> kKinds{{
     {"rain", rainOf, true, 200, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
     {"snow", snowOf, true, 50, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},
