@@ -135,8 +135,9 @@ class Importer {
     return dropped;
   }
 
-  // Resets the root transform of FBX files. Assimp 5.4 rotates the root by the declared axes; here assetFromImported()
-  // does that for all versions of assimp, from the up axis and the unit only.
+  // Resets the root transform of FBX files, in which assimp 5.4 puts the rotation to the declared axes. For all
+  // versions of assimp, assetFromImported() rotates by the up axis and scales by the unit; both together would rotate
+  // twice.
   void undoTurnOfFbx() const {
     if (importedAs() == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
   }

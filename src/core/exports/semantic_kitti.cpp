@@ -28,7 +28,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kMostInstances = 32767;  // 15 bits, since readers shift signed numbers
+constexpr std::uint32_t kMostInstances = 32767;  // a top bit would be a sign to those who read int32
 constexpr std::size_t kMostSequences = 100;      // numbers have two digits
 
 // Camera axes: x right, y down, z forward.

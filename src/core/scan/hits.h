@@ -39,7 +39,7 @@ struct Hits {
   std::vector<std::uint32_t> beamOfRay;
   std::vector<float> weightOfRay;
   std::vector<RayPath> pathOfRay;  // empty: all rays are direct
-  bool glassIsClear = false;       // rays were traced on behind glass; panes then scatter nothing
+  bool glassIsClear = false;       // rays continue through panes, which then reflect nothing diffusely
 
   std::vector<float> range;              // m, from the ray's own origin along the ray
   std::vector<Vec3f> normal;             // unit normal of the triangle, world axes, turned towards the sensor

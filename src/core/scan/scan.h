@@ -98,7 +98,8 @@ std::vector<std::string> columnNames(const Scan& scan);
 // rings * columns points.
 void requireConsistent(const Scan& scan);
 
-// Returns a dense scan of the points with a finite position; the sensor's rings and columns stay.
+// Returns a dense scan of the points with a finite position; it keeps the numbers of rings and columns, and
+// has no reasonOfBeam.
 Scan withoutMisses(const Scan& scan);
 
 // The beam of a point (ring, column), and which of the beam's returns the point is (number, counted from 0).

@@ -34,7 +34,7 @@ class Effect {
   virtual std::uint32_t raysPerBeam() const { return 1; }
   // Returns how rays continue behind glass and off mirrors; null: they do not.
   virtual const LightPaths* lightPaths() const { return nullptr; }
-  // Returns the most returns that a beam may have after the effect, if it may have `before` returns before the effect.
+  // Returns how many returns a beam may have after this effect, given how many it may have before.
   virtual std::uint32_t mostReturns(std::uint32_t before) const { return before; }
   // Throws InputError if the options do not fit the sensor, for example a list that has not one figure per ring.
   virtual void check(const BeamTable& /*beams*/) const {}

@@ -63,9 +63,10 @@ struct BeamTable {
   std::vector<double> firingOffset;           // s, per ring
   double originOffset = 0;                    // m, beam origin to the axis of rotation, along the head's azimuth
   double originHeight = 0;                    // m, beam origin above the sensor frame's origin
-  std::vector<double> originLeft;  // m, per ring, added to the origin: perpendicular to the beam, to its left
-  std::vector<double> originUp;    // and perpendicular to both, upwards; each is empty if all are zero
-  bool topDown = false;            // ring 0 is the highest beam
+  // Shifts of the beam's origin, m, per ring: to the left, perpendicular to the beam, and upwards, perpendicular to
+  // both. Each is empty if all its values are zero.
+  std::vector<double> originLeft, originUp;
+  bool topDown = false;  // ring 0 is the highest beam
 
   // The beam's full width, across (in azimuth) and up (in elevation), is the width at the exit plus the divergence
   // times the range. A Gaussian beam's width is measured where its power has fallen to 1/e^2 of that in the middle.

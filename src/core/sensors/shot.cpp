@@ -70,7 +70,7 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
   for (std::uint64_t step = 0; step < steps; ++step) {
-    // The first column with column * steps / columns == step.
+    // The first column of the step: see Shot::worldFromSensor.
     const auto column = static_cast<std::uint32_t>((step * beams->columns + steps - 1) / steps);
     shot.worldFromSensor.push_back(trajectory.pose(frame, beams->columnTime(column)) * vehicleFromSensor);
   }

@@ -32,7 +32,7 @@ class Placer {
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
   // Places the model if the place is free, otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // As tryPut(), for a model on wheels, which tilts with the ground; returns false also where noParking is taken.
+  // Does the same for a model on wheels, which tilts with the ground. Returns false also where noParking is taken.
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
   // Places a model on wheels even if the place is taken.
   void park(const Model& m, const Spot& s, const std::string& name);

@@ -195,7 +195,7 @@ void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
   if (c.gardenBushes <= 0) return;
-  const double bushFoliage = std::max(c.foliage, 0.3);  // some are evergreen
+  const double bushFoliage = std::max(c.foliage, 0.3);  // a mean of bare and evergreen ones
   const std::vector<Model> forms =
       models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed(), f, bushFoliage); });
   int number = 0;

@@ -33,8 +33,8 @@ Point2 TangentPlane::operator()(const OsmNode& n) const {
           north_ * (d.z * std::cos(latitude_) - towards * std::sin(latitude_))};
 }
 
-// By Newton's method with an approximate derivative: a metre to the north or east is nearly the same number of degrees
-// everywhere in the plane.
+// Solves by Newton's method with an approximate derivative: a metre to the north or east is nearly the same number of
+// degrees everywhere in the plane.
 OsmNode TangentPlane::degreesAt(const Point2& p) const {
   constexpr double kDegree = 111300;  // m
   OsmNode node{0, degrees(latitude_), degrees(longitude_)};

@@ -48,7 +48,7 @@ using AttributeNumbers = std::function<std::vector<float>(const std::string& nam
 // Applies morph targets and skins to the vertices of primitives.
 class Poser {
  public:
-  // Stores references to all arguments.
+  // The arguments must outlive it.
   Poser(const Model& model, const Data& data, const std::vector<PlacedNode>& placed);
 
   // True if neither a skin nor morph targets change the vertices of a node's mesh.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Surface elements (surfels; Pfister, Zwicker, van Baar, Gross, "Surfels: surface elements as rendering primitives",
-// SIGGRAPH 2000): discs that approximate a surface near each of the points that were measured on it.
+// Surface elements (surfels): discs that approximate a surface near each of the points that were measured on it
+// (Pfister, Zwicker, van Baar, Gross, "Surfels: surface elements as rendering primitives", SIGGRAPH 2000).
 
 #include <cstddef>
 #include <vector>

@@ -68,13 +68,13 @@ layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; 
 layout(std430, binding = 2) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
 layout(std430, binding = 3) readonly restrict buffer Steps { uint stepOfColumn[]; };
 
-// Of quotients and roots: a share of 2^-48, 16 units in the last place, where OpenGL lets quotients err by 2.5 and roots
-// by 4.5.
+// Relative error assumed of quotients and roots: 2^-48, 16 units in the last place. OpenGL allows 2.5 units for
+// quotients and 4.5 for roots.
 const double kSlack = 3.5527136788005009e-15LF;
 
 bool settled(double value, double doubt, out float rounded) {
   rounded = float(value);
-  if (doubt == 0.0LF) return value == 0.0LF || abs(value) > 1e-37LF;  // devices may take less for nothing
+  if (doubt == 0.0LF) return value == 0.0LF || abs(value) > 1e-37LF;  // devices may flush smaller values to 0
   return float(value - doubt) == rounded && float(value + doubt) == rounded && abs(rounded) > 1e-30;
 }
 

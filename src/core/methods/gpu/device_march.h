@@ -23,8 +23,8 @@ class DeviceMarch {
   static constexpr std::uint64_t kMostColumns = 14;
   static constexpr std::uint64_t kFewestColumns = 8;
 
-  // Uploads those parts of a field and, if it has lists, of the world's triangles that the device does not hold yet.
-  // Throws an Error with the device's ComputeErrorWords if they do not fit.
+  // Uploads what the device does not hold yet of a field. If the field has lists, also uploads the world's triangles,
+  // unless they are there already. Throws an Error, worded by ComputeErrorWords, if they do not fit.
   void hold(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
 
   // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last

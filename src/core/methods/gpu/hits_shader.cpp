@@ -21,7 +21,7 @@ constexpr const char* kParameters = R"(
   uint firstAlpha;     // triangles from here on are alpha-tested
   uint corrected;      // 1: to the plane of the nearest triangle
   uint whole;          // 1: nothing of the scene lies outside of the box
-  uint last;           // 1: what still passes a hole is left to the processor
+  uint last;           // 1: particles that still pass a hole are left to the processor
   int lastLevel;
   float reach;         // of the field's first level
   float metres;        // of a voxel
@@ -45,7 +45,7 @@ dvec3 onRay(dvec3 o, dvec3 d, double range) {
   return point;
 }
 
-// Whether the particle ended because its way left the box, where the scene goes on.
+// True if the particle ended because its path left the box, outside of which the scene continues.
 bool leftField(dvec3 o, dvec3 d, out bool sure) {
   double way = 2.0LF * ends;
   for (int k = 0; k < 3; ++k) {
@@ -61,7 +61,7 @@ void ended(uint ray, uint verdict) {
   leave(ray, verdict);
 }
 
-// What is no hit.
+// Records a particle that is not a hit.
 void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
   if (outcome == kExhausted) {
     ended(ray, kExhaustedRay);
@@ -105,7 +105,7 @@ void invoke(uint i) {
 )";
 
 constexpr const char* kLists = R"(
-// Returns whether the particle is done; else it goes on behind a hole.
+// Returns whether the particle is done; if not, it continues behind a hole.
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   uint triangle = records[count + i];
   float way = uintBitsToFloat(records[i]);
@@ -156,7 +156,7 @@ layout(binding = 5) uniform usamplerBuffer table;
 layout(binding = 6) uniform usamplerBuffer distances;
 layout(binding = 7) uniform usamplerBuffer words;
 
-// In the field's frame. False where a float32 of it could have other bits.
+// Converts a point to the field's frame. False if its float32 could have other bits than on the processor.
 bool fieldFrame(dvec3 point, double doubt, out vec3 q) {
   precise dvec3 place = (point - centre.xyz) * centre.w;
   bool sure = true;
@@ -212,7 +212,7 @@ float row(uint corner, float t) {
   return mixed(float(texelFetch(distances, int(corner)).x), float(texelFetch(distances, int(corner + 1u)).x), t);
 }
 
-// Whether there is a surface at a place. Empty bricks are farther from all.
+// True if there is a surface at a place. Empty bricks are farther than that from all surfaces.
 bool surfaceAt(vec3 q) {
   Spot s = spotAt(q);
   if (!s.full) return false;
@@ -222,14 +222,14 @@ bool surfaceAt(vec3 q) {
   return here <= float(there);
 }
 
-// The triangle that the nearest corner names.
+// Returns the triangle that the nearest corner names.
 uint namedAt(vec3 q) {
   Spot s = spotAt(q);
   uvec3 up = uvec3(greaterThanEqual(s.f, vec3(0.5)));
   return s.full ? texelFetch(words, int(s.cell + (up.z * 9u + up.y) * 9u + up.x)).x : kNoWord;
 }
 
-// What a particle rests at.
+// The triangle and the range at which a particle rests.
 struct Rest {
   uint triangle;
   double range, doubt;  // m
@@ -304,7 +304,7 @@ Rest moved(Rest rest, dvec3 o, dvec3 d, inout bool sure) {
 
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   precise double way = double(uintBitsToFloat(records[i])) * voxel;
-  bool sure = way > 0.0LF;  // what starts at a surface is counted there
+  bool sure = way > 0.0LF;  // particles that start at a surface are counted on the processor
   Rest rest = Rest(records[count + i], way, 0.0LF);
   if (corrected != 0u) {
     rest = moved(rest, o, d, sure);

@@ -20,7 +20,7 @@ layout(std140, binding = 0) uniform MarchParameters {
   float metres;
   uint steps;
   uint count;
-  uint again;  // 1: those alone that go on behind a hole
+  uint again;  // 1: marches only those that continue behind a hole
 };
 layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
 layout(std430, binding = 1) restrict buffer HitRecords { uint records[]; };
@@ -172,12 +172,12 @@ Facet facetOf(uint triangle) {
   return Facet(texelFetch(triangles, at).xyz, texelFetch(triangles, at + 1).xyz, texelFetch(triangles, at + 2).xyz);
 }
 
-// The nearest triangle of a list that a particle meets in a voxel.
+// The nearest triangle of a list that a particle hits in a voxel.
 struct Search {
   vec3 d, place;    // m, where the particle enters the voxel
-  float low, high;  // m from there, between which it counts
+  float low, high;  // m from there, between which a hit counts
   float tie;        // m
-  float numerator, denominator;  // of the way to it, m; the denominator is 0 where there is none
+  float numerator, denominator;  // of the way to the hit, m; denominator 0: no hit
   uint triangle;
 };
 
@@ -266,8 +266,8 @@ void invoke(uint i) {
     Search found = Search(d, place, low, high, tie, 0.0, 0.0, 0u);
     bool more = word != kNoWord;
     while (more) {
-      // Four entries at a time: a device waits for its memory most, and these do not wait for each other. Behind the
-      // list's end stands another list, or nothing.
+      // Reads four entries at a time: devices mostly wait for memory, and these loads do not wait for each other.
+      // Entries beyond the end of the list are ignored.
       uvec4 entries = uvec4(fetch(lists, word), fetch(lists, word + 1u), fetch(lists, word + 2u), fetch(lists, word + 3u));
       word += 4u;
       uvec4 numbers = entries & ~kLastOfList;
@@ -306,12 +306,13 @@ layout(std140, binding = 0) uniform LaunchParameters {
 };
 layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
 
-// Numbers with the processor's bits.
+// Stores a number that is computed exactly as on the processor.
 void put(uint column, uint i, double value) {
   particles[column * count + i] = float(value);
 }
 
-// Numbers that come of quotients. False where a float32 could have other bits than the processor's.
+// Stores a number that was computed by a division, which a device may round differently. False if its float32 could
+// therefore differ from that of the processor.
 bool putQuotient(uint column, uint i, double value) {
   float rounded;
   bool sure = settled(value, 2.0LF * abs(value) * kSlack, rounded);
@@ -355,7 +356,7 @@ void invoke(uint i) {
   precise double to = there ? end * centre.w : 0.0LF;
   sure = putQuotient(6u, i, from) && sure;
   sure = putQuotient(7u, i, to) && sure;
-  if (!sure) {  // it misses at once, and is left to the processor
+  if (!sure) {  // the particle misses at once, and is left to the processor
     put(6u, i, double(kLeftOut));
     put(7u, i, double(kLeftOut));
   }

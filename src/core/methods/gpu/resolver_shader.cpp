@@ -15,7 +15,7 @@ layout(binding = 1) uniform usamplerBuffer materials;
 layout(binding = 2) uniform usamplerBuffer texels;
 layout(binding = 3) uniform usamplerBuffer texturedTriangles;
 
-// The plane of a triangle, relative to the world's origin, and what the triangle says: with the processor's bits.
+// The plane of a triangle, relative to the world's origin, and its labels, with the same bits as on the processor.
 struct Plane {
   dvec3 normal;
   double offset;
@@ -53,7 +53,7 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// `doubt`: by how much the processor's number may differ.
+// Returns the range to the plane. `doubt`: by how much the processor's number may differ.
 double distanceTo(Plane p, dvec3 o, out double doubt) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
@@ -61,14 +61,14 @@ double distanceTo(Plane p, dvec3 o, out double doubt) {
   return range;
 }
 
-// Along a side of so many texels.
+// Returns the index of the texel at a coordinate, along a side of `side` texels.
 uint texelOf(float coordinate, uint side) {
   precise float part = coordinate - floor(coordinate);
   precise float place = part * float(side);
   return part > 0.0 ? min(uint(place), side - 1u) : 0u;
 }
 
-// Where the line of sight meets the triangle, in its texture. False where rounding could make it another texel.
+// Finds the texel at which the ray hits the triangle's texture. False if rounding could make it another texel.
 bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
   int at = int(4u * (p.label.w - 1u));
   uvec4 behind = texelFetch(texturedTriangles, at + 3);
@@ -97,7 +97,7 @@ bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 materi
     dvec3 v = dvec3(k == 0 ? vec3(u[0], u[1], u[2]) : uintBitsToFloat(behind.xyz));
     double value = first * v.x + second * v.y + third * v.z;
     double off = blur * (abs(v.y - v.x) + abs(v.z - v.x)) + (abs(v.x) + abs(v.y) + abs(v.z)) * (4.0LF * kSlack);
-    // What lies between two coordinates of a repetition that are in one texel is in it, too.
+    // If both bounds lie in one texel of one repetition, so does every coordinate between them.
     float low = float(value - off);
     float high = float(value + off);
     index[k] = texelOf(low, sides[k]);
@@ -107,7 +107,7 @@ bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 materi
   return sure;
 }
 
-// Whether the triangle's texture lets the ray pass; `sure` is false where rounding could decide it.
+// True if the triangle's texture lets the ray pass. `sure` is false if rounding could decide that.
 bool letsPass(Plane p, double range, double doubt, dvec3 o, dvec3 d, out bool sure) {
   sure = true;
   uvec4 material = texelFetch(materials, int(p.label.y >> 16));

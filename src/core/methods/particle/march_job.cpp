@@ -164,7 +164,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
 
 constexpr std::size_t kTilesTogether = 16;  // their triangles stay in the L1 cache
 
-// Prefetches the triangles of the hits of kTilesTogether tiles, since they are scattered in memory.
+// Prefetches the triangles that the next kTilesTogether tiles hit, which are scattered in memory.
 void expect(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {
   for (std::size_t i = first; i < first + std::min(tiles, kTilesTogether) * kPacket; ++i) {
     if (records.outcomeOf(i) == Outcome::Hit) prefetch(job.world.baked.triangles[records.triangle[i]]);

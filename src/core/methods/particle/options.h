@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-inline constexpr double kLargestVoxel = 10;                     // m, of the finest level
+inline constexpr double kLargestVoxel = 10;                     // m, limit of ParticleOptions::voxel
 inline constexpr std::uint32_t kFewestVoxels = 64;              // across each level
 inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks on both sides of the centre
 

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Offsets of the fields of RTCRayN and RTCHitN, in lanes of N (Embree 3 API, rtcore_ray.h).
+// Embree's RTCRayN and RTCHitN of N rays (Embree 3 API, rtcore_ray.h): field f of ray i is the 32-bit word f * N + i.
 enum RayField { kDirX = 4, kDirY = 5, kDirZ = 6, kFar = 8, kId = 10 };
 enum HitField { kNgX = 0, kNgY = 1, kNgZ = 2, kU = 3, kV = 4, kPrimitive = 5, kGeometry = 6, kInstance = 7 };
 

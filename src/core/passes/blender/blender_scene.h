@@ -20,10 +20,10 @@ struct BlenderObject {
 // Blender writes a triangle's number as float32, which is exact for whole numbers up to this one.
 constexpr std::uint32_t kBlenderTriangles = std::uint32_t{1} << 24;
 
-// Writes scene.bin, arrays of little-endian numbers, and scene.json, which lists their positions. Everything is
-// relative to `origin`. Meshes that are placed once are transformed in double precision, so that float32 loses nothing
-// near the origin. Returns the objects in the order of their numbers in Blender's images, which count from 1. Throws
-// Error.
+// Writes scene.bin, arrays of little-endian numbers, and scene.json, which says where each array lies. Positions are
+// relative to `origin`. A mesh with one instance is written in place, computed in double precision before it is rounded
+// to float32; other meshes are written in their own frame, with a matrix for each instance. Returns the objects: object
+// n in Blender's images is element n - 1. Throws Error.
 std::vector<BlenderObject> writeBlenderScene(const Scene& scene, const Vec3d& origin, int threads,
                                              const std::filesystem::path& folder,
                                              std::uint32_t trianglesOfAnObject = kBlenderTriangles);

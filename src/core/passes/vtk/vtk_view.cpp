@@ -161,7 +161,8 @@ void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vect
     }
     before = &candidate;
     VtkPlacement placement = rowsOfFrame_[candidate.frame];
-    // The k-th triangle of the batch gets firstNumber + k.
+    // The shader adds a triangle's index in the batch, and the chunk's triangles are to get the numbers from
+    // nextNumber_ on. The difference may wrap around.
     placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
     placements_.push_back(placement);
     runs_.push_back({chunk.firstTriangle, candidate.frame, cut});

@@ -115,7 +115,7 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     for (const MeshThing& thing : things[instance.mesh]) {
       const auto size = usual.find(thing.semantic);
-      // An instance that consists of several placed meshes is larger than each of them.
+      // If several placed meshes share an instance id, the box of one says nothing of the size of the whole.
       if (size == usual.end() || meshesOf[instanceId(instance.firstInstanceId, thing.object)] > 1) continue;
       const double extent = largestExtent(thing.box, instance.worldFromMesh.linear);
       const auto& [low, high] = size->second;

@@ -289,7 +289,7 @@ void readEffects(Pipeline& pipeline) {
     sensor.effects = std::make_shared<const Effects>(makeEffects(sensorEffectItems(items, sensor), classes));
     lit.push_back(intensityFullScale(*sensor.effects) > 0);
     if (lit.back() != lit.front()) {
-      throw InputError(items.front().where,
+      throw InputError(writtenEffects(pipeline.root).where,
                        fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
                                    "have the same columns: add `intensity` to the effects of the other",
                                    pipeline.sensors.front().name, sensor.name));

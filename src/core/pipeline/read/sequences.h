@@ -49,8 +49,8 @@ const Value& requireList(Fields& fields, std::string_view key);
 
 // Returns a sequence for each scene, seed and trajectory. Throws InputError.
 std::vector<Sequence> readSequences(Fields& fields, const Periods& periods);
-// Returns the sequences of a recording. Throws InputError if the pipeline takes other objects out of a scene than were
-// taken out when the recording was made.
+// Returns the sequences of a recording, which decides what was taken out of its scenes: throws InputError if the
+// pipeline names another list `without`.
 std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fields);
 
 }  // namespace scanmill

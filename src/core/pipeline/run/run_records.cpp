@@ -76,7 +76,8 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
         {pipeline.sensors[s].name, *plan.sensors[s].beams, pipeline.sensors[s].vehicleFromSensor});
     const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
     if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
-    BeamTable& beams = manifest.sensors.back().beams;  // the manifest has values per ring, not per beam
+    BeamTable& beams = manifest.sensors.back().beams;
+    // fillBeams() computes these tables from the values per ring, which are all that the manifest keeps.
     beams.direction = {};
     beams.origin = {};
     beams.time = {};

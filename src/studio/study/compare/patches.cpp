@@ -14,8 +14,8 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kFewestInPatch = 12;  // points, to fit a patch's plane
 constexpr double kPlanar = 0.35;            // thickness over width: below it, the patch is a plane
-constexpr double kLevel = 25;               // deg, steepest level plane
-constexpr double kUpright = 65;             // deg, least steep upright plane
+constexpr double kLevel = 25;               // deg from horizontal: a plane below this is level
+constexpr double kUpright = 65;             // deg from horizontal: a plane above this is upright
 constexpr double kSteep = 0.5;  // cosine of 60 deg: offsets along the beam are measured only at steeper incidence
 constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and share of the range: ranges this close are of one surface
 

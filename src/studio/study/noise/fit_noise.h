@@ -80,8 +80,8 @@ struct FitNoiseOptions {
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
                   const FitNoiseOptions& options = {});
 
-// Returns a sentence, in a line or two, about what the model gives at ranges beyond the measured ranges. Empty if the
-// sensor reaches no farther.
+// Returns a line that says up to which range the noise was measured and what the model gives beyond, then a line for
+// each farther band that the fit left out. Empty if the sensor reaches no farther than was measured.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
 // Returns the key `effects` of a sensor file, with comments on the origin of the figures. Ends with a newline.
