@@ -32,6 +32,7 @@ set(public_headers
     pipeline/run/generate.h
     pipeline/read/pipeline.h
     pipeline/plan/plan.h
+    pipeline/scenes/shot_source.h
     scan/scan.h
     scene/builder.h
     scene/scene.h

@@ -24,6 +24,7 @@
 #include "pipeline/plan/dataset_plan.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/recorder.h"
+#include "pipeline/scenes/shot_source.h"
 
 namespace scanmill {
 
@@ -260,7 +261,10 @@ int runGenerate(const std::vector<std::string>& arguments) {
         "sweep effects with --from-hits");
   }
   const std::vector<SweepSet> sets = sweepSets(sweeps);
-  for (const SweepSet& set : sets) planOf(parsed, set.overrides);  // check all before the first is made
+  for (const SweepSet& set : sets) {  // check all before the first is made
+    const Plan plan = planOf(parsed, set.overrides);
+    const ShotSource vehicle(plan);
+  }
   for (std::size_t i = 0; i < sets.size(); ++i) {
     printText("{}{} of {}: {}\n", i == 0 ? "" : "\n", i + 1, sets.size(), (folder / sets[i].folder).string());
     generateOne(parsed, sets[i].overrides, folder / sets[i].folder);

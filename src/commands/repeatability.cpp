@@ -18,6 +18,7 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/scenes/shot_source.h"
 #include "report/page/report_folder.h"
 #include "report/repeatability/repeatability_report.h"
 #include "study/repeatability/repeatability_choice.h"
@@ -96,6 +97,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   Pipeline pipeline = readPipeline(parsed.pipeline(), pipelineOverrides(parsed));
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan = makePlan(std::move(pipeline), channels);
+  const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
   prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);
   RepeatabilityOptions run;
   run.quiet = parsed.options.count("quiet") > 0;

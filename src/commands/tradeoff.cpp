@@ -14,6 +14,7 @@
 #include "commands/stop_signal.h"
 #include "commands/table.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/scenes/shot_source.h"
 #include "report/page/report_folder.h"
 #include "report/tradeoff/error_picture.h"
 #include "report/tradeoff/report.h"
@@ -221,6 +222,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   } else {
     const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)));
     readStudyChoice(plan.pipeline);
+    const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
     prepareReportFolder(folder, kStudyFile, overwrite);
     study = runStudy(plan, studyOptions);
   }

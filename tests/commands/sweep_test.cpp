@@ -61,6 +61,8 @@ TEST_F(Sweep, AWrongSweepMakesNothing) {
   expectRefused(swept("seed=[1"), "--sweep seed");
   expectRefused(swept("sed=[1, 2]"), "sed");
   expectRefused(swept("method=[ray_tracing, nothing]"), "nothing");  // before the first is made
+  const std::string noScene = folder_.write("no_scene.yaml", "objects: 3\n").string();
+  expectRefused(swept("vehicle=[vehicle, " + noScene + "]"), noScene + ":1");  // likewise
   expectRefused(scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", "seed=[1]", "--sweep", "seed=[2]"}),
                 "is given twice");
   expectRefused(scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", "seed=[1]", "--keep-hits", at("hits")}),

@@ -24,7 +24,7 @@ namespace scanmill {
 
 struct ModuleFile {
   std::string_view name;     // "libscanmill_images.so"
-  std::string_view without;  // what fails without it: "images cannot be read or written"
+  std::string_view without;  // what fails without it: "rasters of heights cannot be read"
   std::string_view install;  // how to get what it links: "install OpenImageIO (on Debian the package ...)"
 };
 
@@ -41,8 +41,8 @@ struct ModuleEntry {
 std::vector<std::string> programLibraryFolders();
 
 // Returns the module's object, from the first of `folders` that has the file. If the file is missing, cannot be loaded,
-// or was built from other sources than the program, throws an Error that says what fails without the module, which
-// files were looked for and what to install.
+// or was built from other sources than the program, throws an Error that says what fails without the module, in which
+// folders it was looked for and what to install.
 const void* loadModuleObject(const ModuleFile& file, const std::vector<std::string>& folders);
 
 template <class Interface>

@@ -73,12 +73,12 @@ std::string reason(const std::exception& error) {
   return text.empty() ? "not an image that can be decoded" : text;
 }
 
-// Returns OpenImageIO, which this image needs.
-const ImagesModule& moduleFor(const std::string& name) {
+// Returns OpenImageIO, which this image needs. Throws Error, not InputError, if it is missing: the image may be sound.
+const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   try {
     return moduleOf<ImagesModule>();
   } catch (const Error& error) {
-    throw InputError({name}, fmt::format("convert it to PNG or JPEG: {}", error.what()));
+    throw Error(fmt::format("{}: convert it to {}: {}", name, kind == "jpg" ? "RGB" : "PNG or JPEG", error.what()));
   }
 }
 
@@ -91,7 +91,7 @@ std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view
     if (known == "jpg") {
       if (auto reader = openJpeg(bytes)) return reader;
     }
-    return moduleFor(name).open(kind, bytes);
+    return moduleFor(name, known).open(kind, bytes);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const Error&) {
@@ -228,7 +228,9 @@ DecodedImage readImage(const std::filesystem::path& path) {
 
 bool mayHaveAlpha(const std::filesystem::path& path) {
   try {
-    const std::string bytes = isReadHere(kindOf(firstBytes(path))) ? readFile(path) : std::string();
+    const std::string kind = kindOf(firstBytes(path));
+    if (kind == "jpg") return false;
+    const std::string bytes = isReadHere(kind) ? readFile(path) : std::string();
     return openImage(path.string(), bytes, path.string())->header().alphaChannel >= 0;
   } catch (const InputError&) {
     return true;

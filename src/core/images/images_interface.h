@@ -31,7 +31,8 @@ class ImageReader {
 
 class ImagesModule {
  public:
-  static constexpr ModuleFile kFile{"libscanmill_images.so", "images other than PNG and JPEG cannot be read",
+  static constexpr ModuleFile kFile{"libscanmill_images.so",
+                                    "images that are neither PNG nor JPEG in RGB cannot be read",
                                     "install OpenImageIO (on Debian the package libopenimageio-dev)"};
   virtual ~ImagesModule() = default;
   // Opens an image and reads its header: `bytes`, of the kind that the ending of `name` gives, or if there are none the

@@ -75,7 +75,9 @@ class JpegReader final : public ImageReader {
   // A negative level is a warning; other levels trace what libjpeg does.
   static void failWhereDamaged(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
-    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR) fail(common);
+    if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR && code != JWRN_NOT_SEQUENTIAL) {
+      fail(common);
+    }
   }
 
   static void limitScans(j_common_ptr common) {

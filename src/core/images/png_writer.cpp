@@ -48,7 +48,11 @@ class PngWriter {
   }
 
   static void append(png_structp png, png_bytep data, std::size_t size) {
-    static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
+    try {
+      static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
+    } catch (const std::bad_alloc&) {
+      png_error(png, "there is too little memory");
+    }
   }
 
   png_structp png_ = nullptr;

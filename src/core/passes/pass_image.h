@@ -51,13 +51,13 @@ struct PassPlanes {
 // that renderers draw; depth takes the place of range.
 template <class Visit>
 void forEachPass(const Visit& visit) {
-  visit(kChannels[0], &PassPlanes::depth, &Hits::range);
-  visit(kChannels[1], &PassPlanes::normal, &Hits::normal);
-  visit(kChannels[2], &PassPlanes::instance, &Hits::instance);
-  visit(kChannels[3], &PassPlanes::semantic, &Hits::semantic);
-  visit(kChannels[4], &PassPlanes::material, &Hits::material);
-  visit(kChannels[5], &PassPlanes::primitive, &Hits::primitive);
-  visit(kChannels[6], &PassPlanes::reflectance, &Hits::reflectance);
+  visit(rowOf(Channel::Range), &PassPlanes::depth, &Hits::range);
+  visit(rowOf(Channel::Normal), &PassPlanes::normal, &Hits::normal);
+  visit(rowOf(Channel::Instance), &PassPlanes::instance, &Hits::instance);
+  visit(rowOf(Channel::Semantic), &PassPlanes::semantic, &Hits::semantic);
+  visit(rowOf(Channel::Material), &PassPlanes::material, &Hits::material);
+  visit(rowOf(Channel::Primitive), &PassPlanes::primitive, &Hits::primitive);
+  visit(rowOf(Channel::Reflectance), &PassPlanes::reflectance, &Hits::reflectance);
 }
 
 // One camera's image, row by row from the top.

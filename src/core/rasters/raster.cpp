@@ -28,7 +28,7 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   try {
     return moduleOf<RastersModule>().open(file.string());
   } catch (const Error& e) {
-    fail(file, e.what());
+    throw Error(fmt::format("{}: {}", file.string(), e.what()));
   } catch (const std::runtime_error& e) {
     fail(file, fmt::format("is no raster that can be read: {}", e.what()));
   }

@@ -66,6 +66,14 @@ inline constexpr std::array<ChannelRow, 8> kChannels{{
     {Channel::Incidence, "incidence", "incidence", false, true},  // follows from the normal
 }};
 
+// Returns the row of a channel.
+constexpr const ChannelRow& rowOf(Channel channel) {
+  for (const ChannelRow& row : kChannels) {
+    if (row.channel == channel) return row;
+  }
+  return kChannels.front();
+}
+
 // Returns the channels whose row has this flag set, for example channelsThat(&ChannelRow::drawn).
 constexpr Channels channelsThat(bool ChannelRow::*says) {
   Channels channels;

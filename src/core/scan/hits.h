@@ -73,14 +73,14 @@ struct Hits {
 // Calls visit(row of kChannels, pointer to the member of Hits that holds it) for each channel.
 template <class Visit>
 void forEachChannel(const Visit& visit) {
-  visit(kChannels[0], &Hits::range);
-  visit(kChannels[1], &Hits::normal);
-  visit(kChannels[2], &Hits::instance);
-  visit(kChannels[3], &Hits::semantic);
-  visit(kChannels[4], &Hits::material);
-  visit(kChannels[5], &Hits::primitive);
-  visit(kChannels[6], &Hits::reflectance);
-  visit(kChannels[7], &Hits::incidence);
+  visit(rowOf(Channel::Range), &Hits::range);
+  visit(rowOf(Channel::Normal), &Hits::normal);
+  visit(rowOf(Channel::Instance), &Hits::instance);
+  visit(rowOf(Channel::Semantic), &Hits::semantic);
+  visit(rowOf(Channel::Material), &Hits::material);
+  visit(rowOf(Channel::Primitive), &Hits::primitive);
+  visit(rowOf(Channel::Reflectance), &Hits::reflectance);
+  visit(rowOf(Channel::Incidence), &Hits::incidence);
 }
 
 }  // namespace scanmill

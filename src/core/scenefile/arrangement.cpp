@@ -206,7 +206,7 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     return true;
   };
   std::uint64_t misses = 0;
-  // With a density each wanted copy is tried once, and copies without a free place are left out. With a count and
+  // A density tries each wanted copy once and leaves out copies without a free place. With a count and
   // `distance_from` little of the surface may be left: then only kMisses ends the search.
   const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {

@@ -128,7 +128,9 @@ class Writer {
     std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;  // by concept, key
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
     std::map<std::string, std::uint64_t> unknown;
+    bool someLeft = false;  // parts that no rule below names
     for (const KnownPart& k : parts) {
+      if (k.what == nullptr || k.what == file) someLeft = true;
       if (k.what == nullptr) {
         unknown[fmt::format("node {}, material {}, texture {}", quoted(k.node), quoted(k.material),
                             quoted(k.texture))] += k.triangles;
@@ -144,6 +146,8 @@ class Writer {
         auto& [c, triangles] = several[patterns];
         c = k.what;
         triangles += k.triangles;
+      } else {
+        someLeft = true;
       }
     }
     std::set<std::string> nodes;
@@ -160,8 +164,6 @@ class Writer {
       writeRule(fmt::format("{}", fmt::join(keys, ", ")), *rule.first, rule.second, yaml);
     }
     for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
-    const bool someLeft = std::any_of(parts.begin(), parts.end(),
-                                      [&](const KnownPart& k) { return k.what == nullptr || k.what == file; });
     if (someLeft && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
       writeRest(*file, "   # of whatever no rule gives one: by the name of the file or its folder", yaml);
     }

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "dataset/verify.h"
+#include "pipeline/scenes/shot_source.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) return 2;

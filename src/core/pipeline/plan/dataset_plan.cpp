@@ -20,7 +20,8 @@ namespace {
 // Makes the plan of the manifest's pipeline. `file`: the path that the pipeline is taken to have.
 Plan planAt(const Manifest& manifest, const fs::path& file) {
   Plan plan = makePlan(readPipelineText(manifest.pipelineText, file));
-  return plan.pipeline.method.automatic && manifest.chosen ? chosenAgain(plan, *manifest.chosen) : plan;
+  if (plan.pipeline.method.automatic && manifest.chosen) return chosenAgain(plan, *manifest.chosen);
+  return plan;
 }
 
 void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {

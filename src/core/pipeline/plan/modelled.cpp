@@ -22,7 +22,7 @@ namespace {
 // Returns the names of the sensors' own effects that the pipeline leaves out, as with `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
-  for (const Value& item : effectItems(pipeline)) {
+  for (const Value& item : pipeline.effectItems) {
     const NamedOptions named = readNamed(item, "an effect");
     if (named.options.kind == Value::Kind::Scalar && named.options.text == "none") names.push_back(named.name);
   }
@@ -101,7 +101,8 @@ std::string missesLine(const ScanLayout& layout) {
 }
 
 std::string vehicleLine(const Pipeline& pipeline, std::span<const double> blocked) {
-  if (blocked.empty()) return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
+  if (pipeline.vehicle.empty())
+    return "own vehicle: left out (`vehicle: vehicle` puts a car of boxes under the sensors)";
   std::string shares;
   for (std::size_t s = 0; s < blocked.size(); ++s) {
     const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";

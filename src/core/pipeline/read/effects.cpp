@@ -265,35 +265,29 @@ Value writtenEffects(const Value& root) {
   return corruption.kind == Value::Kind::Null ? written : withCorruption(written, corruption);
 }
 
-std::vector<Value> effectItems(const Pipeline& pipeline) {
-  std::vector<DrawnValue> ignored;
-  return effectItems(withDraws(writtenEffects(pipeline.root), "effects", {.seed = pipeline.seed}, ignored));
-}
-
 bool takesSensorEffects(const Pipeline& pipeline) {
-  const std::vector<Value> items = effectItems(pipeline);
-  return std::any_of(items.begin(), items.end(), meansSensor);
+  return std::any_of(pipeline.effectItems.begin(), pipeline.effectItems.end(), meansSensor);
 }
 
-void readEffects(Pipeline& pipeline) {
+void readEffects(const Value& written, Pipeline& pipeline) {
   const EffectClasses classes(pipeline);
   checkSensorEffects(pipeline, classes);
-  const std::vector<Value> items = effectItems(pipeline);
-  if (std::none_of(items.begin(), items.end(), meansSensor)) {
+  std::vector<DrawnValue> ignored;
+  pipeline.effectItems = effectItems(withDraws(written, "effects", {.seed = pipeline.seed}, ignored));
+  const std::vector<Value>& items = pipeline.effectItems;
+  if (!takesSensorEffects(pipeline)) {
     const auto shared = std::make_shared<const Effects>(makeEffects(items, classes));
     for (MountedSensor& sensor : pipeline.sensors) sensor.effects = shared;
     return;
   }
-  std::vector<bool> lit;
   for (MountedSensor& sensor : pipeline.sensors) {
     sensor.effects = std::make_shared<const Effects>(makeEffects(sensorEffectItems(items, sensor), classes));
-    lit.push_back(intensityFullScale(*sensor.effects) > 0);
-    if (lit.back() != lit.front()) {
-      throw InputError(writtenEffects(pipeline.root).where,
-                       fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
-                                   "have the same columns: add `intensity` to the effects of the other",
-                                   pipeline.sensors.front().name, sensor.name));
-    }
+    const auto isLit = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };
+    if (isLit(sensor) == isLit(pipeline.sensors.front())) continue;
+    throw InputError(written.where,
+                     fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
+                                 "have the same columns: add `intensity` to the effects of the other",
+                                 pipeline.sensors.front().name, sensor.name));
   }
 }
 

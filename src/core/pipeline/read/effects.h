@@ -37,16 +37,13 @@ class EffectClasses {
 // replaced by random values yet. Throws InputError.
 Value writtenEffects(const Value& root);
 
-// Returns the items of writtenEffects() with the random values of the first frame of the first sequence, for studies
-// that vary effects. An item `sensor` stands for the sensors' own effects. Throws InputError.
-std::vector<Value> effectItems(const Pipeline& pipeline);
-
-// True if one of these items is the word `sensor`: each sensor then has effects of its own.
+// True if an item of Pipeline::effectItems is the word `sensor`: each sensor then has effects of its own.
 bool takesSensorEffects(const Pipeline& pipeline);
 
-// Fills MountedSensor::effects. The pipeline's sequences, sensors and ontology must have been read before. The sensors'
-// own lists are checked whether or not they are used. Throws InputError.
-void readEffects(Pipeline& pipeline);
+// Fills Pipeline::effectItems and MountedSensor::effects. `written`: as writtenEffects() returns it. The pipeline's
+// sequences, sensors and ontology must have been read before. The sensors' own lists are checked whether or not they
+// are used. Throws InputError.
+void readEffects(const Value& written, Pipeline& pipeline);
 
 // Returns the effects of a sensor. `list`: the value of the key `effects`; Null: no effects. Throws InputError.
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);

@@ -257,7 +257,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
                        automatic && pipeline.recording == nullptr};
   }
   written.effects = writtenEffects(root);
-  readEffects(pipeline);
+  readEffects(written.effects, pipeline);
   if (DrawnSensors::draws(written)) pipeline.drawn = std::make_shared<const DrawnSensors>(std::move(written), pipeline);
   pipeline.output = readOutput(fields.require("output"));
   std::vector<SequenceName> names;

@@ -29,7 +29,7 @@ struct MountedSensor {
   Value description;  // preset and own keys merged
   SensorSize size;
   Pose vehicleFromSensor = {};
-  std::shared_ptr<const Effects> effects;  // never null; sensors with the same list share it
+  std::shared_ptr<const Effects> effects;  // never null; shared by all sensors unless the list says `sensor`
 };
 
 struct MethodChoice {
@@ -72,6 +72,9 @@ struct Pipeline {
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;
+  // The list `effects` with its corruption, as in the first frame of the first sequence: for studies that vary it. The
+  // word `sensor` stands for the sensors' own.
+  std::vector<Value> effectItems;
   std::shared_ptr<const DrawnSensors> drawn;  // null: sensors and effects are the same in all sequences; else `sensors`
                                               // has those of the first frame of the first sequence
   Motion motion;

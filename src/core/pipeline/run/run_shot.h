@@ -2,8 +2,6 @@
 
 // Runs one shot, from its beams to its scan. Datasets, studies and measurements all use it.
 
-#include <span>
-
 #include "base/stage_clock.h"
 #include "methods/interface/light_paths.h"
 #include "methods/method.h"

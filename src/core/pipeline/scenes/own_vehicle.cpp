@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/plan/plan.h"
+#include "methods/method.h"
 
 namespace scanmill {
 

@@ -33,6 +33,7 @@ class ShotSource {
  public:
   // Reads the own vehicle and traces it. The plan must outlive this object. Throws InputError.
   explicit ShotSource(const Plan& plan);
+  explicit ShotSource(Plan&&) = delete;
   ShotSource(const ShotSource&) = delete;
   ShotSource& operator=(const ShotSource&) = delete;
 

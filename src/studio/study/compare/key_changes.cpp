@@ -166,9 +166,9 @@ void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simul
     const auto named = std::find_if(read.sensors.begin(), read.sensors.end(),
                                     [&](const MountedSensor& s) { return s.name == sensor; });
     const MountedSensor& own = named == read.sensors.end() ? read.sensors.front() : *named;
-    comparison.advice = adviceFor(comparison, sensorEffectItems(effectItems(read), own));
+    comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, own));
     if (comparison.advice.empty()) return none("No key of the second set's effects scales what differs by a tenth.");
-    comparison.assignment = assignmentOf(comparison.advice, effectItems(read));
+    comparison.assignment = assignmentOf(comparison.advice, read.effectItems);
   } catch (const InputError& error) {
     none(
         fmt::format("The second set's pipeline cannot be read: {}. Where its files lie elsewhere, name it with "

@@ -31,7 +31,7 @@ struct Variation {
 Effects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Changes& changes) {
   Value list;
   list.kind = Value::Kind::Sequence;
-  for (const Value& item : sensorEffectItems(effectItems(pipeline), sensor)) {
+  for (const Value& item : sensorEffectItems(pipeline.effectItems, sensor)) {
     const std::string name = readNamed(item, "an effect").name;
     if (requireEffect(name, item.where).stage >= kFirstNoise) continue;
     const auto change = changes.find(name);
