@@ -189,15 +189,6 @@ void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) 
   }
 }
 
-void drawOutline(const std::vector<Vec2d>& corners) {
-  if (corners.size() < 2) return;
-  std::vector<ImVec2> line;
-  line.reserve(corners.size());
-  for (const Vec2d& c : corners) line.emplace_back(static_cast<float>(c.x), static_cast<float>(c.y));
-  ImGui::GetForegroundDrawList()->AddPolyline(line.data(), static_cast<int>(line.size()),
-                                              ImGui::GetColorU32(ImGuiCol_CheckMark), ImDrawFlags_Closed, 2);
-}
-
 void drawCaption(const PixelRect& view, const std::string& text, bool active) {
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const ImVec2 corner{static_cast<float>(view.left), static_cast<float>(view.top)};

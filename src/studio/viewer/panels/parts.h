@@ -37,8 +37,6 @@ struct PanelLabel {
   bool mark = true;  // with a small ring at (x, y)
 };
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within);
-// Draws a closed line over everything, px of the canvas.
-void drawOutline(const std::vector<Vec2d>& corners);
 // Draws the name of a view among several.
 void drawCaption(const PixelRect& view, const std::string& text, bool active);
 // Draws the reason why a view shows nothing, large in its middle.

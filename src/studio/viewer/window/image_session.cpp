@@ -13,7 +13,7 @@
 #include "viewer/panels/rooms.h"
 #include "viewer/panels/toolkit.h"
 #include "viewer/pass_picture.h"
-#include "viewer/window/free_file.h"
+#include "viewer/window/save_picture.h"
 #include "viewer/window/image_pane.h"
 
 namespace scanmill {

@@ -172,7 +172,6 @@ void ViewSession::State::flush(bool whole) {
   }
   lightInstance();
   placeBeam();
-  placeSelection();
   const bool sceneChanged = viewsChanged || itemsChanged;
   const bool overlayChanged = sceneChanged || hudChanged || lightChanged;
   if (overlayChanged) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "viewer/window/free_file.h"
+#include "viewer/window/save_picture.h"
 #include "viewer/window/session_state.h"
 
 namespace scanmill {
@@ -260,9 +260,6 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return toggleAlone();
     case KeyAction::Measure:
       return toggleMeasuring();
-    case KeyAction::SelectBox:
-    case KeyAction::SelectLasso:
-      return startSelecting(meaning.action == KeyAction::SelectBox ? Selecting::Box : Selecting::Lasso);
     case KeyAction::ToggleRangeImage:
       options.rangeImage = !options.rangeImage;
       viewsChanged = true;
@@ -299,8 +296,6 @@ void ViewSession::State::escape() {
     help = false;
   } else if (measuring || !ends.empty()) {
     toggleMeasuring();
-  } else if (selecting != Selecting::None || !selected.empty()) {
-    clearSelection();
   } else if (pinned) {
     pinned.reset();
   } else if (!aloneInstances.empty()) {

@@ -113,7 +113,6 @@ void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
   pinned.reset();
   lastSummary.reset();
   instancesOf.reset();
-  clearSelection();
   ends.clear();
   measuring = false;
   worldFromAnchor.reset();

@@ -21,7 +21,6 @@ constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }
 constexpr ImageId kStripImage = 2;
-constexpr ItemId kSelectedItem = 1'000'001;
 constexpr ItemId kLitItem = 1'000'000;  // the points of the instance under the pointer
 
 // An item that need not exist. A canvas refuses changes of an item that does not exist, so these calls skip them.

@@ -38,7 +38,6 @@ void ViewSession::State::drawPanels() {
         valueRows("point", pinned->rows, pinned->alarm);
       });
     }
-    if (!selected.empty()) section("Selection", options.still, [&] { drawSelection(); });
     if (!options.still && !clouds.empty()) {
       const bool known = !frame->scans[clouds.front().scan].scan[kInstance].empty();
       if (known) folded("Instances", [&] { drawInstances(); });
@@ -47,7 +46,6 @@ void ViewSession::State::drawPanels() {
     drawLegends(false);
   });
   drawStrip();
-  drawOutline(outline);
   if (!options.still) {
     drawFrameBar();
     std::vector<std::string> said;

@@ -11,13 +11,6 @@ void ViewSession::State::press(const CanvasEvent& event) {
   pointerY = event.y;
   drag = {};
   if (!viewAt(event.x, event.y)) return;
-  if (event.button == 1 && selecting != Selecting::None) {
-    drag.button = 1;
-    drag.downX = event.x;
-    drag.downY = event.y;
-    outline.clear();
-    return addToOutline(event.x, event.y);
-  }
   if (event.button == 1 && event.clicks == 2) return turnAbout();
   drag.button = event.button;
   drag.pan = event.button != 1 || event.shift;
@@ -32,7 +25,6 @@ void ViewSession::State::moveTo(const CanvasEvent& event) {
   hoverChanged = true;
   lastMove = clock.seconds();
   if (drag.button == 0) return;
-  if (!outline.empty()) return addToOutline(event.x, event.y);
   const int right = event.x - drag.x;
   const int down = event.y - drag.y;
   drag.moved = drag.moved || std::abs(event.x - drag.downX) > kStill || std::abs(event.y - drag.downY) > kStill;
@@ -56,7 +48,6 @@ void ViewSession::State::release(const CanvasEvent& event) {
   pointerX = event.x;
   pointerY = event.y;
   hoverChanged = true;
-  if (!outline.empty()) return select();
   if (was.button == 1 && !was.moved) click(event.x, event.y);
 }
 

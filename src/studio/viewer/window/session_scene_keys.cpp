@@ -20,8 +20,6 @@ std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
       return sceneLacks(ColorBy(colorNames()[meaning.number]));
     case KeyAction::LargerPoints:
     case KeyAction::SmallerPoints:
-    case KeyAction::SelectBox:
-    case KeyAction::SelectLasso:
       return "a scene has no points";
     case KeyAction::ToggleRangeRings:
       return "a scene has no sensor to draw range rings about";

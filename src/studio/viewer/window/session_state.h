@@ -29,8 +29,6 @@ constexpr std::size_t kMostSplitViews = 4;
 constexpr std::array<double, 5> kPlaySpeeds{0.5, 1, 2, 5, 0};
 constexpr std::size_t kUsualSpeed = 1;
 
-enum class Selecting { None, Box, Lasso };
-
 // A scan of the frame as an item of the canvas, in one of the views.
 struct ShownCloud {
   std::size_t scan = 0;
@@ -178,15 +176,6 @@ struct ViewSession::State {
   void addBoxLabels();
   void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
 
-  // session_selection.cpp
-  void startSelecting(Selecting how);
-  void clearSelection();
-  void addToOutline(int x, int y);
-  void select();  // selects the points in the outline
-  void placeSelection();
-  void drawSelection();
-  void saveSelection();
-
   // session_instances.cpp
   const std::vector<InstanceSummary>& instances();
   void placeInstanceBoxes(LineSet& lines);
@@ -301,10 +290,6 @@ struct ViewSession::State {
   PointsOfScans litPoints;
   CanvasItem litItem{canvas, kLitItem};
   double lastMove = 0;  // s, time of the pointer's last move
-  Selecting selecting = Selecting::None;
-  std::vector<Vec2d> outline;  // px, canvas
-  PointsOfScans selected;
-  CanvasItem selectedItem{canvas, kSelectedItem};
   bool instanceBoxes = false;  // boxes about the points of instances, if the sample lists no objects
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf;
   std::vector<InstanceSummary> allInstances;

@@ -66,12 +66,10 @@ std::vector<ViewCommand> listCommands() {
       {"Camera", {A::ToggleProjection}, "perspective, orthographic", {"o"}},
       {"Camera", {A::ToggleWorld}, "stand in the world, follow the sensor", {"w"}},
       {"Tools", {A::Measure}, "distance between two clicks", {"d"}},
-      {"Tools", {A::SelectBox}, "select points by a box", {"u"}},
-      {"Tools", {A::SelectLasso}, "select points by a lasso", {"U"}},
       {"Tools", {A::SavePicture}, "save a picture", {"P"}},
       {"Tools", {A::ToggleHelp}, "keys", {"h", "?"}},
       {"Tools", {A::Quit}, "quit", {"q"}},
-      {"", {A::Escape}, "close what is open: help, distance, selection, pin, instance alone", {"Escape"}},
+      {"", {A::Escape}, "close what is open: help, distance, pin, instance alone", {"Escape"}},
   };
   all.insert(all.end(), more.begin(), more.end());
   return all;

@@ -54,8 +54,6 @@ enum class KeyAction {
   ShowAllClasses,
   InstanceAlone,
   Measure,
-  SelectBox,
-  SelectLasso,
   ToggleRangeImage,
   ToggleStripOrder,
   SavePicture,

@@ -1,4 +1,4 @@
-// One thing among the points: shown alone, edged, measured.
+// One instance among the points: shown alone, edged, measured, in a box; and the returns of one beam.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,6 +7,7 @@
 
 #include "tests/studio/viewer/window/session_world.h"
 #include "viewer/window/session.h"
+#include "viewer/window/session_items.h"
 
 namespace scanmill {
 namespace {
@@ -128,6 +129,68 @@ TEST(SessionInstances, AMixtureOfClassesWarns) {
   EXPECT_EQ(mixed->alarm, "its classes");
   EXPECT_EQ(rowOf(*mixed, mixed->alarm), "car " + std::to_string(cars - 3) + ", tree 3");
   EXPECT_LE(mixed->brief.size(), 5u);
+}
+
+// Each edge of a box is as long as a side of what is measured of the instance.
+TEST(SessionInstances, HaveBoxesAboutTheirPoints) {
+  SessionWorld world(3);
+  const auto edges = [&] { return world.canvas.items.at(kBoxesItem).colors.size(); };
+  EXPECT_EQ(edges(), 0u);
+  world.key("O");
+  EXPECT_EQ(edges(), 12u) << "the fake scan has one instance";
+  const auto& item = world.canvas.items.at(kBoxesItem);
+  EXPECT_EQ(item.colors.front(), kFakeCarColor);
+  const Scan& scan = world.frames->frames[1].scans[0].scan;
+  Box box;
+  for (const Vec3f& p : item.places) box.add(Vec3d(p));
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (scan[kInstance][i] != 4711) continue;
+    for (const double over :
+         {scan.position[i].x - box.high.x, box.low.x - scan.position[i].x, scan.position[i].y - box.high.y,
+          box.low.y - scan.position[i].y, scan.position[i].z - box.high.z, box.low.z - scan.position[i].z}) {
+      EXPECT_LT(over, 1e-4);
+    }
+  }
+  // They go with the points.
+  const auto middle = [&] {
+    Box all;
+    for (const Vec3f& p : world.canvas.items.at(kBoxesItem).places) all.add(Vec3d(p));
+    return all.center();
+  };
+  const auto points = [&] { return world.canvas.items.at(firstCloud(world)).look.canvasFromItem.translation; };
+  const Vec3d before = middle() - points();
+  world.key("w");
+  EXPECT_GT(length(points()), 1);
+  EXPECT_NEAR(length(middle() - points() - before), 0, 1e-4);
+  world.key("O");
+  EXPECT_EQ(edges(), 0u);
+}
+
+TEST(SessionBeam, JoinsItsReturns) {
+  auto frames = std::make_shared<FakeFrames>(1);
+  Scan& scan = frames->frames[0].scans[0].scan;
+  scan[kReturn].assign(scan.size(), 0);
+  scan.position.push_back(scan.position[3 * 72] * 2.0F);  // a second return behind one point
+  visitTable(scan, [&](auto, auto& values) {
+    if (!values.empty()) values.push_back(values[3 * 72]);
+  });
+  scan[kReturn].back() = 1;
+  frames->frames[0].scans[0].error.clear();
+  SessionWorld world(frames);
+  const auto lines = [&] {
+    const auto found = world.canvas.items.find(kBeamItem);
+    return found == world.canvas.items.end() ? std::vector<Vec3f>{} : found->second.places;
+  };
+  EXPECT_TRUE(lines().empty());
+  const auto [x, y] = world.pixelOf(firstCloud(world), 3 * 72);
+  world.pointer(Kind::Move, x, y);
+  world.session->settle();
+  ASSERT_EQ(lines().size(), 2u);
+  EXPECT_EQ(lines()[0], scan.position[3 * 72]);
+  EXPECT_EQ(lines()[1], scan.position.back());
+  world.pointer(Kind::Move, 3, 60);
+  world.session->settle();
+  EXPECT_TRUE(lines().empty());
 }
 
 }  // namespace
