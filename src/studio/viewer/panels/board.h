@@ -17,7 +17,7 @@ class PictureBoard {
       : canvas_(openOffscreen(width, height)), toolkit_(*canvas_, letter) {}
 
   Canvas& canvas() { return *canvas_; }
-  void setImage(ImageId image, const Image& picture) { toolkit_.setImage(image, picture); }
+  void setImage(ImageId image, const Image& picture) { scanmill::setImage(*canvas_, image, picture); }
   Image draw(const std::function<void()>& panels) {
     for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // in the second frame all sizes are known
     canvas_->render();

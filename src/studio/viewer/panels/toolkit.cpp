@@ -251,11 +251,11 @@ bool Toolkit::shift() const {
   return ImGui::GetIO().KeyShift;
 }
 
-void Toolkit::setImage(ImageId image, const Image& picture) {
+void setImage(Canvas& canvas, ImageId image, const Image& picture) {
   std::vector<Rgba> pixels;
   pixels.reserve(picture.pixels.size());
   for (const Rgb& c : picture.pixels) pixels.push_back({c[0], c[1], c[2], 255});
-  state_->canvas.setImage(image, picture.width, picture.height, pixels);
+  canvas.setImage(image, picture.width, picture.height, pixels);
 }
 
 void* textureOf(ImageId image) {

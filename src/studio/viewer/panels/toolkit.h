@@ -38,14 +38,13 @@ class Toolkit {
   int clicks() const;
   bool shift() const;
 
-  // Uploads an image for panels; textureOf() returns its texture.
-  void setImage(ImageId image, const Image& picture);
-
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
+// Uploads an image for panels; textureOf() returns its texture.
+void setImage(Canvas& canvas, ImageId image, const Image& picture);
 // Returns the image's id as Dear ImGui's texture type.
 void* textureOf(ImageId image);
 

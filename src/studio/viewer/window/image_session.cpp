@@ -13,8 +13,8 @@
 #include "viewer/panels/rooms.h"
 #include "viewer/panels/toolkit.h"
 #include "viewer/pass_picture.h"
-#include "viewer/window/save_picture.h"
 #include "viewer/window/image_pane.h"
+#include "viewer/window/save_picture.h"
 
 namespace scanmill {
 
@@ -134,7 +134,7 @@ struct ImageSession::State {
     rooms.body.top += note.height;
     rooms.body.height -= note.height;
     pane.place(p.image.width, p.image.height, rooms.body);
-    if (pictureChanged) toolkit.setImage(kImage, p.image);
+    if (pictureChanged) setImage(canvas, kImage, p.image);
     pictureChanged = false;
     CanvasView view;
     view.rect = {0, 0, canvas.width(), canvas.height()};

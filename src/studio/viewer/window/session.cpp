@@ -8,35 +8,32 @@
 
 namespace scanmill {
 
-ViewSession::State::State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> frameLoader,
-                          Canvas& drawnOn, const ViewOptions& chosen)
-    : source(std::move(frames)),
-      canvas(drawnOn),
-      options(chosen),
-      camera(chosen.camera.camera),
-      loader(std::move(frameLoader)),
-      filter(chosen.hidden, chosen.only, source->ontology()),
-      aloneInstances(chosen.instances.begin(), chosen.instances.end()),
-      toolkit(canvas,
-              chosen.still ? letterOfPicture(canvas.width(), canvas.height()) : letterOfWindow(canvas.scale())) {
-  for (std::size_t v = 0; v < std::min(options.colors.size(), colors.size()); ++v) colors[v] = options.colors[v];
-  for (std::size_t v = 0; v < scales.size(); ++v) {
-    if (options.scale && v < options.colors.size() && isNumeric(options.colors[v])) scales[v] = options.scale;
-  }
-  if (options.scale && options.colors.size() == 1) scales.fill(options.scale);
+namespace {
+
+// Returns the source. Throws InputError if it has no frame.
+std::shared_ptr<const FrameSource> notEmpty(std::shared_ptr<const FrameSource> source) {
   if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
-  if (source->isScene() && !options.colors.empty()) {
-    const ColorBy& by = options.colors.front();
+  return source;
+}
+
+}  // namespace
+
+ViewSession::State::State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> loader,
+                          Canvas& canvas, const ViewOptions& chosen)
+    : context(notEmpty(std::move(frames)), canvas, chosen),
+      playback(context.source, std::move(loader), chosen.sample),
+      clouds(context),
+      scenery(context, clouds),
+      pointer(context, clouds, scenery),
+      panels(context, playback, clouds, scenery, pointer) {
+  if (context.source->isScene() && !chosen.colors.empty()) {
+    const ColorBy& by = chosen.colors.front();
     if (const std::string why = sceneLacks(by); !why.empty()) {
-      throw InputError(fmt::format("{}: {}", source->title(), why));
+      throw InputError(fmt::format("{}: {}", context.source->title(), why));
     }
     chooseColor(by);
   }
-  for (const std::uint16_t id : source->classes()) presentClasses.insert(id);
-  classesKnown = !presentClasses.empty();
-  seeking = options.sample.empty() && !source->isScene();
-  firstWanted = findFrame(*source, options.sample);
-  wantFrame(firstWanted, 0);
+  takeWhatIsLoaded();
 }
 
 ViewSession::ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options)
@@ -54,49 +51,51 @@ bool ViewSession::handle(const CanvasEvent& event) {
 
 void ViewSession::settle() {
   State& s = *state_;
-  while (s.at != s.wanted) s.adopt(s.loader->wait(s.wanted));  // adopt() wants another frame if this is unreadable
-  if (s.meshOn() && s.meshWanted) {
-    auto loaded = s.loader->waitMesh(*s.meshWanted);
-    if (loaded != s.mesh) s.takeMesh(std::move(loaded));
+  if (auto loaded = s.playback.wait(s.context.drawing.now())) s.showFrame(std::move(loaded));
+  if (s.scenery.meshOn() && s.scenery.meshWanted) {
+    auto loaded = s.playback.loader().waitMesh(*s.scenery.meshWanted);
+    if (loaded != s.scenery.mesh) s.takeMesh(std::move(loaded));
   }
-  s.busy.clear();
-  s.notices.clear();
-  s.hudChanged = true;
+  s.playback.clearBusy();
+  s.context.notices.clear();
+  s.context.changes.panels = true;
   s.flush(true);
 }
 
 void ViewSession::check() const {
   const State& s = *state_;
-  if (s.columnMissing) throw InputError(*s.columnMissing);
+  if (s.clouds.columnMissing) throw InputError(*s.clouds.columnMissing);
+  const auto& frame = s.context.frame;
+  const auto& mesh = s.scenery.mesh;
   const bool nothing =
-      s.source->isScene() ? s.mesh == nullptr || s.mesh->size() == 0 : !s.frame || s.frame->scans.empty();
+      s.context.source->isScene() ? mesh == nullptr || mesh->size() == 0 : !frame || frame->scans.empty();
   if (!nothing) return;
   const auto all = s.problems();
   throw Error(all.empty() ? "nothing could be loaded" : all.front());
 }
 
 Image ViewSession::picture() {
-  return state_->canvas.read();
+  return state_->context.canvas.read();
 }
 
 const OrbitCamera& ViewSession::camera() const {
-  return state_->camera;
+  return state_->scenery.camera;
 }
 
 void ViewSession::setCamera(const OrbitCamera& camera) {
-  state_->setCamera(camera);
+  state_->scenery.setCamera(camera);
 }
 
 std::optional<PickedThing> ViewSession::pick(int x, int y) const {
   state_->refresh();
-  auto thing = state_->pick(x, y);
-  if (thing) thing = state_->inFull(std::move(*thing));
+  auto thing = state_->pointer.pick(x, y);
+  if (thing) thing = state_->pointer.inFull(std::move(*thing));
   return thing;
 }
 
 void ViewSession::pin(const PickedThing& thing) {
-  state_->pinned = thing;
-  state_->hudChanged = true;
+  state_->pointer.pinned = thing;
+  state_->context.changes.panels = true;
 }
 
 std::vector<std::string> ViewSession::problems() const {
@@ -104,7 +103,7 @@ std::vector<std::string> ViewSession::problems() const {
 }
 
 const std::vector<std::string>& ViewSession::hints() const {
-  return state_->hints;
+  return state_->context.hints;
 }
 
 }  // namespace scanmill

@@ -16,15 +16,14 @@ constexpr std::array<Rgb, 3> kBackgrounds{{{13, 15, 20}, {104, 108, 116}, {255, 
 }  // namespace
 
 bool ViewSession::State::handle(const CanvasEvent& event) {
-  constexpr double kBetweenPictures = 0.012;  // s: moves that come in quicker succession are drawn together
   switch (event.kind) {
     case CanvasEvent::Kind::Close:
       return false;
     case CanvasEvent::Kind::Key:
-      if (prompt || toolkit.hasKeys()) {
-        toolkit.take(event);
+      if (panels.prompt || panels.toolkit.hasKeys()) {
+        panels.toolkit.take(event);
         runPanels();
-        hudChanged = true;
+        context.changes.panels = true;
       } else {
         key(event);
       }
@@ -33,31 +32,31 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
       // Panels get the event first; the views get it only if no panel uses it.
-      toolkit.take(event);
+      panels.toolkit.take(event);
       runPanels();
-      hudChanged = true;
+      context.changes.panels = true;
       if (event.kind == CanvasEvent::Kind::Up) {
-        release(event);
-      } else if (toolkit.hasPointer()) {
+        pointer.release(event);
+      } else if (panels.toolkit.hasPointer()) {
         break;
       } else if (event.kind == CanvasEvent::Kind::Down) {
-        press(event);
+        pointer.press(event);
       } else if (std::isfinite(event.amount)) {
-        OrbitCamera zoomed = camera;
+        OrbitCamera zoomed = scenery.camera;
         zoomed.zoom(std::clamp(event.amount, -20.0, 20.0));
-        setCamera(zoomed);
+        scenery.setCamera(zoomed);
       }
       break;
     case CanvasEvent::Kind::Move:
-      toolkit.take(event);
-      moveTo(event);
+      panels.toolkit.take(event);
+      pointer.moveTo(event);
       break;
     case CanvasEvent::Kind::Resize:
-      viewsChanged = true;
-      placeClouds();
+      context.changes.views = true;
+      scenery.placeClouds();
       break;
     case CanvasEvent::Kind::Redraw:
-      itemsChanged = hudChanged = true;
+      context.changes.items = context.changes.panels = true;
       break;
     case CanvasEvent::Kind::Tick:
       tick();
@@ -65,69 +64,53 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
   }
   if (quit) return false;
   const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
-  if (!passing || clock.seconds() - lastPicture > std::max(kBetweenPictures, pictureSeconds)) {
+  if (!passing || context.drawing.mayFollowPointer()) {
     flush(false);
     for (const std::string& problem : problems()) warn(problem);  // warns of each only once
-    for (const std::string& text : hints) warn(text);
+    for (const std::string& text : context.hints) warn(text);
   }
   return true;
 }
 
 void ViewSession::State::tick() {
-  const double now = clock.seconds();  // before takeWhatIsLoaded(): a frame that arrives now is drawn at any speed
+  const double now = context.drawing.now();  // before a frame is taken: a frame that arrives now is drawn at any speed
   takeWhatIsLoaded();
-  if (!readsAhead && at == wanted && lastPicture > 0) {  // reading ahead must not delay the first picture
-    readsAhead = true;
-    loader->want(wanted, 1);
+  // Reading ahead must not delay the first picture.
+  if (playback.settled() && context.drawing.drawnOnce()) playback.readAhead();
+  if (playback.tick(now)) {
+    context.changes.panels = true;
+    takeWhatIsLoaded();
   }
-  if (playing && at == wanted && now - lastStep >= frameSeconds()) {
-    if (wanted + 1 < source->keys().size()) {
-      goTo(wanted + 1, 1);
-    } else {
-      playing = false;
-      hudChanged = true;
-    }
-  }
-  const auto expired =
-      std::remove_if(notices.begin(), notices.end(), [&](const ViewNotice& n) { return n.until < now; });
-  if (expired != notices.end()) {
-    notices.erase(expired, notices.end());
-    hudChanged = true;
-  }
-  if (std::string loading = loader->busy(); loading != busy) {
-    busy = std::move(loading);
-    hudChanged = true;
-  }
-  // The longer a picture of all points takes, the longer the view must be at rest before it is drawn.
-  const double rest = 0.15 + 0.5 * wholeSeconds;
-  if (partial && !playing && drag.button == 0 && now - lastChange > rest) flush(true);
+  if (context.forgetNotices()) context.changes.panels = true;
+  if (!playback.playing() && pointer.drag.button == 0 && context.drawing.wholeIsDue()) flush(true);
 }
 
 void ViewSession::State::key(const CanvasEvent& event) {
   const auto meaning = keyMeaning(event.key, event.shift);
   if (!meaning) return;
-  acting = meaning->action;
+  context.acting = meaning->action;
   act(*meaning);
-  acting.reset();
+  context.acting.reset();
 }
 
 // Returns the option that the action switches on and off, and the option's name.
 std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
   switch (action) {
     case KeyAction::ToggleAxes:
-      return {&options.axes, "axes"};
+      return {&context.options.axes, "axes"};
     case KeyAction::ToggleRangeRings:
-      return {&options.rangeRings, "range rings"};
+      return {&context.options.rangeRings, "range rings"};
     case KeyAction::ToggleBoxes:
-      if (frame && frame->objects.empty()) return {&instanceBoxes, "boxes about instances' points"};
-      return {&options.boxes, "boxes of objects"};
+      if (context.frame && context.frame->objects.empty())
+        return {&scenery.instanceBoxes, "boxes about instances' points"};
+      return {&context.options.boxes, "boxes of objects"};
     case KeyAction::ToggleTrajectory:
-      if (trajectory.size() < 2) return {};
-      return {&options.trajectory, "trajectory"};
+      if (scenery.trajectory.size() < 2) return {};
+      return {&context.options.trajectory, "trajectory"};
     case KeyAction::ToggleDepthEdges:
-      return {&options.depthEdges, "depth edges"};
+      return {&context.options.depthEdges, "depth edges"};
     case KeyAction::ToggleLegends:
-      return {&options.legends, "legends"};
+      return {&context.options.legends, "legends"};
     default:
       return {};
   }
@@ -135,25 +118,26 @@ std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
 
 void ViewSession::State::act(const KeyMeaning& meaning) {
   const auto setLayout = [&](ViewLayout wantedLayout) {
-    options.layout = options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
-    activeView.reset();
-    if (options.layout == ViewLayout::Split && frame && frame->scans.size() == 1) activeView = 1;
-    hover.reset();
+    context.options.layout = context.options.layout == wantedLayout ? ViewLayout::One : wantedLayout;
+    clouds.activeView.reset();
+    if (context.options.layout == ViewLayout::Split && context.frame && context.frame->scans.size() == 1)
+      clouds.activeView = 1;
+    pointer.hover.reset();
     arrange();
   };
   const auto resizePoints = [&](double by) {
-    options.pointSize = std::clamp(pointSize() + by, 1.0, 20.0);
-    placeClouds();
-    say(fmt::format("points of {:.0f} px", options.pointSize));
+    context.options.pointSize = std::clamp(scenery.pointSize() + by, 1.0, 20.0);
+    scenery.placeClouds();
+    context.say(fmt::format("points of {:.0f} px", context.options.pointSize));
   };
-  if (source->isScene()) {
-    if (const std::string why = sceneLacks(meaning); !why.empty()) return say(why);
+  if (context.source->isScene()) {
+    if (const std::string why = sceneLacks(meaning); !why.empty()) return context.say(why);
   }
   if (const auto [option, name] = switchOf(meaning.action); option != nullptr) {
     *option = !*option;
-    placeGuides();
-    viewsChanged = true;
-    return say(fmt::format("{} {}", name, *option ? "on" : "off"));
+    scenery.placeGuides();
+    context.changes.views = true;
+    return context.say(fmt::format("{} {}", name, *option ? "on" : "off"));
   }
   switch (meaning.action) {
     case KeyAction::NextColor:
@@ -167,46 +151,48 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::LowerLowEnd:
     case KeyAction::RaiseLowEnd:
     case KeyAction::AutomaticScale:
-      return changeScale(meaning.action);
+      return clouds.changeScale(meaning.action);
     case KeyAction::LargerPoints:
       return resizePoints(1);
     case KeyAction::SmallerPoints:
       return resizePoints(-1);
     case KeyAction::NextBackground: {
-      const auto is = std::find(kBackgrounds.begin(), kBackgrounds.end(), options.background);
-      options.background = is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
-      viewsChanged = hudChanged = true;
+      const auto is = std::find(kBackgrounds.begin(), kBackgrounds.end(), context.options.background);
+      context.options.background =
+          is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
+      context.changes.views = context.changes.panels = true;
       return;
     }
     case KeyAction::ToggleTrajectory:
-      return say("there is no trajectory");
+      return context.say("there is no trajectory");
     case KeyAction::ToggleMesh:
-      options.mesh = !options.mesh;
-      meshProblem.clear();
-      hudChanged = true;
-      if (options.mesh) wantMesh();
+      context.options.mesh = !context.options.mesh;
+      scenery.meshProblem.clear();
+      context.changes.panels = true;
+      if (context.options.mesh) wantMesh();
       return placeMesh();
     case KeyAction::ToggleProjection: {
-      OrbitCamera other = camera;
+      OrbitCamera other = scenery.camera;
       other.orthographic = !other.orthographic;
-      setCamera(other);
-      return say(other.orthographic ? "orthographic" : "perspective");
+      scenery.setCamera(other);
+      return context.say(other.orthographic ? "orthographic" : "perspective");
     }
     case KeyAction::ChaseView:
-      return setCamera(preset(View::Chase));
+      return scenery.setCamera(scenery.preset(View::Chase));
     case KeyAction::DriverView:
-      return setCamera(preset(View::Driver));
+      return scenery.setCamera(scenery.preset(View::Driver));
     case KeyAction::AboveView:
-      setCamera(preset(View::Above));
-      if (source->isScene()) tellWhatEncloses();
+      scenery.setCamera(scenery.preset(View::Above));
+      if (context.source->isScene()) scenery.tellWhatEncloses();
       return;
     case KeyAction::NextPreset:
-      if (camera == preset(View::Chase)) return setCamera(preset(View::Driver));
-      return setCamera(preset(camera == preset(View::Driver) ? View::Above : View::Chase));
+      if (scenery.camera == scenery.preset(View::Chase)) return scenery.setCamera(scenery.preset(View::Driver));
+      return scenery.setCamera(
+          scenery.preset(scenery.camera == scenery.preset(View::Driver) ? View::Above : View::Chase));
     case KeyAction::TurnAbout:
-      return turnAbout();
+      return pointer.turnAbout();
     case KeyAction::ResetView:
-      return setCamera(firstCamera());
+      return scenery.setCamera(scenery.firstCamera());
     case KeyAction::NextFrame:
       return stepBy(1);
     case KeyAction::PreviousFrame:
@@ -218,7 +204,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::FirstFrame:
       return goTo(0, 1);
     case KeyAction::LastFrame:
-      return goTo(source->keys().size() - 1, -1);
+      return goTo(playback.count() - 1, -1);
     case KeyAction::Play:
       return togglePlaying();
     case KeyAction::Slower:
@@ -226,54 +212,56 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::Faster:
       return changeSpeed(1);
     case KeyAction::GoTo:
-      if (options.bare) return;  // there is no panel to type into
-      help = false;              // the help window would receive the keys
-      prompt = "";
-      hudChanged = true;
+      if (context.options.bare) return;  // there is no panel to type into
+      panels.help = false;               // the help window would receive the keys
+      panels.prompt = "";
+      context.changes.panels = true;
       return;
     case KeyAction::ToggleOverlay:
-      if (frame && frame->scans.size() < 2) return say("the sample has no other scan to lay over it");
+      if (context.frame && context.frame->scans.size() < 2)
+        return context.say("the sample has no other scan to lay over it");
       return setLayout(ViewLayout::Overlay);
     case KeyAction::ToggleSplit:
       return setLayout(ViewLayout::Split);
     case KeyAction::NextView:
-      if (viewCount() < 2) return say("there is one view only; s splits it");
+      if (clouds.viewCount() < 2) return context.say("there is one view only; s splits it");
       // Goes through the views one by one, then selects all of them.
-      activeView = activeView ? *activeView + 1 : 0;
-      if (*activeView >= viewCount()) activeView.reset();
-      if (!activeView && frame->scans.size() == 1) activeView = 0;
-      itemsChanged = hudChanged = true;
-      return makeStrip();
+      clouds.activeView = clouds.activeView ? *clouds.activeView + 1 : 0;
+      if (*clouds.activeView >= clouds.viewCount()) clouds.activeView.reset();
+      if (!clouds.activeView && context.frame->scans.size() == 1) clouds.activeView = 0;
+      context.changes.items = context.changes.panels = true;
+      return clouds.makeStrip();
     case KeyAction::NextScan:
-      if (!frame || frame->scans.size() < 2) return say("the sample has no other scan");
-      scanName = frame->scans[(shownScan() + 1) % frame->scans.size()].name;
-      if (options.layout != ViewLayout::One) options.layout = ViewLayout::One;
+      if (!context.frame || context.frame->scans.size() < 2) return context.say("the sample has no other scan");
+      clouds.scanName = context.frame->scans[(clouds.shownScan() + 1) % context.frame->scans.size()].name;
+      if (context.options.layout != ViewLayout::One) context.options.layout = ViewLayout::One;
       return arrange();
     case KeyAction::ToggleWorld:
       return toggleWorld();
     case KeyAction::ShowAllClasses:
-      filter.showAll();
-      aloneInstances.clear();
-      hiddenScans.clear();
+      context.filter.classes.showAll();
+      context.filter.instances.clear();
+      context.filter.hiddenScans.clear();
       return applyFilter();
     case KeyAction::InstanceAlone:
       return toggleAlone();
     case KeyAction::Measure:
-      return toggleMeasuring();
+      return pointer.toggleMeasuring();
     case KeyAction::ToggleRangeImage:
-      options.rangeImage = !options.rangeImage;
-      viewsChanged = true;
-      return makeStrip();
+      context.options.rangeImage = !context.options.rangeImage;
+      context.changes.views = true;
+      return clouds.makeStrip();
     case KeyAction::ToggleStripOrder:
-      options.stripOrder = options.stripOrder == StripOrder::Outward ? StripOrder::Sensor : StripOrder::Outward;
-      options.rangeImage = true;
-      viewsChanged = true;
-      return makeStrip();
+      context.options.stripOrder =
+          context.options.stripOrder == StripOrder::Outward ? StripOrder::Sensor : StripOrder::Outward;
+      context.options.rangeImage = true;
+      context.changes.views = true;
+      return clouds.makeStrip();
     case KeyAction::SavePicture:
       return savePicture();
     case KeyAction::ToggleHelp:
-      help = !help;
-      hudChanged = hoverChanged = true;
+      panels.help = !panels.help;
+      context.changes.panels = context.changes.hover = true;
       return;
     case KeyAction::Escape:
       return escape();
@@ -290,31 +278,68 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
 }
 
 void ViewSession::State::escape() {
-  hudChanged = true;
-  if (toolkit.closeMenus()) return;
-  if (help) {
-    help = false;
-  } else if (measuring || !ends.empty()) {
-    toggleMeasuring();
-  } else if (pinned) {
-    pinned.reset();
-  } else if (!aloneInstances.empty()) {
+  context.changes.panels = true;
+  if (panels.toolkit.closeMenus()) return;
+  if (panels.help) {
+    panels.help = false;
+  } else if (pointer.measuring || !pointer.ends.empty()) {
+    pointer.toggleMeasuring();
+  } else if (pointer.pinned) {
+    pointer.pinned.reset();
+  } else if (!context.filter.instances.empty()) {
     toggleAlone();
-  } else if (playing) {
-    playing = false;
+  } else if (playback.playing()) {
+    playback.stop();
   } else {
-    say("q quits");
+    context.say("q quits");
   }
 }
 
+void ViewSession::State::chooseColor(const ColorBy& by) {
+  if (!context.source->isScene()) return clouds.chooseColor(by);
+  const auto name = std::ranges::find(kMeshColorNames, by.name());
+  if (name != kMeshColorNames.end()) {
+    scenery.chooseMeshColor(static_cast<MeshColor>(name - kMeshColorNames.begin()));
+  }
+}
+
+void ViewSession::State::cycleColor(int step) {
+  if (!context.source->isScene()) return clouds.cycleColor(step);
+  constexpr auto kColors = static_cast<int>(kMeshColorNames.size());
+  scenery.chooseMeshColor(static_cast<MeshColor>((static_cast<int>(scenery.meshColor) + step + kColors) % kColors));
+}
+
+void ViewSession::State::toggleWorld() {
+  const auto newFromOld = scenery.toggleWorld();
+  if (!newFromOld) return context.say("the poses of the scans are not known");
+  pointer.moveBy(*newFromOld);
+  context.say(scenery.world ? "standing in the world" : "following the sensor");
+}
+
+void ViewSession::State::toggleAlone() {
+  if (!context.filter.instances.empty()) {
+    context.filter.instances.clear();
+    applyFilter();
+    return context.say("all instances");
+  }
+  refresh();  // the last moves of the pointer may not have been drawn yet
+  updateHover();
+  const PickedThing* const thing = pointer.shown();
+  if (thing == nullptr) return context.say("nothing lies there: point at an instance");
+  const auto id = pointer.instanceOf(*thing);
+  if (!id) return context.say("what lies there is of no instance");
+  context.filter.instances = {*id};
+  applyFilter();
+}
+
 void ViewSession::State::savePicture() {
-  notices.clear();
-  hudChanged = true;
+  context.notices.clear();
+  context.changes.panels = true;
   flush(true);
   try {
-    say(fmt::format("saved {}; its camera: {}", savePictureOf(canvas).string(), cameraText()));
+    context.say(fmt::format("saved {}; its camera: {}", savePictureOf(context.canvas).string(), scenery.cameraText()));
   } catch (const Error& e) {
-    say(e.what());
+    context.say(e.what());
     warn(e.what());
   }
 }

@@ -1,6 +1,4 @@
-// Requests frames and scenes, shows those that have been loaded, and plays frames.
-
-#include <fmt/core.h>
+// Requests frames and scenes, and shows those that have been loaded.
 
 #include <algorithm>
 
@@ -9,152 +7,108 @@
 namespace scanmill {
 
 void ViewSession::State::goTo(std::size_t target, int step) {
-  seeking = false;
-  wantFrame(target, step);
-}
-
-void ViewSession::State::wantFrame(std::size_t target, int step) {
-  wanted = std::min(target, source->keys().size() - 1);
-  loader->want(wanted, step);
-  hudChanged = true;
+  playback.goTo(target, step);
+  context.changes.panels = true;
   takeWhatIsLoaded();
 }
 
 void ViewSession::State::stepBy(std::ptrdiff_t count) {
-  const auto last = static_cast<std::ptrdiff_t>(source->keys().size()) - 1;
-  const std::ptrdiff_t target = std::clamp(static_cast<std::ptrdiff_t>(wanted) + count, std::ptrdiff_t{0}, last);
-  if (target == static_cast<std::ptrdiff_t>(wanted)) {
-    say(count > 0 ? "this is the last frame" : "this is the first frame");
-    return;
-  }
-  goTo(static_cast<std::size_t>(target), count > 0 ? 1 : -1);
+  if (!playback.stepBy(count)) return context.say(count > 0 ? "this is the last frame" : "this is the first frame");
+  context.changes.panels = true;
+  takeWhatIsLoaded();
 }
 
 void ViewSession::State::togglePlaying() {
-  if (!playing && source->keys().size() < 2) return say("there is one frame only");
-  playing = !playing;
-  hudChanged = true;
-  if (!playing) return;
-  lastStep = clock.seconds();
-  if (wanted + 1 >= source->keys().size()) goTo(0, 1);
-}
-
-double ViewSession::State::frameSeconds() const {
-  constexpr double kLeast = 0.1;  // s: at most ten frames per second
-  constexpr double kMost = 0.2;   // s: recordings with longer intervals are played faster than they were recorded
-  const double times = kPlaySpeeds[speed];
-  return times > 0 ? std::clamp(recordedSeconds, kLeast, kMost) / times : 0;
-}
-
-std::string ViewSession::State::speedText() const {
-  const double times = kPlaySpeeds[speed];
-  return times > 0 ? fmt::format("{}x", times) : "as fast as it loads";
+  if (!playback.playing() && playback.count() < 2) return context.say("there is one frame only");
+  playback.togglePlaying(context.drawing.now());
+  context.changes.panels = true;
+  takeWhatIsLoaded();
 }
 
 void ViewSession::State::changeSpeed(int step) {
-  if (source->keys().size() < 2) return say("there is one frame only");
-  const int last = static_cast<int>(kPlaySpeeds.size()) - 1;
-  speed = static_cast<std::size_t>(std::clamp(static_cast<int>(speed) + step, 0, last));
-  say("playing speed: " + speedText());
-}
-
-// If the user did not choose the frame and it cannot be loaded, requests other frames until one can be loaded.
-void ViewSession::State::seekReadable() {
-  const auto known = source->damaged();
-  const std::size_t count = source->keys().size();
-  while (seekAt < count && (unreadable.contains(seekAt) || std::binary_search(known.begin(), known.end(), seekAt))) {
-    ++seekAt;
-  }
-  if (seekAt < count) return wantFrame(seekAt++, 1);
-  goTo(firstWanted, 1);
+  if (playback.count() < 2) return context.say("there is one frame only");
+  playback.changeSpeed(step);
+  context.say("playing speed: " + playback.speedText());
 }
 
 void ViewSession::State::hintAtNames() {
-  if (source->ontology() != nullptr) return;
-  const bool labelled = std::any_of(frame->scans.begin(), frame->scans.end(),
-                                    [](const ViewScan& scan) { return !scan.scan[kLabel].empty(); });
+  if (context.source->ontology() != nullptr) return;
+  const bool labelled =
+      std::ranges::any_of(context.frame->scans, [](const ViewScan& scan) { return !scan.scan[kLabel].empty(); });
   if (!labelled) return;
-  hint(
+  context.hint(
       "the classes have no names here: a scan or shard away from its dataset does not know them; "
       "open it with --ontology labels/scanmill.yaml, or the file of its own classes");
 }
 
 void ViewSession::State::takeWhatIsLoaded() {
-  if (!at || *at != wanted) {
-    if (auto loaded = loader->frame(wanted)) adopt(std::move(loaded));
-  }
-  if (meshOn() && meshWanted) {
-    auto loaded = loader->mesh(*meshWanted);
-    if (loaded && loaded != mesh) takeMesh(std::move(loaded));
+  if (auto loaded = playback.take(context.drawing.now())) showFrame(std::move(loaded));
+  if (scenery.meshOn() && scenery.meshWanted) {
+    auto loaded = playback.loader().mesh(*scenery.meshWanted);
+    if (loaded && loaded != scenery.mesh) takeMesh(std::move(loaded));
   }
 }
 
-void ViewSession::State::adopt(std::shared_ptr<const ViewFrame> loaded) {
-  const auto timeOf = [](const ViewFrame& f) { return f.scans.empty() ? 0.0 : f.scans.front().time; };
-  const bool next = at && frame && wanted == *at + 1;
-  recordedSeconds = next ? timeOf(*loaded) - timeOf(*frame) : 0;
-  frame = std::move(loaded);
-  at = wanted;
-  if (frame->scans.empty() && !source->isScene()) {
-    unreadable.insert(*at);
-    if (seeking) return seekReadable();
-  } else {
-    unreadable.erase(*at);
-    if (seeking && *at != firstWanted) {
-      hint(fmt::format("{} cannot be read: {} is the first that can", source->keys()[firstWanted], frame->key));
-    }
-  }
-  seeking = false;
-  damaged = source->damaged();
-  damaged.insert(damaged.end(), unreadable.begin(), unreadable.end());
-  std::sort(damaged.begin(), damaged.end());
+void ViewSession::State::showFrame(std::shared_ptr<const ViewFrame> loaded) {
+  context.frame = std::move(loaded);
+  if (!playback.substituted().empty()) context.hint(playback.substituted());
   hintAtNames();
-  hover.reset();
-  pinned.reset();
-  lastSummary.reset();
-  instancesOf.reset();
-  ends.clear();
-  measuring = false;
-  worldFromAnchor.reset();
-  for (const ViewScan& scan : frame->scans) {
-    if (scan.worldFromSensor && !worldFromAnchor) worldFromAnchor = scan.worldFromSensor;
-  }
-  trajectory = source->trajectory(*at);
-  lastStep = clock.seconds();
-  place();
+  pointer.leaveFrame();
+  scenery.takeFrame(*playback.current());
   arrange();
-  if (meshOn()) wantMesh();
-  if (meshItem.there() != meshSeen()) placeMesh();
+  if (scenery.meshOn()) wantMesh();
+  if (scenery.meshItem.there() != scenery.meshSeen()) placeMesh();
+}
+
+// Makes everything that depends on the frame and the layout anew.
+void ViewSession::State::arrange() {
+  clouds.arrange();
+  scenery.placeClouds();
+  applyFilter();
+  scenery.placeGuides();
+  pointer.placeMeasure();
+  scenery.placeMeshLook();
+}
+
+void ViewSession::State::applyFilter() {
+  clouds.applyFilter();
+  scenery.applyFilter();
+  scenery.placeBoxes();
+  pointer.hover.reset();
 }
 
 void ViewSession::State::wantMesh() {
-  if (!at) return;
+  if (!playback.current()) return;
   std::string why;
-  const auto choice = source->scene(*at, why);
-  meshProblem.clear();
+  const auto choice = context.source->scene(*playback.current(), why);
+  scenery.meshProblem.clear();
   if (!choice) {
-    meshWanted.reset();
-    if (mesh) takeMesh(nullptr);
-    meshProblem = source->isScene() ? why : "no mesh: " + why;
+    scenery.meshWanted.reset();
+    if (scenery.mesh) takeMesh(nullptr);
+    scenery.meshProblem = context.source->isScene() ? why : "no mesh: " + why;
     return;
   }
-  meshWanted = choice;
-  loader->wantMesh(*choice);
+  scenery.meshWanted = choice;
+  playback.loader().wantMesh(*choice);
   takeWhatIsLoaded();
 }
 
 void ViewSession::State::takeMesh(std::shared_ptr<const ViewMesh> loaded) {
-  mesh = std::move(loaded);
-  meshProblem = mesh ? mesh->problem : "";
-  hudChanged = true;
-  placeMesh();
+  scenery.takeMesh(std::move(loaded));
+  pointer.hover.reset();
+}
+
+void ViewSession::State::placeMesh() {
+  scenery.placeMesh();
+  pointer.hover.reset();
 }
 
 std::vector<std::string> ViewSession::State::problems() const {
   std::vector<std::string> all;
-  if (frame) all = frame->problems;
-  for (const std::string* one : {&colorProblem, &meshProblem, &stripProblem, &instanceProblem}) {
-    if (!one->empty() && std::find(all.begin(), all.end(), *one) == all.end()) all.push_back(*one);
+  if (context.frame) all = context.frame->problems;
+  for (const std::string* one :
+       {&clouds.colorProblem, &scenery.meshProblem, &clouds.stripProblem, &clouds.instanceProblem}) {
+    if (!one->empty() && std::ranges::find(all, *one) == all.end()) all.push_back(*one);
   }
   return all;
 }

@@ -1,59 +1,14 @@
-// The instances of the first scan that is shown: their table and boxes; and the returns of one beam.
+// The table of the instances of the first scan that is shown.
 
-#include <fmt/core.h>
 #include <imgui.h>
 
 #include <algorithm>
 
 #include "base/grouped.h"
-#include "viewer/window/guides.h"
+#include "viewer/color_map.h"
 #include "viewer/window/session_state.h"
 
 namespace scanmill {
-
-namespace {
-
-std::uint16_t classOf(const InstanceSummary& instance) {
-  return instance.classes.empty() ? std::uint16_t{0} : instance.classes.front().first;
-}
-
-// Returns the points of a beam, the nearest first.
-std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
-  if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
-  const PointKey own = keyOf(scan, point);
-  std::vector<Vec3f> places;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const PointKey key = keyOf(scan, i);
-    if (key.ring == own.ring && key.column == own.column && isFinite(scan.position[i])) {
-      places.push_back(scan.position[i]);
-    }
-  }
-  std::ranges::sort(places, {}, [](const Vec3f& p) { return length(Vec3d(p)); });
-  return places;
-}
-
-}  // namespace
-
-const std::vector<InstanceSummary>& ViewSession::State::instances() {
-  const ShownCloud& cloud = clouds.front();
-  const std::pair<const ViewFrame*, std::size_t> of{frame.get(), cloud.scan};
-  if (instancesOf != of) {
-    allInstances = summarizeInstances(frame->scans[cloud.scan].scan, cloud.canvasFromScan);
-    instancesOf = of;
-  }
-  return allInstances;
-}
-
-// Adds the smallest upright box about each instance's points, in the colour of its class.
-void ViewSession::State::placeInstanceBoxes(LineSet& lines) {
-  if (!instanceBoxes || clouds.empty() || !frame->objects.empty()) return;
-  for (const InstanceSummary& instance : instances()) {
-    const std::uint16_t semantic = classOf(instance);
-    const bool alone = aloneInstances.empty() || aloneInstances.contains(instance.id);
-    if (!alone || !filter.shows(semantic)) continue;
-    addBox(lines, instance.levelFromBox, instance.size, false, classColor(source->ontology(), semantic));
-  }
-}
 
 void ViewSession::State::drawInstances() {
   constexpr int kRows = 14;
@@ -70,7 +25,7 @@ void ViewSession::State::drawInstances() {
   }
   ImGui::TableHeadersRow();
   std::vector<const InstanceSummary*> rows;
-  for (const InstanceSummary& instance : instances()) rows.push_back(&instance);
+  for (const InstanceSummary& instance : scenery.instances()) rows.push_back(&instance);
   if (const ImGuiTableSortSpecs* const sort = ImGui::TableGetSortSpecs(); sort != nullptr && sort->SpecsCount > 0) {
     const auto value = [&](const InstanceSummary* instance) {
       switch (sort->Specs->ColumnIndex) {
@@ -97,8 +52,8 @@ void ViewSession::State::drawInstances() {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::PushID(static_cast<int>(instance.id));
-      const std::string name = className(source->ontology(), classOf(instance)) + "##row";
-      const bool marked = pinned && instanceOf(*pinned) == instance.id;
+      const std::string name = className(context.source->ontology(), classOf(instance)) + "##row";
+      const bool marked = pointer.pinned && pointer.instanceOf(*pointer.pinned) == instance.id;
       if (ImGui::Selectable(name.c_str(), marked, ImGuiSelectableFlags_SpanAllColumns)) chosen = &instance;
       ImGui::PopID();
       ImGui::TableNextColumn();
@@ -111,34 +66,9 @@ void ViewSession::State::drawInstances() {
   }
   ImGui::EndTable();
   if (chosen == nullptr) return;
-  pinned = inFull(pickedPoint(0, chosen->points[chosen->points.size() / 2]));
-  OrbitCamera turned = camera;
-  turned.lookAt(chosen->levelFromBox.translation);
-  setCamera(turned);
-  hudChanged = true;
-}
-
-// Draws a line through the returns of the beam that is under the pointer or was clicked.
-void ViewSession::State::placeBeam() {
-  const std::optional<PickedThing>& thing = hover ? hover : pinned;
-  std::optional<std::pair<std::size_t, std::size_t>> beam;
-  if (thing && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
-  if (beam == beamOf && !itemsChanged) return;  // the search for returns reads the whole scan
-  beamOf = beam;
-  constexpr Rgb kBeam{255, 220, 80};
-  LineSet lines;
-  for (const ShownCloud& cloud : clouds) {
-    if (!beam || cloud.scan != beam->first) continue;
-    const std::vector<Vec3f> places = returnsOf(frame->scans[cloud.scan].scan, beam->second);
-    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
-      lines.add(cloud.canvasFromScan * Vec3d(places[i]), cloud.canvasFromScan * Vec3d(places[i + 1]), kBeam);
-    }
-    break;
-  }
-  if (lines.colors.empty() && !beamDrawn) return;
-  beamDrawn = !lines.colors.empty();
-  setLines(kBeamItem, lines, 2);
-  lightChanged = true;
+  pointer.pinned = pointer.inFull(pointer.pickedPoint(0, chosen->points[chosen->points.size() / 2]));
+  pointer.lookAt(chosen->levelFromBox.translation);
+  context.changes.panels = true;
 }
 
 }  // namespace scanmill

@@ -16,49 +16,51 @@ namespace scanmill {
 
 // Runs all panels once and executes what the user has clicked.
 void ViewSession::State::runPanels() {
-  toolkit.suit(options.background);
-  toolkit.frame([&] { drawPanels(); });
+  panels.toolkit.suit(context.options.background);
+  panels.toolkit.frame([&] { drawPanels(); });
 }
 
 void ViewSession::State::drawPanels() {
-  overStrip = false;
-  drawLabels(labels, {0, rooms.body.top, canvas.width(), canvas.height() - rooms.body.top});
-  for (std::size_t v = 0; v < std::min(panes.size(), views.size()); ++v) {
-    drawMessage(views[v].rect, panes[v].message);
-    if (panes.size() > 1 && !options.bare) drawCaption(views[v].rect, panes[v].caption, panes[v].active);
+  panels.overStrip = false;
+  drawLabels(panels.labels,
+             {0, panels.rooms.body.top, context.canvas.width(), context.canvas.height() - panels.rooms.body.top});
+  for (std::size_t v = 0; v < std::min(panels.panes.size(), context.drawing.views().size()); ++v) {
+    drawMessage(context.drawing.views()[v].rect, panels.panes[v].message);
+    if (panels.panes.size() > 1 && !context.options.bare)
+      drawCaption(context.drawing.views()[v].rect, panels.panes[v].caption, panels.panes[v].active);
   }
-  if (options.bare) return;
-  options.still ? titleRow(rooms.title, title(), summary()) : drawMenus();
-  panelAt("##side", rooms.side, !options.still, [&] {
-    if (!options.still) drawColumns();
+  if (context.options.bare) return;
+  context.options.still ? titleRow(panels.rooms.title, panels.title(), panels.summary()) : drawMenus();
+  panelAt("##side", panels.rooms.side, !context.options.still, [&] {
+    if (!context.options.still) drawColumns();
     drawLegends(true);
-    if (pinned) {
-      section("Point", options.still, [&] {
-        heading(pinned->heading, colorOf(*pinned));
-        valueRows("point", pinned->rows, pinned->alarm);
+    if (pointer.pinned) {
+      section("Point", context.options.still, [&] {
+        heading(pointer.pinned->heading, pointer.colorOf(*pointer.pinned));
+        valueRows("point", pointer.pinned->rows, pointer.pinned->alarm);
       });
     }
-    if (!options.still && !clouds.empty()) {
-      const bool known = !frame->scans[clouds.front().scan].scan[kInstance].empty();
+    if (!context.options.still && !clouds.list.empty()) {
+      const bool known = !context.frame->scans[clouds.list.front().scan].scan[kInstance].empty();
       if (known) folded("Instances", [&] { drawInstances(); });
       folded("Scans", [&] { drawSources(); });
     }
     drawLegends(false);
   });
   drawStrip();
-  if (!options.still) {
+  if (!context.options.still) {
     drawFrameBar();
     std::vector<std::string> said;
-    for (const ViewNotice& notice : notices) said.push_back(notice.text);
-    if (messages(rooms.body, problems(), said)) {  // problems of the frame itself are still shown
-      colorProblem.clear();
-      meshProblem.clear();
-      stripProblem.clear();
-      instanceProblem.clear();
-      hudChanged = true;
+    for (const ViewNotice& notice : context.notices) said.push_back(notice.text);
+    if (messages(panels.rooms.body, problems(), said)) {  // problems of the frame itself are still shown
+      clouds.colorProblem.clear();
+      scenery.meshProblem.clear();
+      clouds.stripProblem.clear();
+      clouds.instanceProblem.clear();
+      context.changes.panels = true;
     }
-    if (prompt) drawPrompt();
-    if (help && !helpWindow(viewKeys())) help = false;
+    if (panels.prompt) drawPrompt();
+    if (panels.help && !helpWindow(viewKeys())) panels.help = false;
   }
   drawTips();
 }
@@ -68,17 +70,17 @@ bool ViewSession::State::isOn(KeyAction action) {
   if (const bool* const option = switchOf(action).first) return *option;
   switch (action) {
     case KeyAction::ToggleMesh:
-      return meshOn();
+      return scenery.meshOn();
     case KeyAction::ToggleRangeImage:
-      return options.rangeImage;
+      return context.options.rangeImage;
     case KeyAction::ToggleOverlay:
-      return overlaid();
+      return clouds.overlaid();
     case KeyAction::ToggleSplit:
-      return options.layout == ViewLayout::Split;
+      return context.options.layout == ViewLayout::Split;
     case KeyAction::ToggleWorld:
-      return world;
+      return scenery.world;
     case KeyAction::InstanceAlone:
-      return !aloneInstances.empty();
+      return !context.filter.instances.empty();
     default:
       return false;
   }
@@ -96,18 +98,18 @@ void ViewSession::State::drawMenus() {
       drawn = ImGui::BeginMenu(open.data());
     }
     if (!drawn) continue;
-    const std::string lacks = source->isScene() ? sceneLacks(command.meaning) : "";
+    const std::string lacks = context.source->isScene() ? sceneLacks(command.meaning) : "";
     const bool on = isOn(command.meaning.action);
     if (ImGui::MenuItem(command.label.c_str(), keysText(command).c_str(), on, lacks.empty())) act(command.meaning);
   }
   if (drawn) ImGui::EndMenu();
-  const std::string text = fmt::format("{}   {}", title(), summary());
+  const std::string text = fmt::format("{}   {}", panels.title(), panels.summary());
   const float wide = ImGui::CalcTextSize(text.c_str()).x;
-  const float left = static_cast<float>(canvas.width()) - wide - ImGui::GetFontSize();
+  const float left = static_cast<float>(context.canvas.width()) - wide - ImGui::GetFontSize();
   ImGui::SameLine(std::max(left, ImGui::GetCursorPosX() + ImGui::GetFontSize()));
-  ImGui::TextUnformatted(title().c_str());
+  ImGui::TextUnformatted(panels.title().c_str());
   ImGui::SameLine();
-  ImGui::TextDisabled("%s", summary().c_str());
+  ImGui::TextDisabled("%s", panels.summary().c_str());
   ImGui::EndMainMenuBar();
 }
 
@@ -115,18 +117,18 @@ void ViewSession::State::drawMenus() {
 void ViewSession::State::drawColumns() {
   std::vector<ColorBy> all;
   std::string shown;
-  if (source->isScene()) {
+  if (context.source->isScene()) {
     for (const std::string_view name : kMeshColorNames) all.emplace_back(std::string(name));
-    shown = kMeshColorNames[static_cast<std::size_t>(meshColor)];
-  } else if (!clouds.empty() && !overlaid()) {
-    const std::size_t view = activeView.value_or(0);
-    const auto cloud = std::ranges::find(clouds, view, &ShownCloud::view);
-    if (cloud == clouds.end()) return;
-    const ViewScan& scan = frame->scans[cloud->scan];
+    shown = kMeshColorNames[static_cast<std::size_t>(scenery.meshColor)];
+  } else if (!clouds.list.empty() && !clouds.overlaid()) {
+    const std::size_t view = clouds.activeView.value_or(0);
+    const ShownCloud* const cloud = clouds.inView(view);
+    if (cloud == nullptr) return;
+    const ViewScan& scan = context.frame->scans[cloud->scan];
     for (const ColorBy& by : colorsOf(scan.scan)) {
-      if (hasColor(scan, by)) all.push_back(by);
+      if (clouds.hasColor(scan, by)) all.push_back(by);
     }
-    shown = colorOf(view).name();
+    shown = clouds.colorOf(view).name();
   }
   if (all.empty()) return;
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
@@ -141,102 +143,114 @@ void ViewSession::State::drawColumns() {
 
 // Draws the legends that are scales, or those that are rows.
 void ViewSession::State::drawLegends(bool ofScales) {
-  const bool choose = !options.still && !overlaid() && !clouds.empty();
-  const auto blocks = legends;  // a copy, since a click changes `legends`
+  const bool choose = !context.options.still && !clouds.overlaid() && !clouds.list.empty();
+  const auto blocks = panels.legends;  // a copy, since a click changes `legends`
   for (const LegendBlock& block : blocks) {
     const Legend& legend = block.legend;
     if (legend.scale != ofScales) continue;
     std::string name = legend.scale ? scaleTitle(legend) : legend.title;
-    if (blocks.size() > 1 && frame && frame->scans.size() > 1) {
-      name += ": " + panes[block.views.front()].caption;
+    if (blocks.size() > 1 && context.frame && context.frame->scans.size() > 1) {
+      name += ": " + panels.panes[block.views.front()].caption;
     }
-    section(name, options.still, [&] {
+    section(name, context.options.still, [&] {
       if (legend.scale) {
         const auto range = scaleBar(legend, !choose);
         if (!range) return;
         for (const std::size_t view : block.views) {
-          scales[view] = range;
-          recolor(view);
+          clouds.scales[view] = range;
+          clouds.recolor(view);
         }
         return;
       }
       std::vector<bool> hidden;
-      for (const LegendEntry& entry : legend.entries) hidden.push_back(isHidden(entry));
+      for (const LegendEntry& entry : legend.entries) hidden.push_back(panels.isHidden(entry));
       const bool clickable =
           std::ranges::any_of(legend.entries, [](const LegendEntry& entry) { return entry.id >= 0; });
-      const LegendUse use = legendRows(legend, hidden, clickable, options.still);
+      const LegendUse use = legendRows(legend, hidden, clickable, context.options.still);
       if (use.all) act({KeyAction::ShowAllClasses});
-      if (use.entry) pressLegend(legend.entries[*use.entry], toolkit.shift() || toolkit.clicks() == 2);
+      if (use.entry) pressLegend(legend.entries[*use.entry], panels.toolkit.shift() || panels.toolkit.clicks() == 2);
     });
   }
 }
 
-PixelRect ViewSession::State::stripRect() const {
-  const int caption = static_cast<int>(std::lround(toolkit.letter() * 1.5));
-  PixelRect rect = rooms.strip;
-  if (rect.height > 2 * caption) {
-    rect.top += caption;
-    rect.height -= caption;
+// Hides or shows what a row of a legend stands for, or shows it alone.
+void ViewSession::State::pressLegend(const LegendEntry& entry, bool alone) {
+  if (entry.id < 0) return;
+  if (clouds.overlaid()) {
+    const auto chosen = static_cast<std::size_t>(entry.id);
+    if (alone) {
+      context.filter.hiddenScans.clear();
+      for (std::size_t s = 0; s < context.frame->scans.size(); ++s) {
+        if (s != chosen) context.filter.hiddenScans.insert(context.frame->scans[s].name);
+      }
+    } else if (context.filter.hiddenScans.erase(context.frame->scans[chosen].name) == 0) {
+      context.filter.hiddenScans.insert(context.frame->scans[chosen].name);
+    }
+  } else if (const auto id = static_cast<std::uint16_t>(entry.id); alone) {
+    context.filter.classes.showOnly(id);
+  } else {
+    context.filter.classes.toggle(id);
   }
-  return rect;
+  applyFilter();
 }
 
 void ViewSession::State::drawStrip() {
-  if (!strip || rooms.strip.height < 1) return;
-  const PixelRect rect = stripRect();
+  if (!clouds.strip || panels.rooms.strip.height < 1) return;
+  const PixelRect rect = panels.stripRect();
   std::optional<std::pair<double, double>> mark;
-  const std::optional<PickedThing>& thing = hover ? hover : pinned;
-  if (thing && thing->scan == clouds[stripCloud].scan) {
-    const auto [column, row] = strip->place(thing->point);
-    mark = std::pair(rect.left + (column + 0.5) * rect.width / strip->image.width,
-                     rect.top + (row + 0.5) * rect.height / strip->image.height);
+  const PickedThing* const thing = pointer.shown();
+  if (thing != nullptr && thing->scan == clouds.list[clouds.stripCloud].scan) {
+    const auto [column, row] = clouds.strip->place(thing->point);
+    mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds.strip->image.width,
+                     rect.top + (row + 0.5) * rect.height / clouds.strip->image.height);
   }
-  std::string caption = frame->scans[clouds[stripCloud].scan].name + ": " + describeStrip(*strip, options.stripOrder);
-  if (!options.still) {
-    caption += options.stripOrder == StripOrder::Outward ? " (I: as the sensor orders it)" : " (I: looking outward)";
+  std::string caption = context.frame->scans[clouds.list[clouds.stripCloud].scan].name + ": " +
+                        describeStrip(*clouds.strip, context.options.stripOrder);
+  if (!context.options.still) {
+    caption +=
+        context.options.stripOrder == StripOrder::Outward ? " (I: as the sensor orders it)" : " (I: looking outward)";
   }
   bool pressed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, ImGui::GetFontSize() * 0.2F});
-  panelAt("##strip", rooms.strip, false, [&] {
+  panelAt("##strip", panels.rooms.strip, false, [&] {
     ImGui::SetCursorPosX(ImGui::GetFontSize() * 0.5F);
-    if (rect.top > rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
-    overStrip = imageAt(kStripImage, rect, mark);
-    pressed = overStrip && ImGui::IsMouseClicked(0);
+    if (rect.top > panels.rooms.strip.top) ImGui::TextDisabled("%s", caption.c_str());
+    panels.overStrip = imageAt(kStripImage, rect, mark);
+    pressed = panels.overStrip && ImGui::IsMouseClicked(0);
   });
   ImGui::PopStyleVar();
   if (!pressed) return;
-  if (auto picked = pickStrip(pointerX, pointerY)) {
-    OrbitCamera turned = camera;
-    turned.lookAt(picked->place);
-    setCamera(turned);
-    pinned = inFull(std::move(*picked));
+  if (auto picked = pointer.pickStrip(rect, pointer.x, pointer.y)) {
+    pointer.lookAt(picked->place);
+    pointer.pinned = pointer.inFull(std::move(*picked));
   }
 }
 
 void ViewSession::State::drawFrameBar() {
+  const std::size_t requested = playback.requested();
   FrameBar bar;
-  bar.frame = wanted;
-  bar.frames = source->keys().size();
-  bar.key = source->keys()[wanted];
-  bar.speed = speedText();
-  bar.busy = busy;
-  bar.playing = playing;
-  bar.damaged = damaged;
-  const FrameBarUse use = frameBar(rooms.bar, bar);
+  bar.frame = requested;
+  bar.frames = playback.count();
+  bar.key = context.source->keys()[requested];
+  bar.speed = playback.speedText();
+  bar.busy = playback.busy();
+  bar.playing = playback.playing();
+  bar.damaged = playback.damaged();
+  const FrameBarUse use = frameBar(panels.rooms.bar, bar);
   if (use.play) togglePlaying();
-  if (use.frame && *use.frame != wanted) {
-    playing = false;
-    goTo(*use.frame, *use.frame > wanted ? 1 : -1);
+  if (use.frame && *use.frame != requested) {
+    playback.stop();
+    goTo(*use.frame, *use.frame > requested ? 1 : -1);
   }
 }
 
 void ViewSession::State::drawPrompt() {
   constexpr std::size_t kMost = 200;
   const float letter = ImGui::GetFontSize();
-  const float middle = static_cast<float>(rooms.body.left) + static_cast<float>(rooms.body.width) / 2;
-  const auto wide = static_cast<float>(rooms.body.width);
-  const auto high = static_cast<float>(rooms.body.height);
-  ImGui::SetNextWindowPos({middle, static_cast<float>(rooms.body.top) + letter}, ImGuiCond_Always, {0.5F, 0});
+  const float middle = static_cast<float>(panels.rooms.body.left) + static_cast<float>(panels.rooms.body.width) / 2;
+  const auto wide = static_cast<float>(panels.rooms.body.width);
+  const auto high = static_cast<float>(panels.rooms.body.height);
+  ImGui::SetNextWindowPos({middle, static_cast<float>(panels.rooms.body.top) + letter}, ImGuiCond_Always, {0.5F, 0});
   ImGui::SetNextWindowSize({std::min(letter * 28, wide), std::min(letter * 22, high - 2 * letter)});
   ImGui::Begin("Go to sample", nullptr,
                ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
@@ -244,36 +258,38 @@ void ViewSession::State::drawPrompt() {
   ImGui::TextDisabled("a key, a part of one, or #index from 0");
   ImGui::SetNextItemWidth(-1);
   if (!ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
-  const bool entered = ImGui::InputText("##key", &*prompt, ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool entered = ImGui::InputText("##key", &*panels.prompt, ImGuiInputTextFlags_EnterReturnsTrue);
   ImGui::Separator();
   std::size_t found = 0;
   std::optional<std::string> chosen;
-  const bool byIndex = prompt->starts_with('#');
-  for (std::size_t i = 0; i < source->keys().size(); ++i) {
-    const std::string& key = source->keys()[i];
-    const bool fits = byIndex ? fmt::format("#{}", i).starts_with(*prompt) : key.find(*prompt) != std::string::npos;
+  const bool byIndex = panels.prompt->starts_with('#');
+  for (std::size_t i = 0; i < context.source->keys().size(); ++i) {
+    const std::string& key = context.source->keys()[i];
+    const bool fits =
+        byIndex ? fmt::format("#{}", i).starts_with(*panels.prompt) : key.find(*panels.prompt) != std::string::npos;
     if (!fits) continue;
     if (found++ < kMost && ImGui::Selectable(key.c_str())) chosen = key;
   }
   if (found > kMost) ImGui::TextDisabled("and %s more", grouped(found - kMost).c_str());
   if (found == 0) ImGui::TextDisabled("no key holds this");
   ImGui::End();
-  if (entered) chosen = *prompt;
-  if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && prompt->empty())) return prompt.reset();
+  if (entered) chosen = *panels.prompt;
+  if (ImGui::IsKeyPressed(ImGuiKey_Escape) || (entered && panels.prompt->empty())) return panels.prompt.reset();
   if (!chosen) return;
   try {
-    goTo(findFrame(*source, *chosen), 1);
-    prompt.reset();
+    goTo(findFrame(*context.source, *chosen), 1);
+    panels.prompt.reset();
   } catch (const InputError& e) {
-    say(e.what());
+    context.say(e.what());
   }
 }
 
 // Lists the datasets, sensors and methods of the sample.
 void ViewSession::State::drawSources() {
-  for (std::size_t s = 0; s < frame->scans.size(); ++s) {
-    const ViewScan& scan = frame->scans[s];
-    NamedValues rows{{"from", wholeName(scan, source->title())}, {"sensor", scan.sensor}, {"method", scan.method}};
+  for (std::size_t s = 0; s < context.frame->scans.size(); ++s) {
+    const ViewScan& scan = context.frame->scans[s];
+    NamedValues rows{
+        {"from", wholeName(scan, context.source->title())}, {"sensor", scan.sensor}, {"method", scan.method}};
     rows.emplace_back("points", grouped(scan.scan.size()));
     if (scan.scan.rings > 0) rows.emplace_back("beams", fmt::format("{} x {}", scan.scan.rings, scan.scan.columns));
     if (scan.worldFromSensor) {
@@ -282,14 +298,16 @@ void ViewSession::State::drawSources() {
     }
     std::erase_if(rows, [](const auto& row) { return row.second.empty(); });
     valueRows(fmt::format("open {}", s).c_str(), rows);
-    if (s + 1 < frame->scans.size()) ImGui::Separator();
+    if (s + 1 < context.frame->scans.size()) ImGui::Separator();
   }
 }
 
 // Draws a few rows beside the pointer.
 void ViewSession::State::drawTips() {
-  const bool told = pinned && hover && pinned->scan == hover->scan && pinned->point == hover->point;
-  if (hover && !told && !measuring && !help) tip(hover->heading, colorOf(*hover), hover->brief, hover->alarm);
+  const bool told = pointer.pinned && pointer.hover && pointer.pinned->scan == pointer.hover->scan &&
+                    pointer.pinned->point == pointer.hover->point;
+  if (pointer.hover && !told && !pointer.measuring && !panels.help)
+    tip(pointer.hover->heading, pointer.colorOf(*pointer.hover), pointer.hover->brief, pointer.hover->alarm);
 }
 
 }  // namespace scanmill

@@ -53,12 +53,4 @@ std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
   }
 }
 
-void ViewSession::State::chooseMeshColor(MeshColor by) {
-  meshColor = by;
-  if (!mesh || mesh->size() == 0) return;
-  meshColoring = colorMesh(*mesh, meshColor);
-  meshItem.setColors(meshColoring.colors);
-  itemsChanged = hudChanged = true;
-}
-
 }  // namespace scanmill

@@ -8,11 +8,14 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include "tests/studio/viewer/window/session_world.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
+#include "viewer/window/session_items.h"
 #include "viewer/window/view_keys.h"
 
 namespace scanmill {
@@ -35,8 +38,44 @@ class CurrentFolder {
 };
 
 // Each command by each of its keys: something on the canvas changes, or the viewer closes.
-TEST(ViewSession, EveryKeyDoesSomething) {
+// What is on the canvas beneath the panels, by what a user would name it.
+std::map<std::string, std::string> aspectsOf(const SessionWorld& world) {
+  std::map<std::string, std::string> aspects;
+  const auto put = [&](const char* name, const auto&... values) {
+    std::ostringstream out;
+    out.precision(17);
+    ((out << values << ' '), ...);
+    aspects[name] += out.str();
+  };
+  const auto text = [](const Vec3d& v) {
+    return std::to_string(v.x) + ' ' + std::to_string(v.y) + ' ' + std::to_string(v.z);
+  };
+  const CanvasView& first = world.canvas.views().front();
+  put("camera", text(first.camera.eye), text(first.camera.forward), first.camera.orthographic);
+  put("background", int{first.background[0]});
+  put("edges", first.depthEdges);
+  put("views", world.canvas.views().size());
+  for (const auto& [id, item] : world.canvas.items) {
+    if (item.kind == FakeCanvas::Item::Kind::Points && id != kLitItem) {
+      put("clouds", id, item.look.views);
+      put("size", item.look.size);
+      put("frame", item.look.canvasFromItem.translation.x, item.places.front().x);
+      put("shown", world.canvas.shownOf(id).size());
+      for (const Rgb& c : item.colors) put("colours", int{c[0]}, int{c[1]}, int{c[2]});
+    }
+    const std::map<ItemId, const char*> lines{
+        {kAxesItem, "axes"}, {kRangeRingsItem, "rings"}, {kTrackItem, "track"}, {kBoxesItem, "boxes"}};
+    if (lines.contains(id)) put(lines.at(id), item.places.empty());
+  }
+  return aspects;
+}
+
+// Each key changes on the canvas what its command names, and nothing else; the others change panels alone, which are
+// tested one by one.
+TEST(ViewSession, EveryKeyDoesWhatItSays) {
   using Do = std::function<void(SessionWorld&)>;
+  using Aspects = std::set<std::string>;
+  using A = KeyAction;
   const CurrentFolder folder;
   const auto press = [](std::vector<std::string> keys) -> Do {
     return [keys](SessionWorld& w) {
@@ -64,6 +103,30 @@ TEST(ViewSession, EveryKeyDoesSomething) {
   before["f"] = pointAt(3 * 72);
   before["x"] = pointAt(3 * 72 + 70);
   before["Escape"] = press({"h"});
+  std::map<A, Aspects> changes;
+  for (const A a : {A::NextColor, A::PreviousColor, A::ColorByNumber, A::LowerHighEnd, A::RaiseHighEnd, A::LowerLowEnd,
+                    A::RaiseLowEnd, A::AutomaticScale}) {
+    changes[a] = {"colours"};
+  }
+  for (const A a : {A::LargerPoints, A::SmallerPoints}) changes[a] = {"size"};
+  for (const A a : {A::NextFrame, A::PreviousFrame, A::TenFramesOn, A::TenFramesBack, A::FirstFrame, A::LastFrame}) {
+    changes[a] = {"frame"};
+  }
+  for (const A a :
+       {A::ChaseView, A::DriverView, A::AboveView, A::NextPreset, A::TurnAbout, A::ResetView, A::ToggleProjection}) {
+    changes[a] = {"camera"};
+  }
+  for (const A a : {A::ShowAllClasses, A::InstanceAlone}) changes[a] = {"shown"};
+  changes[A::NextBackground] = {"background"};
+  changes[A::ToggleAxes] = {"axes"};
+  changes[A::ToggleRangeRings] = {"rings"};
+  changes[A::ToggleBoxes] = {"boxes"};
+  changes[A::ToggleTrajectory] = {"track"};
+  changes[A::ToggleDepthEdges] = {"edges"};
+  changes[A::ToggleOverlay] = {"clouds", "colours", "frame", "shown", "size"};
+  changes[A::ToggleSplit] = {"clouds", "colours", "frame", "shown", "size", "views"};
+  changes[A::NextScan] = {"frame"};
+  changes[A::ToggleWorld] = {"camera", "frame"};
   for (const ViewCommand& command : viewCommands()) {
     for (const std::string& key : command.keys) {
       SCOPED_TRACE(key + ": " + command.label);
@@ -71,12 +134,18 @@ TEST(ViewSession, EveryKeyDoesSomething) {
       if (before.contains(key)) before[key](world);
       world.session->settle();
       const std::string was = world.drawn();
+      const auto had = aspectsOf(world);
       const bool shift = key.starts_with("shift + ");
       const bool open = world.key(shift ? key.substr(8) : key, shift);
       const std::string now = world.drawn();
       world.session->settle();  // neighbouring frames are loaded in the background
       EXPECT_TRUE(!open || now != was || world.drawn() != was);
-      EXPECT_EQ(open, command.meaning.action != KeyAction::Quit);
+      EXPECT_EQ(open, command.meaning.action != A::Quit);
+      Aspects changed;
+      for (const auto& [name, value] : aspectsOf(world)) {
+        if (value != had.at(name)) changed.insert(name);
+      }
+      EXPECT_EQ(changed, changes[command.meaning.action]);
     }
   }
 }

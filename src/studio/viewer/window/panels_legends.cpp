@@ -1,4 +1,4 @@
-// The legends: the rows of classes, scales and scans, and the effect of a click on them.
+// The legends of the views, and the messages of views that show nothing.
 
 #include <fmt/core.h>
 
@@ -6,7 +6,7 @@
 
 #include "base/grouped.h"
 #include "viewer/color_map.h"
-#include "viewer/window/session_state.h"
+#include "viewer/window/panels.h"
 
 namespace scanmill {
 
@@ -33,20 +33,21 @@ LegendEntry* entryOf(Legend& legend, std::int64_t id) {
 }  // namespace
 
 // Adds the classes that occur in other frames to a legend, so that its rows keep their places from frame to frame.
-void ViewSession::State::completeClasses(Legend& legend) const {
+void Panels::completeClasses(Legend& legend) const {
   if (!isOfClasses(legend)) return;
-  for (const std::uint16_t id : presentClasses) {
+  for (const std::uint16_t id : clouds_.presentClasses) {
     if (entryOf(legend, id) != nullptr) continue;
-    legend.entries.push_back({className(source->ontology(), id), classColor(source->ontology(), id), id, 0});
+    legend.entries.push_back(
+        {className(context_.source->ontology(), id), classColor(context_.source->ontology(), id), id, 0});
   }
   std::ranges::sort(legend.entries, {}, &LegendEntry::id);
 }
 
 // Collects the legends of all views. Views whose colours mean the same share one legend, with the counts of the view
 // that keys act on.
-void ViewSession::State::collectLegends() {
+void Panels::collectLegends() {
   legends.clear();
-  for (std::size_t v = 0; v < panes.size() && options.legends; ++v) {
+  for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {
     const Legend& own = panes[v].legend;
     if (!own.scale && own.entries.empty()) continue;
     const auto same =
@@ -64,8 +65,8 @@ void ViewSession::State::collectLegends() {
   for (auto& [legend, shownIn] : legends) {
     if (shownIn.size() < 2) continue;
     Legend active;
-    if (activeView && std::ranges::find(shownIn, *activeView) != shownIn.end()) {
-      active = panes[*activeView].legend;
+    if (clouds_.activeView && std::ranges::find(shownIn, *clouds_.activeView) != shownIn.end()) {
+      active = panes[*clouds_.activeView].legend;
       legend.unknown = active.unknown;
     }
     for (LegendEntry& entry : legend.entries) {
@@ -76,45 +77,26 @@ void ViewSession::State::collectLegends() {
   }
 }
 
-bool ViewSession::State::isHidden(const LegendEntry& entry) const {
+bool Panels::isHidden(const LegendEntry& entry) const {
   if (entry.id < 0) return false;
-  if (overlaid()) return hiddenScans.contains(frame->scans[static_cast<std::size_t>(entry.id)].name);
-  return !filter.shows(static_cast<std::uint16_t>(entry.id));
-}
-
-void ViewSession::State::pressLegend(const LegendEntry& entry, bool alone) {
-  if (entry.id < 0) return;
-  if (overlaid()) {
-    const auto chosen = static_cast<std::size_t>(entry.id);
-    if (alone) {
-      hiddenScans.clear();
-      for (std::size_t s = 0; s < frame->scans.size(); ++s) {
-        if (s != chosen) hiddenScans.insert(frame->scans[s].name);
-      }
-    } else if (hiddenScans.erase(frame->scans[chosen].name) == 0) {
-      hiddenScans.insert(frame->scans[chosen].name);
-    }
-  } else if (const auto id = static_cast<std::uint16_t>(entry.id); alone) {
-    filter.showOnly(id);
-  } else {
-    filter.toggle(id);
-  }
-  applyFilter();
+  if (clouds_.overlaid())
+    return context_.filter.hiddenScans.contains(context_.frame->scans[static_cast<std::size_t>(entry.id)].name);
+  return !context_.filter.classes.shows(static_cast<std::uint16_t>(entry.id));
 }
 
 // Sets the messages of views that show nothing.
-void ViewSession::State::addMessages() {
-  if (!frame || source->isScene()) return;
-  if (frame->scans.empty()) {
+void Panels::addMessages() {
+  if (!context_.frame || context_.source->isScene()) return;
+  if (context_.frame->scans.empty()) {
     std::string& message = panes.front().message;
-    message = frame->key + " cannot be shown";
-    for (const std::string& problem : frame->problems) message += "\n" + problem;
+    message = context_.frame->key + " cannot be shown";
+    for (const std::string& problem : context_.frame->problems) message += "\n" + problem;
     return;
   }
   for (std::size_t v = 0; v < panes.size(); ++v) {
     std::uint64_t finite = 0;
     std::uint64_t visible = 0;
-    for (const ShownCloud& cloud : clouds) {
+    for (const ShownCloud& cloud : clouds_.list) {
       if (cloud.view != v) continue;
       finite += cloud.finite;
       visible += cloud.visible;
@@ -123,7 +105,7 @@ void ViewSession::State::addMessages() {
     std::string& message = panes[v].message;
     message = finite == 0 ? "no points: the scan is empty"
                           : fmt::format("no point is shown: the filter hides all {}", grouped(finite));
-    if (finite > 0 && !options.still) message += "\nA shows them";
+    if (finite > 0 && !context_.options.still) message += "\nA shows them";
   }
 }
 

@@ -1,0 +1,328 @@
+#include "viewer/window/clouds.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "viewer/panels/toolkit.h"
+#include "viewer/picture.h"
+#include "viewer/window/session_items.h"
+
+namespace scanmill {
+
+namespace {
+
+// Returns colours by class, or by range if the scan has no classes.
+std::vector<Rgb> stripColors(const ViewScan& viewed, const ColorContext& context) {
+  return colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, context).colors;
+}
+
+ScaleRange changedScale(const Legend& legend, KeyAction change) {
+  ScaleRange scale{legend.low, legend.high};
+  const double span = scale.high > scale.low ? scale.high - scale.low : std::max(std::abs(scale.high), 1.0);
+  switch (change) {
+    case KeyAction::LowerHighEnd:
+      scale.high = scale.high > 0 && scale.high / 2 > scale.low ? scale.high / 2 : scale.low + span / 2;
+      break;
+    case KeyAction::RaiseHighEnd:
+      scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
+      break;
+    case KeyAction::LowerLowEnd:  // scales that are not negative stay so
+      scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
+      break;
+    default:
+      scale.low += span / 4;
+  }
+  return scale;
+}
+
+bool anyFinite(const Vec3f& p) {
+  return isFinite(p);
+}
+
+void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
+  std::vector<bool> held(std::size_t{UINT16_MAX} + 1, false);
+  for (std::size_t i = 0; i < scan[kLabel].size(); ++i) {
+    if (isFinite(scan.position[i])) held[scan[kLabel][i]] = true;
+  }
+  for (std::size_t id = 0; id < held.size(); ++id) {
+    if (held[id]) present.insert(static_cast<std::uint16_t>(id));
+  }
+}
+
+}  // namespace
+
+Clouds::Clouds(SessionContext& context) : context_(context) {
+  const ViewOptions& options = context_.options;
+  for (std::size_t v = 0; v < std::min(options.colors.size(), colors.size()); ++v) colors[v] = options.colors[v];
+  for (std::size_t v = 0; v < scales.size(); ++v) {
+    if (options.scale && v < options.colors.size() && isNumeric(options.colors[v])) scales[v] = options.scale;
+  }
+  if (options.scale && options.colors.size() == 1) scales.fill(options.scale);
+  for (const std::uint16_t id : context_.source->classes()) presentClasses.insert(id);
+  classesKnown_ = !presentClasses.empty();
+}
+
+std::size_t Clouds::viewCount() const {
+  if (context_.options.layout != ViewLayout::Split || !context_.frame || context_.frame->scans.empty()) return 1;
+  return context_.frame->scans.size() == 1 ? 2 : std::min(context_.frame->scans.size(), kMostSplitViews);
+}
+
+std::size_t Clouds::shownScan() const {
+  for (std::size_t i = 0; i < context_.frame->scans.size(); ++i) {
+    if (context_.frame->scans[i].name == scanName) return i;
+  }
+  return 0;
+}
+
+const ShownCloud* Clouds::inView(std::size_t view) const {
+  const auto found = std::ranges::find(list, view, &ShownCloud::view);
+  return found == list.end() ? nullptr : &*found;
+}
+
+bool Clouds::isHidden(const ShownCloud& cloud) const {
+  return overlaid() && context_.filter.hiddenScans.contains(context_.frame->scans[cloud.scan].name);
+}
+
+ColorContext Clouds::contextOf(const ViewScan& scan) const {
+  return {context_.source->ontology(), scan.error, scan.errorTitle, scan.whyNoError, std::nullopt};
+}
+
+bool Clouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
+  return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
+}
+
+// Returns the quantity that the view's colours show. Without a choice it is the one that colorScan() chooses, but the
+// second view of a single scan shows another quantity than the first.
+ColorBy Clouds::colorOf(std::size_t view) const {
+  if (colors[view]) return *colors[view];
+  if (!context_.frame || context_.frame->scans.empty()) return kByClass;
+  const bool second = context_.frame->scans.size() == 1 && view > 0;
+  if (!second && context_.options.colors.size() == 1) return context_.options.colors.front();
+  const ViewScan& scan = context_.frame->scans[view < context_.frame->scans.size() ? view : 0];
+  for (const ColorBy& by : {kByClass, kByIntensity, kByRange}) {
+    if (hasColor(scan, by) && !(second && by == colorOf(0))) return by;
+  }
+  return kByHeight;
+}
+
+// Returns the ends of the view's scale. Scans side by side share ends that follow from the values of all, so that they
+// can be compared.
+std::optional<ScaleRange> Clouds::scaleOf(std::size_t view) {
+  if (scales[view]) return scales[view];
+  const ColorBy by = colorOf(view);
+  if (context_.options.layout != ViewLayout::Split || context_.frame->scans.size() < 2 || !isNumeric(by)) return {};
+  if (const auto found = commonScales_.find(by); found != commonScales_.end()) return found->second;
+  std::optional<ScaleRange> common;
+  for (std::size_t v = 0; v < viewCount(); ++v) {
+    const ViewScan& scan = context_.frame->scans[v];
+    if (colorOf(v) != by || !hasColor(scan, by) || scan.scan.size() == 0) continue;
+    const Legend own = colorScan(scan.scan, by, contextOf(scan)).legend;
+    common = common ? ScaleRange{std::min(common->low, own.low), std::max(common->high, own.high)}
+                    : ScaleRange{own.low, own.high};
+  }
+  if (common) commonScales_[by] = *common;
+  return common;
+}
+
+Coloring Clouds::colored(std::size_t scanIndex, std::size_t view) {
+  const ViewScan& scan = context_.frame->scans[scanIndex];
+  ColorContext context = contextOf(scan);
+  try {
+    context.scale = scaleOf(view);
+    Coloring out = colorScan(scan.scan, colorOf(view), context);
+    out.legend.held = scales[view].has_value();
+    return out;
+  } catch (const InputError& e) {
+    colorProblem = fmt::format("{}: {}", scan.name, e.what());
+    if (!columnMissing) columnMissing = colorProblem;
+    return colorScan(scan.scan, std::nullopt, contextOf(scan));
+  }
+}
+
+void Clouds::arrange() {
+  const std::size_t before = list.size();
+  list.clear();
+  colorProblem.clear();
+  columnMissing.reset();
+  commonScales_.clear();
+  if (context_.frame) {
+    const std::size_t count = context_.frame->scans.size();
+    if (overlaid()) {
+      for (std::size_t s = 0; s < count; ++s) list.push_back({.scan = s, .view = 0});
+    } else if (context_.options.layout == ViewLayout::Split && count > 1) {
+      for (std::size_t s = 0; s < viewCount(); ++s) list.push_back({.scan = s, .view = s});
+    } else if (count > 0) {
+      for (std::size_t v = 0; v < viewCount(); ++v) list.push_back({.scan = shownScan(), .view = v});
+    }
+  }
+  if (activeView && *activeView >= viewCount()) activeView.reset();
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    ShownCloud& cloud = list[k];
+    const Scan& scan = context_.frame->scans[cloud.scan].scan;
+    if (overlaid()) {
+      cloud.coloring.colors.assign(scan.size(), overlayColor(cloud.scan));
+    } else {
+      cloud.coloring = colored(cloud.scan, cloud.view);
+    }
+    cloud.finite = static_cast<std::uint64_t>(std::count_if(scan.position.begin(), scan.position.end(), anyFinite));
+    if (!classesKnown_) notePresent(scan, presentClasses);
+    context_.canvas.setPoints(cloudItem(k), scan.position, cloud.coloring.colors);
+  }
+  for (std::size_t k = list.size(); k < before; ++k) context_.canvas.drop(cloudItem(k));
+}
+
+void Clouds::recolor(std::size_t view) {
+  if (overlaid()) return;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    if (list[k].view != view) continue;
+    list[k].coloring = colored(list[k].scan, view);
+    context_.canvas.setColors(cloudItem(k), list[k].coloring.colors);
+  }
+  context_.changes.items = context_.changes.panels = true;
+  makeStrip();
+}
+
+void Clouds::applyFilter() {
+  const ShownFilter& filter = context_.filter;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    ShownCloud& cloud = list[k];
+    const Scan& scan = context_.frame->scans[cloud.scan].scan;
+    const bool hiddenWhole = isHidden(cloud);
+    cloud.shown.clear();
+    cloud.visible = cloud.finite;
+    const bool all = filter.instances.empty() && (filter.classes.showsAll() || scan[kLabel].empty());
+    if (!hiddenWhole && all) {
+      context_.canvas.showAll(cloudItem(k));
+      continue;
+    }
+    std::vector<std::uint8_t> classShown(std::size_t{UINT16_MAX} + 1);
+    for (std::size_t id = 0; id < classShown.size(); ++id) {
+      classShown[id] = filter.classes.shows(static_cast<std::uint16_t>(id)) ? 1 : 0;
+    }
+    cloud.shown.assign(scan.size(), 0);
+    cloud.visible = 0;
+    std::vector<std::uint32_t> indices;
+    for (std::size_t i = 0; i < scan.size() && !hiddenWhole; ++i) {
+      if (!scan[kLabel].empty() && classShown[scan[kLabel][i]] == 0) continue;
+      if (!filter.showsInstance(scan[kInstance].empty() ? 0 : scan[kInstance][i])) continue;
+      cloud.shown[i] = 1;
+      indices.push_back(static_cast<std::uint32_t>(i));
+      if (isFinite(scan.position[i])) ++cloud.visible;
+    }
+    context_.canvas.showOnly(cloudItem(k), indices);
+  }
+  instanceProblem.clear();
+  for (const std::uint32_t id : filter.instances) {
+    const bool held = std::any_of(list.begin(), list.end(), [&](const ShownCloud& cloud) {
+      const auto& instances = context_.frame->scans[cloud.scan].scan[kInstance];
+      return std::find(instances.begin(), instances.end(), id) != instances.end();
+    });
+    if (!held && !list.empty()) instanceProblem += fmt::format("instance {} has no points here. ", id);
+  }
+  context_.changes.items = context_.changes.panels = context_.changes.hover = true;
+  makeStrip();
+}
+
+std::vector<std::size_t> Clouds::actedViews() const {
+  if (activeView) return {*activeView};
+  std::vector<std::size_t> all;
+  for (std::size_t v = 0; v < viewCount(); ++v) all.push_back(v);
+  return all;
+}
+
+void Clouds::chooseColor(const ColorBy& by) {
+  if (list.empty()) return;
+  if (overlaid()) return context_.say("the overlay has fixed colours: l closes it");
+  const auto acted = actedViews();
+  for (const std::size_t view : acted) {
+    for (const ShownCloud& cloud : list) {
+      if (cloud.view != view) continue;
+      const ViewScan& scan = context_.frame->scans[cloud.scan];
+      if (hasColor(scan, by) || scan.scan.size() == 0) continue;
+      // colorScan() throws a message that says which column is missing and what to do.
+      try {
+        colorScan(scan.scan, by, contextOf(scan));
+      } catch (const InputError& e) {
+        colorProblem = e.what();
+      }
+      context_.changes.panels = true;
+      return;
+    }
+  }
+  colorProblem.clear();
+  for (const std::size_t view : acted) {
+    if (colorOf(view) != by) scales[view].reset();
+    colors[view] = by;
+  }
+  commonScales_.clear();
+  const bool common = context_.options.layout == ViewLayout::Split && context_.frame->scans.size() > 1;
+  for (std::size_t view = 0; view < viewCount(); ++view) {
+    const bool changed = std::find(acted.begin(), acted.end(), view) != acted.end();
+    if (changed || (common && isNumeric(colorOf(view)))) recolor(view);
+  }
+}
+
+void Clouds::changeScale(KeyAction change) {
+  if (list.empty()) return;
+  if (overlaid()) return context_.say("the overlay has fixed colours: l closes it");
+  std::string said;
+  for (const std::size_t view : actedViews()) {
+    const ShownCloud* const cloud = inView(view);
+    if (cloud == nullptr || !cloud->coloring.legend.scale) continue;
+    if (change == KeyAction::AutomaticScale) {
+      scales[view].reset();
+    } else {
+      scales[view] = changedScale(cloud->coloring.legend, change);
+    }
+    recolor(view);
+    const Legend& now = cloud->coloring.legend;
+    said = fmt::format("{}: {:.3g} to {:.3g}", now.title, now.low, now.high);
+  }
+  if (said.empty()) return context_.say("these colours have no scale; numbers have one, such as range (4)");
+  context_.say(change == KeyAction::AutomaticScale ? said : said + "; \\ takes what the values give");
+}
+
+void Clouds::cycleColor(int step) {
+  if (list.empty()) return;
+  const std::size_t view = activeView.value_or(0);
+  const ShownCloud* const cloud = inView(view);
+  const std::vector<ColorBy> all = colorsOf(context_.frame->scans[cloud == nullptr ? 0 : cloud->scan].scan);
+  const auto count = static_cast<std::ptrdiff_t>(all.size());
+  std::ptrdiff_t place = std::find(all.begin(), all.end(), colorOf(view)) - all.begin();
+  for (std::ptrdiff_t tried = 0; tried < count; ++tried) {
+    place = (place + step + count) % count;
+    const ColorBy& candidate = all[static_cast<std::size_t>(place)];
+    const bool everywhere = std::all_of(list.begin(), list.end(), [&](const ShownCloud& other) {
+      return (activeView && other.view != *activeView) || hasColor(context_.frame->scans[other.scan], candidate);
+    });
+    if (everywhere) return chooseColor(candidate);
+  }
+}
+
+void Clouds::makeStrip() {
+  strip.reset();
+  stripProblem.clear();
+  context_.changes.panels = true;
+  if (!context_.options.rangeImage || list.empty()) return;
+  stripCloud = 0;
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    if (isHidden(list[k]) && stripCloud == k && k + 1 < list.size()) stripCloud = k + 1;
+    if (activeView && list[k].view == *activeView) stripCloud = k;
+  }
+  const ShownCloud& cloud = list[stripCloud];
+  const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
+  try {
+    const ViewScan& viewed = context_.frame->scans[cloud.scan];
+    // In the overlay a scan has a single colour, in which a range image would show nothing.
+    const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
+    strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown,
+                           context_.options.stripOrder, viewed.beams.get());
+    setImage(context_.canvas, kStripImage, strip->image);
+  } catch (const InputError& e) {
+    stripProblem = e.what();
+  }
+}
+
+}  // namespace scanmill

@@ -1,0 +1,178 @@
+#include "viewer/window/panels.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/grouped.h"
+#include "viewer/color_map.h"
+#include "viewer/picture.h"
+#include "viewer/window/guides.h"
+
+namespace scanmill {
+
+Panels::Panels(const SessionContext& context, const Playback& playback, const Clouds& clouds, const Scenery& scenery,
+               const Pointer& pointer)
+    : toolkit(context.canvas, context.options.still ? letterOfPicture(context.canvas.width(), context.canvas.height())
+                                                    : letterOfWindow(context.canvas.scale())),
+      context_(context),
+      playback_(playback),
+      clouds_(clouds),
+      scenery_(scenery),
+      pointer_(pointer) {}
+
+void Panels::arrange() {
+  fillPanes();
+  collectLegends();
+  addMessages();
+  PanelNeeds needs;
+  needs.letter = toolkit.letter();
+  needs.row = toolkit.row();
+  needs.title = !context_.options.bare;
+  needs.bar = !context_.options.bare && !context_.options.still;
+  needs.side = !context_.options.bare && (needs.bar || pointer_.pinned || !legends.empty());
+  if (clouds_.strip && !context_.options.bare)
+    needs.stripHeight = stripHeight(clouds_.strip->image.height, context_.canvas.width(), context_.canvas.height());
+  rooms = roomsOf(context_.canvas.width(), context_.canvas.height(), needs);
+}
+
+void Panels::fillPanes() {
+  panes.assign(clouds_.viewCount(), {});
+  bool differ = false;
+  for (std::size_t v = 1; v < clouds_.viewCount(); ++v) differ = differ || clouds_.colorOf(v) != clouds_.colorOf(0);
+  for (const ShownCloud& cloud : clouds_.list) {
+    ViewPane& pane = panes[cloud.view];
+    const std::string& name = context_.frame->scans[cloud.scan].name;
+    if (clouds_.overlaid()) {
+      pane.legend.title = "scan";
+      pane.legend.entries.push_back(
+          {name, overlayColor(cloud.scan), static_cast<std::int64_t>(cloud.scan), cloud.finite});
+      continue;
+    }
+    pane.active = clouds_.activeView == cloud.view && clouds_.viewCount() > 1;
+    pane.caption = name;
+    if (differ) pane.caption += fmt::format("{}{}", name.empty() ? "" : ": ", clouds_.colorOf(cloud.view).name());
+    if (cloud.finite == 0) continue;
+    pane.legend = cloud.coloring.legend;
+    completeClasses(pane.legend);
+  }
+  if (context_.source->isScene() && scenery_.mesh) panes.front().legend = scenery_.meshColoring.legend;
+}
+
+std::vector<CanvasView> Panels::views() const {
+  std::vector<CanvasView> placed;
+  for (const PixelRect& rect : partsOf(rooms.body, panes.size(), 1)) {
+    CanvasView view;
+    view.rect = rect;
+    view.camera = scenery_.camera.camera(rect.width, rect.height);
+    view.farthest = std::max(scenery_.farthest(view.camera.eye), 2 * view.camera.nearest);
+    view.background = context_.options.background;
+    view.depthEdges = context_.options.depthEdges;
+    placed.push_back(view);
+  }
+  return placed;
+}
+
+void Panels::addLabel(const Vec3d& spot, const std::string& text, bool mark) {
+  for (const CanvasView& view : context_.drawing.views()) {
+    const Projected p = view.camera.project(spot);
+    if (!(p.depth >= view.camera.nearest)) continue;
+    if (!(p.x >= 0 && p.y >= 0 && p.x < view.rect.width && p.y < view.rect.height)) continue;
+    labels.push_back({view.rect.left + p.x, view.rect.top + p.y, text, mark});
+  }
+}
+
+void Panels::addLabels() {
+  labels.clear();
+  if (context_.options.rangeRings && !clouds_.list.empty()) {
+    // The labels of the rings are ahead of the camera, where they are seen.
+    const Vec3d ahead{std::cos(scenery_.camera.yaw), std::sin(scenery_.camera.yaw), 0};
+    for (const double radius : kRingRadii)
+      addLabel(scenery_.ground + ahead * radius, fmt::format("{} m", radius), false);
+  }
+  if (context_.options.axes) {
+    // Name the sensors that are at different places.
+    std::vector<Vec3d> named;
+    for (const ShownCloud& cloud : clouds_.list) {
+      const Vec3d& stands = cloud.canvasFromScan.translation;
+      const bool near =
+          std::any_of(named.begin(), named.end(), [&](const Vec3d& n) { return length(n - stands) < 0.05; });
+      if (near) continue;
+      if (named.size() == 1) addLabel(named.front(), context_.frame->scans[clouds_.list.front().scan].sensor, false);
+      named.push_back(stands);
+      if (named.size() > 1) addLabel(stands, context_.frame->scans[cloud.scan].sensor, false);
+    }
+  }
+  // The nearest objects have their class, their id and the share (%) of them that is not occluded.
+  for (const auto& [object, view] : scenery_.nearestSeen()) {
+    addLabel(scenery_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
+             fmt::format("{} {}, {:.0f} %", className(context_.source->ontology(), object->semantic), object->id,
+                         100 * view->visibility().value_or(0)),
+             false);
+  }
+  for (const Vec3d& end : pointer_.ends) addLabel(end, "", true);
+  if (!pointer_.ends.empty() && (pointer_.ends.size() == 2 || (pointer_.measuring && pointer_.hover))) {
+    const Vec3d to = pointer_.ends.size() == 2 ? pointer_.ends[1] : pointer_.hover->place;
+    const Vec3d line = to - pointer_.ends[0];
+    addLabel(pointer_.ends[0] + line * 0.5,
+             fmt::format("{:.3f} m (dx {:.3f}, dy {:.3f}, dz {:.3f})", length(line), line.x, line.y, line.z), false);
+  }
+  if (pointer_.pinned) addLabel(pointer_.pinned->place, "", true);
+  if (pointer_.hover) addLabel(pointer_.hover->place, "", true);
+}
+
+std::string Panels::title() const {
+  const std::size_t frames = context_.source->keys().size();
+  std::string text = context_.source->title();
+  if (context_.options.still && frames > 1) text += ", " + context_.source->keys()[playback_.requested()];
+  if (context_.frame && context_.options.layout == ViewLayout::One && context_.frame->scans.size() > 1) {
+    text += ": " + context_.frame->scans[clouds_.shownScan()].name;
+  } else if (context_.frame && context_.frame->scans.size() == 1 && !context_.frame->scans.front().name.empty() &&
+             frames > 1) {
+    text += ": " + context_.frame->scans.front().name;
+  }
+  return text;
+}
+
+std::string Panels::summary() const {
+  if (!context_.frame) return {};
+  std::uint64_t visible = 0;
+  std::uint64_t finite = 0;
+  for (const ShownCloud& cloud : clouds_.list) {
+    if (context_.options.layout == ViewLayout::Split && context_.frame->scans.size() == 1 && cloud.view > 0) continue;
+    visible += cloud.visible;
+    finite += cloud.finite;
+  }
+  std::string out;
+  if (context_.source->isScene()) {
+    if (scenery_.mesh) out = fmt::format("{} triangles", grouped(scenery_.mesh->size()));
+  } else if (visible == finite) {
+    out = fmt::format("{} point{}", grouped(finite), finite == 1 ? "" : "s");
+  } else {
+    out = fmt::format("{} of {} points", grouped(visible), grouped(finite));
+  }
+  if (const std::string filtered = context_.filter.classes.text(
+          context_.source->isScene() && scenery_.mesh ? &scenery_.mesh->ontology : context_.source->ontology());
+      !filtered.empty()) {
+    out += ", " + filtered;
+  }
+  if (context_.filter.instances.size() == 1)
+    out += fmt::format(", only instance {}", *context_.filter.instances.begin());
+  if (context_.filter.instances.size() > 1) out += fmt::format(", only {} instances", context_.filter.instances.size());
+  if (pointer_.measuring)
+    out += fmt::format(", distance: click the {} end", pointer_.ends.empty() ? "first" : "second");
+  return out;
+}
+
+PixelRect Panels::stripRect() const {
+  const int caption = static_cast<int>(std::lround(toolkit.letter() * 1.5));
+  PixelRect rect = rooms.strip;
+  if (rect.height > 2 * caption) {
+    rect.top += caption;
+    rect.height -= caption;
+  }
+  return rect;
+}
+
+}  // namespace scanmill

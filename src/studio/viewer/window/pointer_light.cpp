@@ -1,0 +1,109 @@
+// Outlines the instance and draws the beam that the pointer is on.
+
+#include <algorithm>
+
+#include "viewer/window/guides.h"
+#include "viewer/window/pointer.h"
+
+namespace scanmill {
+
+namespace {
+
+// Returns the points of a beam, the nearest first.
+std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
+  if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
+  const PointKey own = keyOf(scan, point);
+  std::vector<Vec3f> places;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const PointKey key = keyOf(scan, i);
+    if (key.ring == own.ring && key.column == own.column && isFinite(scan.position[i])) {
+      places.push_back(scan.position[i]);
+    }
+  }
+  std::ranges::sort(places, {}, [](const Vec3f& p) { return length(Vec3d(p)); });
+  return places;
+}
+
+}  // namespace
+
+// Draws the instance's points once more in white, larger and a little farther away, as an outline.
+void Pointer::lightInstance() {
+  constexpr double kRest = 0.15;  // s: the pointer rests if it has not moved for so long
+  const PickedThing* const thing = shown();
+  std::optional<InstancePlace> wanted;
+  const ShownCloud* cloud = nullptr;
+  if (thing != nullptr && thing->scan != kNoScan) {
+    const auto found = std::ranges::find(clouds_.list, thing->scan, &ShownCloud::scan);
+    const auto id = instanceOf(*thing);
+    if (found != clouds_.list.end() && id) {
+      cloud = &*found;
+      wanted = InstancePlace{thing->scan, *id};
+    }
+  }
+  if (wanted == lit_ && !context_.changes.items) {
+    if (lit_ && context_.changes.views) outline(*cloud, false);
+    return;
+  }
+  // Do not draw a large scan again for every point that the pointer passes.
+  const bool moves = context_.drawing.now() - lastMove_ < kRest;
+  if (!context_.changes.items && context_.drawing.slow() && moves) return;
+  lit_ = wanted;
+  context_.changes.light = true;
+  if (!lit_) return litItem_.drop();
+  outline(*cloud, true);
+}
+
+// Places the outline of the instance `lit_` behind its points. `anew`: the points have changed.
+void Pointer::outline(const ShownCloud& cloud, bool anew) {
+  constexpr double kEdge = 1.5;      // px, width of the outline
+  constexpr double kFarther = 1.03;  // factor of the distance from the eye
+  constexpr double kBehind = 0.2;    // m, distance behind the points for an orthographic camera
+  if (context_.drawing.views().empty()) return;
+  if (anew) {
+    std::vector<Vec3f> places;
+    const std::vector<Vec3f>& all = context_.frame->scans[cloud.scan].scan.position;
+    for (const std::uint32_t i : summaryOf(cloud, lit_->id).points) {
+      if (!cloud.shown.empty() && cloud.shown[i] == 0) continue;
+      places.push_back(Vec3f(cloud.canvasFromScan * Vec3d(all[i])));
+    }
+    litItem_.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
+  }
+  ItemLook look;
+  look.views = 0;
+  for (const ShownCloud& same : clouds_.list) {
+    if (same.scan == cloud.scan) look.views |= 1U << same.view;
+  }
+  look.size = scenery_.pointSize() + 2 * kEdge;
+  const ViewCamera& seenBy = context_.drawing.views().front().camera;  // all views have the same eye
+  if (seenBy.orthographic) {
+    look.canvasFromItem.translation = seenBy.forward * kBehind;
+  } else {
+    look.canvasFromItem.linear = {{kFarther, 0, 0}, {0, kFarther, 0}, {0, 0, kFarther}};
+    look.canvasFromItem.translation = seenBy.eye * (1 - kFarther);
+  }
+  litItem_.setLook(look);
+}
+
+void Pointer::placeBeam() {
+  const PickedThing* const thing = shown();
+  std::optional<std::pair<std::size_t, std::size_t>> beam;
+  if (thing != nullptr && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
+  if (beam == beamOf_ && !context_.changes.items) return;  // the search for returns reads the whole scan
+  beamOf_ = beam;
+  constexpr Rgb kBeam{255, 220, 80};
+  LineSet lines;
+  for (const ShownCloud& cloud : clouds_.list) {
+    if (!beam || cloud.scan != beam->first) continue;
+    const std::vector<Vec3f> places = returnsOf(context_.frame->scans[cloud.scan].scan, beam->second);
+    for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+      lines.add(cloud.canvasFromScan * Vec3d(places[i]), cloud.canvasFromScan * Vec3d(places[i + 1]), kBeam);
+    }
+    break;
+  }
+  if (lines.colors.empty() && !beamDrawn_) return;
+  beamDrawn_ = !lines.colors.empty();
+  scenery_.setLines(kBeamItem, lines, 2);
+  context_.changes.light = true;
+}
+
+}  // namespace scanmill

@@ -1,0 +1,124 @@
+// Boxes and tracks of the objects that a sample lists, and boxes about the points of instances.
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/sample_names.h"
+#include "viewer/color_map.h"
+#include "viewer/window/scenery.h"
+
+namespace scanmill {
+
+namespace {
+
+constexpr Rgb kUnknownClass{200, 200, 200};
+constexpr double kFaint = 0.75;         // share of the background in the colour of objects that the sensor does not see
+constexpr double kUnseenWithin = 40;    // m, from the sensor: boxes of unseen objects farther away are left out
+constexpr std::size_t kMostNames = 30;  // greatest number of labels
+
+}  // namespace
+
+const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
+  if (clouds_.list.empty()) return nullptr;
+  const std::string sensor = lowerCase(context_.frame->scans[clouds_.list.front().scan].sensor);
+  for (const ObjectView& view : object.views) {
+    if (lowerCase(view.sensor) == sensor) return &view;
+  }
+  return nullptr;
+}
+
+// Returns the pose of the object's box: relative to the scan if its sensor has a view of the object, so that the box
+// fits the points; else in the world.
+Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
+  const ObjectView* const view = shownView(object);
+  if (view != nullptr) return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
+  return canvasFromWorld * toAffine(object.worldFromBox);
+}
+
+bool Scenery::boxShown(const ObjectRecord& object) const {
+  return context_.filter.showsInstance(object.id) && context_.filter.classes.shows(object.semantic);
+}
+
+void Scenery::placeBoxes() {
+  LineSet lines;
+  if (context_.options.boxes && context_.frame && worldFromAnchor && !clouds_.list.empty()) {
+    for (const auto& [object, track] : context_.frame->objects) {
+      if (!boxShown(object)) continue;
+      const SemanticClass* const known =
+          context_.source->ontology() == nullptr ? nullptr : context_.source->ontology()->find(object.semantic);
+      const Rgb color = known == nullptr ? kUnknownClass : Rgb{known->color[0], known->color[1], known->color[2]};
+      const ObjectView* const view = shownView(object);
+      const bool seen = view != nullptr && view->points > 0;
+      const Affine place = canvasFromBox(object);
+      if (!seen && length(place.translation - clouds_.list.front().canvasFromScan.translation) > kUnseenWithin)
+        continue;
+      addBox(lines, place, object.size, object.headingKnown,
+             seen ? color : mix(color, context_.options.background, kFaint));
+      for (std::size_t i = 0; i + 1 < track.size(); ++i) {
+        lines.add(canvasFromWorld * track[i], canvasFromWorld * track[i + 1], color);
+      }
+    }
+  }
+  placeInstanceBoxes(lines);
+  setLines(kBoxesItem, lines, 1);
+  context_.changes.items = context_.changes.panels = true;
+}
+
+std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestSeen() const {
+  std::vector<std::pair<const ObjectRecord*, const ObjectView*>> seen;
+  if (!context_.options.boxes || !context_.frame || !worldFromAnchor || clouds_.list.empty()) return seen;
+  for (const auto& [object, track] : context_.frame->objects) {
+    const ObjectView* const view = shownView(object);
+    if (view != nullptr && view->points > 0 && boxShown(object)) seen.emplace_back(&object, view);
+  }
+  std::ranges::sort(seen, {}, [](const auto& one) { return length(one.second->sensorFromBox.translation); });
+  if (seen.size() > kMostNames) seen.resize(kMostNames);
+  return seen;
+}
+
+void Scenery::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
+  const auto found = std::find_if(context_.frame->objects.begin(), context_.frame->objects.end(),
+                                  [&](const ViewObject& o) { return o.record.id == instance; });
+  if (found == context_.frame->objects.end()) return;
+  const ObjectRecord& object = found->record;
+  const auto add = [&](const char* what, const std::string& value) { thing.rows.emplace_back(what, value); };
+  add("object", object.name);
+  add("box", fmt::format("{:.2f} x {:.2f} x {:.2f} m{}", object.size.x, object.size.y, object.size.z,
+                         object.headingKnown ? "" : ", heading unknown"));
+  if (object.moves) add("speed", fmt::format("{:.2f} m/s", length(object.velocity)));
+  const std::string& sensor = context_.frame->scans[thing.scan].sensor;
+  for (const ObjectView& view : object.views) {
+    if (lowerCase(view.sensor) != lowerCase(sensor)) continue;
+    add("visible",
+        fmt::format("{:.0f} % ({} of {} beams)", 100 * view.visibility().value_or(0), view.beams, view.beamsAlone));
+    if (view.truncation > 0) add("out of view", fmt::format("{:.0f} %", 100 * view.truncation));
+  }
+}
+
+std::uint16_t classOf(const InstanceSummary& instance) {
+  return instance.classes.empty() ? std::uint16_t{0} : instance.classes.front().first;
+}
+
+const std::vector<InstanceSummary>& Scenery::instances() {
+  const ShownCloud& cloud = clouds_.list.front();
+  const std::pair<const ViewFrame*, std::size_t> of{context_.frame.get(), cloud.scan};
+  if (instancesOf_ != of) {
+    instances_ = summarizeInstances(context_.frame->scans[cloud.scan].scan, cloud.canvasFromScan);
+    instancesOf_ = of;
+  }
+  return instances_;
+}
+
+// Adds the smallest upright box about each instance's points, in the colour of its class.
+void Scenery::placeInstanceBoxes(LineSet& lines) {
+  if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
+  for (const InstanceSummary& instance : instances()) {
+    const std::uint16_t semantic = classOf(instance);
+    if (!context_.filter.showsInstance(instance.id) || !context_.filter.classes.shows(semantic)) continue;
+    addBox(lines, instance.levelFromBox, instance.size, false, classColor(context_.source->ontology(), semantic));
+  }
+}
+
+}  // namespace scanmill

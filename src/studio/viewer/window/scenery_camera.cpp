@@ -1,0 +1,73 @@
+// The cameras: presets, the first one, and the current one as text.
+
+#include <algorithm>
+
+#include "viewer/window/scenery.h"
+
+namespace scanmill {
+
+namespace {
+
+// Frames the box, then moves the camera aside and nearer until the box fills the picture, since in perspective its near
+// parts appear larger than its far parts.
+void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
+  constexpr int kSteps = 16;
+  constexpr double kFilled = 0.9;
+  camera.frame(box);
+  for (int step = 0; step < kSteps; ++step) {
+    const ViewCamera view = camera.camera(width, height);
+    double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Projected p = view.project({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                        corner & 4 ? box.high.z : box.low.z});
+      if (!(p.depth >= view.nearest)) return;
+      left = std::min(left, p.x);
+      right = std::max(right, p.x);
+      top = std::min(top, p.y);
+      bottom = std::max(bottom, p.y);
+    }
+    camera.pan((width - left - right) / 2, (height - top - bottom) / 2, width, height);
+    const double share = std::max((right - left) / width, (bottom - top) / height) / kFilled;
+    camera.distance *= std::clamp(share, 0.8, 1.25);
+  }
+}
+
+}  // namespace
+
+OrbitCamera Scenery::preset(View view) const {
+  OrbitCamera chosen = presetCamera(view);
+  if (context_.source->isScene()) {
+    // The view from above shows the whole scene, unless a part of it is far away from the rest.
+    constexpr double kFarAway = 3;
+    if (!mesh) return chosen;
+    const auto longest = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
+    const bool whole = view == View::Above && longest(mesh->bounds) < kFarAway * longest(mesh->core);
+    fillWith(chosen, whole ? mesh->bounds : mesh->core, context_.canvas.width(), context_.canvas.height());
+  } else if (world && worldFromAnchor) {
+    chosen.moveBy(canvasFromWorld * toAffine(*worldFromAnchor));
+  }
+  return chosen;
+}
+
+OrbitCamera Scenery::firstCamera() const {
+  const CameraChoice& choice = context_.options.camera;
+  if (!context_.source->isScene()) return choice.camera;
+  if (choice.view) return preset(*choice.view);
+  OrbitCamera chosen = choice.camera;
+  if (choice.placed) chosen.target = canvasFromWorld * chosen.target;
+  return chosen;
+}
+
+std::string Scenery::cameraText() const {
+  OrbitCamera told = camera;
+  if (context_.source->isScene()) told.target = inverse(canvasFromWorld) * told.target;
+  return told.text();
+}
+
+void Scenery::setCamera(const OrbitCamera& newCamera) {
+  if (newCamera == camera) return;
+  camera = newCamera;
+  context_.changes.views = context_.changes.panels = context_.changes.hover = true;
+}
+
+}  // namespace scanmill

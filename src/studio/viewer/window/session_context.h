@@ -1,0 +1,66 @@
+#pragma once
+
+// What all parts of a viewer's session read: what is viewed, how, which of it is hidden, and what the user is told.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "viewer/canvas/canvas.h"
+#include "viewer/frames/frame_source.h"
+#include "viewer/window/class_filter.h"
+#include "viewer/window/drawing.h"
+#include "viewer/window/session.h"
+#include "viewer/window/view_keys.h"
+
+namespace scanmill {
+
+// A message that is shown for some seconds.
+struct ViewNotice {
+  std::string text;
+  double until = 0;                // s, of Drawing::now()
+  std::optional<KeyAction> cause;  // the action that caused it
+};
+
+// Which points and triangles are shown.
+struct ShownFilter {
+  ClassFilter classes;
+  std::set<std::uint32_t> instances;  // the only instances that are shown; empty: all
+  std::set<std::string> hiddenScans;  // names of the scans that are hidden when scans lie over one another
+
+  bool showsInstance(std::uint32_t id) const { return instances.empty() || instances.contains(id); }
+};
+
+struct SessionContext {
+  SessionContext(std::shared_ptr<const FrameSource> frames, Canvas& drawnOn, const ViewOptions& chosen)
+      : source(std::move(frames)),
+        canvas(drawnOn),
+        options(chosen),
+        drawing(drawnOn),
+        filter{ClassFilter(chosen.hidden, chosen.only, source->ontology()),
+               {chosen.instances.begin(), chosen.instances.end()},
+               {}} {}
+
+  // Shows a message for some seconds.
+  void say(const std::string& text, double seconds = 4);
+  // Shows a message for longer, once in a session.
+  void hint(const std::string& text);
+  // Removes the notices whose time is over. True if there was one.
+  bool forgetNotices();
+
+  std::shared_ptr<const FrameSource> source;
+  Canvas& canvas;
+  ViewOptions options;  // the current ones
+  Drawing drawing;
+  Changes& changes = drawing.changes;
+  std::shared_ptr<const ViewFrame> frame;  // the frame that is shown; null: none has been loaded
+  ShownFilter filter;
+  std::vector<ViewNotice> notices;
+  std::vector<std::string> hints;
+  std::optional<KeyAction> acting;  // the action that is being executed
+};
+
+}  // namespace scanmill

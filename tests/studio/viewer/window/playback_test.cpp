@@ -1,0 +1,124 @@
+#include "viewer/window/playback.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/studio/viewer/window/fake_frames.h"
+
+namespace scanmill {
+namespace {
+
+struct Player {
+  explicit Player(std::size_t count, const std::string& sample = "#0", const std::vector<std::size_t>& unreadable = {})
+      : frames(std::make_shared<FakeFrames>(count)) {
+    for (const std::size_t i : unreadable) frames->frames[i].scans.clear();
+    playback.emplace(frames, std::make_unique<FrameLoader>(frames), sample);
+  }
+  // Waits for the requested frame and returns its index.
+  std::size_t wait(double now = 0) {
+    playback->wait(now);
+    return *playback->current();
+  }
+
+  std::shared_ptr<FakeFrames> frames;
+  std::optional<Playback> playback;
+};
+
+TEST(Playback, StartsWithTheSampleOrTheMiddleOne) {
+  Player named(5, "sample-103");
+  EXPECT_EQ(named.playback->current(), std::nullopt);
+  EXPECT_EQ(named.wait(), 3u);
+  EXPECT_EQ(Player(5, "").wait(), 2u);
+  EXPECT_THROW(Player(5, "no such sample"), InputError);
+}
+
+TEST(Playback, StepsAsFarAsThereAreFrames) {
+  Player player(5);
+  player.wait();
+  EXPECT_FALSE(player.playback->stepBy(-1));
+  EXPECT_TRUE(player.playback->stepBy(3));
+  EXPECT_EQ(player.wait(), 3u);
+  EXPECT_TRUE(player.playback->stepBy(10));
+  EXPECT_EQ(player.wait(), 4u);
+  EXPECT_FALSE(player.playback->stepBy(1));
+  player.playback->goTo(99, 1);
+  EXPECT_EQ(player.playback->requested(), 4u);
+}
+
+TEST(Playback, TakesAFrameOnceItIsLoaded) {
+  Player player(3);
+  player.wait();
+  player.frames->setOpen(false);
+  player.playback->goTo(2, 0);
+  EXPECT_EQ(player.playback->take(0), nullptr);
+  EXPECT_FALSE(player.playback->settled());
+  EXPECT_EQ(player.playback->current(), 0u) << "the old frame stays until the new one is loaded";
+  player.frames->setOpen(true);
+  const auto frame = player.playback->wait(0);
+  ASSERT_NE(frame, nullptr);
+  EXPECT_EQ(frame->key, "sample-102");
+  EXPECT_EQ(player.playback->take(0), nullptr) << "each frame is given out once";
+}
+
+// Nobody chose the middle one: the first frame that can be read is shown in its place. A chosen frame stays.
+TEST(Playback, SeeksAReadableFrameIfNoneWasChosen) {
+  Player seeking(5, "", {0, 2});
+  EXPECT_EQ(seeking.wait(), 1u);
+  EXPECT_EQ(seeking.playback->substituted(), "sample-102 cannot be read: sample-101 is the first that can");
+  EXPECT_THAT(seeking.playback->damaged(), testing::ElementsAre(0, 2));
+  Player chosen(5, "#2", {0, 2});
+  EXPECT_EQ(chosen.wait(), 2u);
+  EXPECT_EQ(chosen.playback->substituted(), "");
+  Player none(3, "", {0, 1, 2});
+  EXPECT_EQ(none.wait(), 1u) << "if no frame can be read, the first choice stays, with its problems";
+}
+
+// The frames are 0.1 s apart: they are played as they were recorded, and twice as fast at double speed.
+TEST(Playback, PlaysAtTheRecordedPace) {
+  Player player(8);
+  player.wait(10);
+  player.playback->stepBy(1);
+  player.wait(10);  // from here on the time between two frames is known
+  player.playback->togglePlaying(10);
+  EXPECT_TRUE(player.playback->playing());
+  player.playback->tick(10.09);
+  EXPECT_TRUE(player.playback->settled());
+  EXPECT_TRUE(player.playback->tick(10.11));
+  EXPECT_EQ(player.playback->requested(), 2u);
+  player.wait(10.11);
+  player.playback->changeSpeed(1);
+  EXPECT_EQ(player.playback->speedText(), "2x");
+  player.playback->tick(10.15);
+  EXPECT_TRUE(player.playback->settled());
+  player.playback->tick(10.17);
+  EXPECT_EQ(player.playback->requested(), 3u);
+  player.playback->tick(99);
+  EXPECT_EQ(player.playback->requested(), 3u) << "no frame is passed over while one is loading";
+}
+
+TEST(Playback, EndsAtTheLastFrameAndBeginsAnew) {
+  Player player(3, "#2");
+  player.wait(0);
+  player.playback->togglePlaying(0);
+  EXPECT_EQ(player.playback->requested(), 0u) << "after the last frame it plays from the start";
+  for (double now = 1; player.playback->playing() && now < 10; now += 1) {
+    player.wait(now);
+    player.playback->tick(now + 0.5);
+  }
+  EXPECT_FALSE(player.playback->playing());
+  EXPECT_EQ(player.wait(), 2u);
+}
+
+TEST(Playback, HasSpeedsFromHalfToAsFastAsItLoads) {
+  Player player(2);
+  std::vector<std::string> speeds;
+  for (int i = 0; i < 6; ++i) player.playback->changeSpeed(-1);
+  for (int i = 0; i < 6; ++i) {
+    speeds.push_back(player.playback->speedText());
+    player.playback->changeSpeed(1);
+  }
+  EXPECT_THAT(speeds, testing::ElementsAre("0.5x", "1x", "2x", "5x", "as fast as it loads", "as fast as it loads"));
+}
+
+}  // namespace
+}  // namespace scanmill
