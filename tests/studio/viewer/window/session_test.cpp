@@ -125,7 +125,7 @@ TEST(ViewSession, EveryKeyDoesWhatItSays) {
   changes[A::ToggleDepthEdges] = {"edges"};
   changes[A::ToggleOverlay] = {"clouds", "colours", "frame", "shown", "size"};
   changes[A::ToggleSplit] = {"clouds", "colours", "frame", "shown", "size", "views"};
-  changes[A::NextScan] = {"frame"};
+  changes[A::NextScan] = {"colours", "frame"};
   changes[A::ToggleWorld] = {"camera", "frame"};
   for (const ViewCommand& command : viewCommands()) {
     for (const std::string& key : command.keys) {
