@@ -1,5 +1,6 @@
 // Traffic signs, street lamps and traffic lights. Their posts begin a little below the ground.
 
+#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -27,6 +28,22 @@ std::vector<Point2> rectangle(double width, double height) {
   return {{-width / 2, -height / 2}, {width / 2, -height / 2}, {width / 2, height / 2}, {-width / 2, height / 2}};
 }
 
+// The board of a traffic sign: a regular polygon, or a square.
+struct SignForm {
+  int corners;        // 0: a square
+  double radius;      // m, from the middle to a corner
+  double turn;        // rad, direction of a corner
+  double halfHeight;  // m
+};
+
+// In the order of TrafficSign.
+constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
+                                                   {3, 0.42, kPi / 2, 0.42},
+                                                   {4, 0.36, 0, 0.36},
+                                                   {8, 0.38, kPi / 8, 0.36},
+                                                   {0, 0, 0, 0.3},
+                                                   {3, 0.45, -kPi / 2, 0.45}}};
+
 }  // namespace
 
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number) {
@@ -36,32 +53,10 @@ Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int 
   const SurfaceIndex front = s.surface("traffic_sign", "sign_retroreflective");
   const SurfaceIndex back = s.surface("traffic_sign", "painted_metal");
   const double z = draw.in(2.2, 2.5);
-  std::vector<Point2> board;
-  double halfHeight = 0.3;
-  switch (sign) {
-    case TrafficSign::SpeedLimit:
-      board = regular(24, 0.3, 0);
-      break;
-    case TrafficSign::Warning:
-      board = regular(3, 0.42, kPi / 2);
-      halfHeight = 0.42;
-      break;
-    case TrafficSign::Priority:
-      board = regular(4, 0.36, 0);
-      halfHeight = 0.36;
-      break;
-    case TrafficSign::Stop:
-      board = regular(8, 0.38, kPi / 8);
-      halfHeight = 0.36;
-      break;
-    case TrafficSign::Parking:
-      board = rectangle(0.6, 0.6);
-      break;
-    case TrafficSign::GiveWay:
-      board = regular(3, 0.45, -kPi / 2);
-      halfHeight = 0.45;
-      break;
-  }
+  const SignForm& form = kSignForms[static_cast<std::size_t>(sign)];
+  const double halfHeight = form.halfHeight;
+  const std::vector<Point2> board =
+      form.corners == 0 ? rectangle(2 * halfHeight, 2 * halfHeight) : regular(form.corners, form.radius, form.turn);
   const bool plate = draw.chance(0.4);
   const double top = z + halfHeight * 2 + 0.05;
   s.tube(post, {0, 0, -kSignSunk}, {0, 0, top}, 0.03, 0.03, 12);

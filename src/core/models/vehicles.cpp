@@ -10,112 +10,54 @@
 namespace scanmill::models {
 namespace {
 
-// Returns the side profile of a kind of car, with the windows that go with it.
+// The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
+struct CarShape {
+  double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm
+  double nose, hood, height, tail;                                     // z
+  double windBase, windTop, roofEnd, rearBase;                         // x of the ends of windscreen, roof, rear window
+};
+
+// In the order of CarForm.
+// clang-format off
+constexpr std::array<CarShape, 7> kCarShapes{{
+    {4.1,  1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.48, 0.95,   0.85, 0.2,  -1.45, -1.9},
+    {4.7,  1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.44, 1.02,   0.95, 0.3,  -0.95, -1.65},
+    {4.65, 1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.47, 0.95,   0.95, 0.3,  -1.9,  -2.2},
+    {4.5,  1.82, 0.27, 1.06, 0.02, 0.56, 0.36,   0.88, 1.1,  1.68, 1.08,   0.85, 0.2,  -1.7,  -2.1},
+    {4.6,  1.82, 0.2,  1.05, 0.02, 0.66, 0.31,   0.82, 1.12, 1.83, 1.08,   1.45, 0.55, -2.05, -2.22},
+    {5.1,  1.82, 0.3,  1.08, 0,    0.56, 0.37,   0.92, 1.12, 1.76, 1.15,   1.0,  0.45, -0.75, -0.98},
+    {5.3,  1.84, 0.24, 1.25, 0,    0.76, 0.34,   0.95, 1.32, 2.45, 1.3,    1.85, 1.05, -2.5,  -2.58},
+}};
+// clang-format on
+
+// Returns the body of a kind of car, with the windows that go with it.
 BodyForm carForm(CarForm kind, Draw& draw) {
+  const CarShape& shape = kCarShapes[static_cast<std::size_t>(kind)];
   BodyForm f;
-  double hood = 0.98, height = 1.48, windBase = 0.85, windTop = 0.2, roofEnd = -1.35, rearBase = -1.85;
-  double tail = 0.95, nose = 0.74;
-  switch (kind) {
-    case CarForm::Hatchback:
-      f.length = 4.1;
-      roofEnd = -1.45;
-      rearBase = -1.9;
-      break;
-    case CarForm::Sedan:
-      f.length = 4.7;
-      height = 1.44;
-      windBase = 0.95;
-      windTop = 0.3;
-      roofEnd = -0.95;
-      rearBase = -1.65;
-      tail = 1.02;
-      break;
-    case CarForm::Wagon:
-      f.length = 4.65;
-      height = 1.47;
-      windBase = 0.95;
-      windTop = 0.3;
-      roofEnd = -1.9;
-      rearBase = -2.2;
-      break;
-    case CarForm::Suv:
-      f.length = 4.5;
-      f.floor = 0.27;
-      f.wheelRadius = 0.36;
-      f.belt = 1.06;
-      f.width = 1.82;
-      hood = 1.1;
-      nose = 0.88;
-      height = 1.68;
-      roofEnd = -1.7;
-      rearBase = -2.1;
-      tail = 1.08;
-      break;
-    case CarForm::Van:
-      f.length = 4.6;
-      f.belt = 1.05;
-      f.width = 1.82;
-      f.roofHalf = 0.66;
-      hood = 1.12;
-      nose = 0.82;
-      height = 1.83;
-      windBase = 1.45;
-      windTop = 0.55;
-      roofEnd = -2.05;
-      rearBase = -2.22;
-      tail = 1.08;
-      break;
-    case CarForm::Pickup:
-      f.length = 5.1;
-      f.floor = 0.3;
-      f.wheelRadius = 0.37;
-      f.belt = 1.08;
-      f.beltRise = 0;
-      f.width = 1.82;
-      hood = 1.12;
-      nose = 0.92;
-      height = 1.76;
-      windBase = 1.0;
-      windTop = 0.45;
-      roofEnd = -0.75;
-      rearBase = -0.98;
-      tail = 1.15;
-      break;
-    case CarForm::Delivery:
-      f.length = 5.3;
-      f.floor = 0.24;
-      f.wheelRadius = 0.34;
-      f.belt = 1.25;
-      f.beltRise = 0;
-      f.width = 1.84;
-      f.roofHalf = 0.76;
-      hood = 1.32;
-      nose = 0.95;
-      height = 2.45;
-      windBase = 1.85;
-      windTop = 1.05;
-      roofEnd = -2.5;
-      rearBase = -2.58;
-      tail = 1.3;
-      break;
-  }
+  f.length = shape.length;
+  f.width = shape.width;
+  f.floor = shape.floor;
+  f.belt = shape.belt;
+  f.beltRise = shape.beltRise;
+  f.roofHalf = shape.roofHalf;
+  f.wheelRadius = shape.wheelRadius;
   const double stretch = draw.in(0.97, 1.03);
-  height *= draw.in(0.98, 1.02);
+  const double height = shape.height * draw.in(0.98, 1.02);
   f.length *= stretch;
-  for (double* x : {&windBase, &windTop, &roofEnd, &rearBase}) *x *= stretch;
+  const double windBase = shape.windBase * stretch, windTop = shape.windTop * stretch;
   const double end = f.length / 2;
-  if (rearBase < -end + 0.04) rearBase = -end + 0.04;
-  roofEnd = std::max(roofEnd, rearBase + 0.06);
-  f.profile = {{-end, tail - 0.08},
-               {-end + 0.03, tail},
-               {rearBase, tail + 0.01},
+  const double rearBase = std::max(shape.rearBase * stretch, -end + 0.04);
+  const double roofEnd = std::max(shape.roofEnd * stretch, rearBase + 0.06);
+  f.profile = {{-end, shape.tail - 0.08},
+               {-end + 0.03, shape.tail},
+               {rearBase, shape.tail + 0.01},
                {roofEnd, height - 0.05},
                {(roofEnd + windTop) / 2, height},
                {windTop, height - 0.04},
-               {windBase, hood},
-               {end - 0.5, lerp(nose, hood, 0.55)},
-               {end - 0.12, nose},
-               {end, nose - 0.1}};
+               {windBase, shape.hood},
+               {end - 0.5, lerp(shape.nose, shape.hood, 0.55)},
+               {end - 0.12, shape.nose},
+               {end, shape.nose - 0.1}};
   std::sort(f.profile.begin(), f.profile.end(), [](Point2 a, Point2 b) { return a.x < b.x; });
   f.windscreen = {windTop + 0.07, windBase - 0.07};
   f.rearWindow = {rearBase + std::min(0.1, (roofEnd - rearBase) * 0.15),
