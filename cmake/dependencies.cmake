@@ -46,7 +46,6 @@ if(SCANMILL_PYTHON)
   set(CMAKE_POSITION_INDEPENDENT_CODE ON)  # of the libraries too, which the extension links
 endif()
 if(SCANMILL_STUDIO)
-  find_package(X11 REQUIRED)
   find_package(glfw3 REQUIRED)
   find_package(Freetype REQUIRED)  # of Dear ImGui
   pkg_check_modules(IMGUI REQUIRED IMPORTED_TARGET imgui)

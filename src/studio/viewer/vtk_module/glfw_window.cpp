@@ -2,9 +2,7 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <X11/Xlib.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -37,20 +35,11 @@ void keepComplaint(int /*code*/, const char* text) {
   if (complaint().empty()) complaint() = text;
 }
 
-// Ends the program when the connection to the X server is lost. It must not return: Xlib would then call exit(), which
-// destroys objects that are still in use.
-int endProgram(Display*) {
-  constexpr std::string_view kMessage = "error: the connection to the X server, and with it the window, is lost\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
-  std::_Exit(1);
-}
-
 void connect() {
   complaint().clear();
   glfwSetErrorCallback(keepComplaint);
   // Suppresses Mesa's warning that the X server has no graphics card; Mesa works without a card.
   ::setenv("EGL_LOG_LEVEL", "fatal", 0);
-  XSetIOErrorHandler(endProgram);
 #ifdef GLFW_PLATFORM
   glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, but VTK only supports X11
 #endif
