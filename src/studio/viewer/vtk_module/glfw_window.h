@@ -12,7 +12,7 @@ namespace scanmill {
 
 // VTK's own window is not used: it calls abort() if the X server lacks a feature, and its interactor binds keys. This
 // window is invisible until run(). It uses OpenGL through EGL, as drawing without a window does. If the connection to
-// the X server breaks, the program ends with a message and exit code 1, since Xlib cannot continue.
+// the display breaks, Xlib ends the program with a message and exit code 1.
 class GlfwWindow {
  public:
   // Leaves the context current. Throws NoDisplay, and NoDevice.
