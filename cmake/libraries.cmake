@@ -57,11 +57,37 @@ function(scanmill_module layer name other)
   endif()
 endfunction()
 
-# scanmill_text(LIBRARY NAME FILE): a file of text that the program carries, as `extern const std::string_view NAME` of
-# namespace scanmill.
-function(scanmill_text library name file)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+# Sets `result` to the text of a file, in which each line `#include "OTHER"` is replaced by the text of that file in the same
+# folder, at its first place. CMake runs again when one of them changes.
+function(scanmill_included_text result file)
+  get_filename_component(folder ${file} DIRECTORY)
+  set(found ${file})
   file(READ ${file} text)
+  while(text MATCHES "\n#include \"([^\"\n]+)\"\n")
+    set(other ${folder}/${CMAKE_MATCH_1})
+    string(FIND "${text}" "${CMAKE_MATCH_0}" place)
+    string(LENGTH "${CMAKE_MATCH_0}" length)
+    math(EXPR end "${place} + ${length}")
+    string(SUBSTRING "${text}" 0 ${place} before)
+    string(SUBSTRING "${text}" ${end} -1 behind)
+    set(inserted "")
+    if(NOT other IN_LIST found)
+      if(NOT EXISTS ${other})
+        message(FATAL_ERROR "${file} includes \"${CMAKE_MATCH_1}\": there is no ${other}")
+      endif()
+      list(APPEND found ${other})
+      file(READ ${other} inserted)
+    endif()
+    set(text "${before}\n${inserted}${behind}")
+  endwhile()
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${found})
+  set(${result} "${text}" PARENT_SCOPE)
+endfunction()
+
+# scanmill_text(LIBRARY NAME FILE): a file of text that the program carries, with what it includes, as
+# `extern const std::string_view NAME` of namespace scanmill.
+function(scanmill_text library name file)
+  scanmill_included_text(text ${file})
   set(source ${PROJECT_BINARY_DIR}/generated/${library}/${name}.cpp)
   file(CONFIGURE OUTPUT ${source} @ONLY CONTENT [[#include <string_view>
 namespace scanmill {

@@ -184,8 +184,23 @@ ComputeReadbacks::Lease::~Lease() {
   all_.freed_.notify_one();
 }
 
+// The index in the dispatch is compared with the number of invocations left: a sum could overflow.
+std::string computeShaderText(std::string_view text) {
+  return fmt::format(R"(#version 430 core
+layout(local_size_x = {}) in;
+layout(location = {}) uniform uint firstInvocation;
+layout(location = {}) uniform uint endInvocation;
+{}
+void main() {{
+  if (gl_GlobalInvocationID.x < endInvocation - firstInvocation) invoke(firstInvocation + gl_GlobalInvocationID.x);
+}}
+)",
+                     kComputeGroup, kFirstInvocation, kEndInvocation, text);
+}
+
 ComputeProgram::ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text)
-    : context_(device.context_), number_(context_->told([&] { return context_->backend->makeProgram(name, text); })) {}
+    : context_(device.context_),
+      number_(context_->told([&] { return context_->backend->makeProgram(name, computeShaderText(text)); })) {}
 
 ComputeProgram::~ComputeProgram() {
   context_->backend->dropProgram(number_);

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -185,6 +186,9 @@ class ComputeReadbacks {
   std::condition_variable freed_;
   std::vector<std::unique_ptr<ComputeReadback>> free_;
 };
+
+// Returns the whole text of a compute shader: `text` as ComputeProgram takes it, the version line and main().
+std::string computeShaderText(std::string_view text);
 
 class ComputeProgram {
  public:

@@ -17,6 +17,10 @@
 
 namespace scanmill {
 
+constexpr std::uint32_t kComputeGroup = 64;   // invocations of a shader that form a group
+constexpr std::int32_t kFirstInvocation = 0;  // location of a shader's uniform: the first invocation of a dispatch
+constexpr std::int32_t kEndInvocation = 1;    // location of a shader's uniform: one after the last invocation
+
 struct ComputeLimits {
   std::uint64_t bufferBytes = 0;     // of a buffer that a program reads or writes
   std::uint64_t tableTexels = 0;     // of a table
@@ -47,7 +51,7 @@ class ComputeBackend {
   virtual std::string driver() const = 0;
   virtual bool software() const = 0;  // it runs on the processor
   virtual ComputeLimits limits() const = 0;
-  // `text` is as ComputeProgram takes it.
+  // `text`: a whole compute shader, as computeShaderText() returns it.
   virtual std::uint32_t makeProgram(const std::string& name, const std::string& text) = 0;
   virtual std::uint32_t makeBuffer() = 0;
   virtual void dropProgram(std::uint32_t program) noexcept = 0;

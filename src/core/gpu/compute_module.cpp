@@ -28,24 +28,6 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kGroup = 64;
-constexpr GLint kFirst = 0;  // locations of the uniforms
-constexpr GLint kEnd = 1;
-
-constexpr const char* kBefore = R"(#version 430 core
-layout(local_size_x = 64) in;
-layout(location = 0) uniform uint firstInvocation;
-layout(location = 1) uniform uint endInvocation;
-#line 1
-)";
-
-// The index in the dispatch is compared with the number of invocations left: a sum could overflow.
-constexpr const char* kAfter = R"(
-void main() {
-  if (gl_GlobalInvocationID.x < endInvocation - firstInvocation) invoke(firstInvocation + gl_GlobalInvocationID.x);
-}
-)";
-
 // Loads OpenGL's functions. GLEW then looks for an X display and reports an error if there is none; that error is
 // ignored.
 void findFunctions() {
@@ -285,11 +267,10 @@ class GlCompute final : public ComputeBackend {
   ComputeLimits limits() const override { return limits_; }
 
   std::uint32_t makeProgram(const std::string& name, const std::string& text) override {
-    const std::string whole = kBefore + text + kAfter;
     std::uint32_t number = 0;
     withContext([&](ContextState& state) {
       auto made =
-          std::make_unique<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, whole.c_str()}});
+          std::make_unique<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
       number = ++state.lastNumber;
       state.programs[number] = std::move(made);
     });
@@ -390,11 +371,11 @@ class GlCompute final : public ComputeBackend {
         glBindBufferBase(GL_UNIFORM_BUFFER, 0, state.parameters->name());
       }
       state.clock.begin();
-      for (std::uint64_t first = 0; first < run.invocations; first += groups_ * kGroup) {
-        const std::uint64_t end = std::min(first + groups_ * kGroup, run.invocations);
-        glUniform1ui(kFirst, static_cast<GLuint>(first));
-        glUniform1ui(kEnd, static_cast<GLuint>(end));
-        glDispatchCompute(static_cast<GLuint>((end - first + kGroup - 1) / kGroup), 1, 1);
+      for (std::uint64_t first = 0; first < run.invocations; first += groups_ * kComputeGroup) {
+        const std::uint64_t end = std::min(first + groups_ * kComputeGroup, run.invocations);
+        glUniform1ui(kFirstInvocation, static_cast<GLuint>(first));
+        glUniform1ui(kEndInvocation, static_cast<GLuint>(end));
+        glDispatchCompute(static_cast<GLuint>((end - first + kComputeGroup - 1) / kComputeGroup), 1, 1);
       }
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
       state.clock.end(program.label());

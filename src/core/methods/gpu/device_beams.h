@@ -34,24 +34,11 @@ class DeviceBeams {
   // recently used tables stay on the device, for the sensors of a vehicle.
   void hold(const Shots& shots);
 
-  // Bindings 0 to 3 of programs that use shader(), for the shots of the last hold().
+  // Bindings 0 to 3 of programs that include rays.glsl, for the shots of the last hold().
   const ComputeBuffer& directions() const { return tables_.front().directions; }
   const ComputeBuffer& origins() const { return tables_.front().origins; }
   const ComputeBuffer& poses() const { return poses_; }
   const ComputeBuffer& steps() const { return tables_.front().steps; }
-
-  // Returns GLSL that declares the buffers and
-  //
-  //     void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d)
-  //
-  // which gives the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as
-  // setUp() in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
-  //
-  //     bool settled(double value, double doubt, out float rounded)
-  //
-  // which is true if all values that differ from `value` by at most `doubt` round to the same float32. kSlack is the
-  // relative error that a quotient or a root may have.
-  static std::string shader();
 
  private:
   static constexpr std::size_t kTables = 8;

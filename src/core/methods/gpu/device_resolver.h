@@ -34,7 +34,7 @@ struct UndecidedRay {
   RayVerdict verdict;
 };
 
-// The parameters that DeviceResolver::shader() reads, in std140 layout.
+// The parameters that resolver.glsl reads, in std140 layout.
 struct ResolverBlock {
   double nearest, farthest;    // m, the sensor's range limits
   std::uint32_t channels = 0;  // asked for
@@ -54,7 +54,7 @@ class DeviceResolver {
   // Makes room for the hits of `rays` rays.
   void reserve(Channels channels, std::size_t rays);
   static std::uint64_t bytesPerRay(Channels channels);
-  // Binding kColumns of programs that use shader().
+  // Binding 5 of programs that include resolver.glsl.
   const ComputeBuffer& columns() const { return columns_; }
   // Bindings 0 to kTables - 1 of these programs.
   static constexpr std::size_t kTables = 4;
@@ -70,21 +70,6 @@ class DeviceResolver {
   // adds the rays that are neither hits nor misses to `undecided`, ascending. `columns` is a copy of all of columns().
   static void take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
                    std::vector<UndecidedRay>& undecided);
-
-  // Returns GLSL that declares the tables, the buffer of columns (binding kColumns) and
-  //
-  //     Plane planeOf(uint triangle, dvec3 d)
-  //     double distanceTo(Plane plane, dvec3 o, out double doubt)  // m, along the ray
-  //     void hit(uint ray, Plane plane, double range, double doubt, dvec3 o, dvec3 d)
-  //     void miss(uint ray)
-  //     void leave(uint ray, uint verdict)
-  //     bool letsPass(Plane plane, double range, double doubt, dvec3 o, dvec3 d, out bool sure)  // by its texture
-  //     void planeRecord(uint triangle, out dvec3 normal, out double offset)
-  //
-  // The GLSL also declares the program's uniform block: the members of ResolverBlock, and then `parameters`, GLSL such
-  // as "uint columns;".
-  static constexpr std::uint32_t kColumns = 5;
-  static std::string shader(const std::string& parameters);
 
  private:
   template <class T>

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "methods/gpu/shaders.h"
 #include "methods/world/resolve.h"
 #include "tests/support/gl.h"
 #include "tests/support/test_scene.h"
@@ -32,7 +33,7 @@ void invoke(uint i) {
 struct Maker {
   ComputeDevice device{{"tests cannot compute", "do it by hand"}};
   DeviceBeams beams{device};
-  ComputeProgram program{device, "rays", DeviceBeams::shader() + kWriteRays};
+  ComputeProgram program{device, "rays", std::string(kRaysShader) + kWriteRays};
   ComputeBuffer written{device};
 
   // Returns the rays of shots that share a table.

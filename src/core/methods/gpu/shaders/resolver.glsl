@@ -1,14 +1,7 @@
-#include <bit>
+// Hits of triangles: their planes, labels and textures, and the columns of hits that were asked for, with the same bits
+// as on the processor. The including file declares a uniform block with the members of ResolverBlock (device_resolver.h):
+// nearest, farthest, channels, rays. Storage buffer: 5 the columns.
 
-#include "gpu/compute.h"
-#include "methods/gpu/device_resolver.h"
-#include "methods/gpu/device_tables.h"
-
-namespace scanmill {
-
-namespace {
-
-constexpr const char* kDeclared = R"(
 layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
 layout(binding = 0) uniform usamplerBuffer planeRecords;
 layout(binding = 1) uniform usamplerBuffer materials;
@@ -140,9 +133,7 @@ void miss(uint ray) {
   }
   hitColumns[ray] = kInfinite;
 }
-)";
 
-constexpr const char* kHit = R"(
 void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
   float rounded;
   bool sure = settled(range, doubt, rounded);
@@ -178,21 +169,3 @@ void hit(uint ray, Plane p, double range, double doubt, dvec3 o, dvec3 d) {
   }
   hitColumns[ray] = sure ? bits : kOpen;
 }
-)";
-
-}  // namespace
-
-std::string DeviceResolver::shader(const std::string& parameters) {
-  const auto channel = [](const char* name, Channel c) { return glslConstant(name, static_cast<std::uint32_t>(c)); };
-  const auto verdict = [](const char* name, RayVerdict v) { return glslConstant(name, static_cast<std::uint32_t>(v)); };
-  return "layout(std140, binding = 0) uniform Parameters { double nearest, farthest; uint channels, rays; " +
-         parameters + " };\n" + channel("kNormal", Channel::Normal) + channel("kInstance", Channel::Instance) +
-         channel("kSemantic", Channel::Semantic) + channel("kMaterial", Channel::Material) +
-         channel("kPrimitive", Channel::Primitive) + channel("kReflectance", Channel::Reflectance) +
-         channel("kIncidence", Channel::Incidence) + verdict("kOpen", RayVerdict::Open) +
-         verdict("kExhaustedRay", RayVerdict::Exhausted) + verdict("kLeftRay", RayVerdict::Left) +
-         glslConstant("kInfinite", std::bit_cast<std::uint32_t>(kMiss)) + glslConstant("kLetsPass", kLetsPass) +
-         glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u) + kDeclared + kHit;
-}
-
-}  // namespace scanmill

@@ -1,0 +1,97 @@
+// Does the same for a particle as resolve() (methods/particle/march_job.cpp), in the same order, in double. If rounding
+// of a quotient could change a decision, the particle is left to the processor. Storage buffers: 0 to 3 those of
+// rays.glsl, 4 hit records and 6 particles as in march.glsl, 5 and tables 0 to 3 those of resolver.glsl.
+
+// HitsBlock of march_gl.cpp
+layout(std140, binding = 0) uniform Parameters {
+  double nearest, farthest;  // m: ranges that the sensor measures
+  uint channels, rays;
+  uint rings, columns;
+  uint first;          // particle of the slice, shot after shot
+  uint count;          // of the slice
+  uint withOrigins;
+  uint shotParticles, shotRays, shotPoses;
+  uint firstAlpha;     // triangles from here on are alpha-tested
+  uint corrected;      // 1: to the plane of the nearest triangle
+  uint whole;          // 1: nothing of the scene lies outside of the box
+  uint last;           // 1: particles that still pass a hole are left to the processor
+  int lastLevel;
+  float reach;         // of the field's first level
+  float metres;        // of a voxel
+  uint unused;
+  double voxel;        // m
+  double ends;         // m, how far particles go
+  dvec4 low, high;     // m, of the box where particles may march
+  dvec4 centre;        // m, of the field; and level 0's voxels a metre
+  double trust;        // kTrust of methods/world/resolve.h
+  double aside, layer, alike, trusted, there;  // those of march_rule.h
+};
+
+#include "rays.glsl"
+#include "resolver.glsl"
+
+layout(std430, binding = 4) restrict buffer HitRecords { uint records[]; };
+layout(std430, binding = 6) restrict buffer Particles { float particles[]; };
+
+dvec3 onRay(dvec3 o, dvec3 d, double range) {
+  precise dvec3 point = o + d * range;
+  return point;
+}
+
+// True if the particle ended because its path left the box, outside of which the scene continues.
+bool leftField(dvec3 o, dvec3 d, out bool sure) {
+  double way = 2.0LF * ends;
+  for (int k = 0; k < 3; ++k) {
+    double steep = abs(d[k]) < 1e-12LF ? 1e-12LF : d[k];
+    way = min(way, max((low[k] - o[k]) / steep, (high[k] - o[k]) / steep));
+  }
+  sure = abs(way - ends) > 1e-9LF * ends;
+  return way < ends;
+}
+
+void ended(uint ray, uint verdict) {
+  miss(ray);
+  leave(ray, verdict);
+}
+
+// Records a particle that is not a hit.
+void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
+  if (outcome == kExhausted) {
+    ended(ray, kExhaustedRay);
+    return;
+  }
+  bool sure = true;
+  bool left = whole == 0u && leftField(o, d, sure);
+  if (!sure) {
+    leave(ray, kOpen);
+  } else if (left) {
+    ended(ray, kLeftRay);
+  } else {
+    miss(ray);
+  }
+}
+
+// Resolves the hit that record `i` holds. False if the particle continues behind a hole. Defined by the including file.
+bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d);
+
+void invoke(uint i) {
+  uint word = records[2u * count + i];
+  if ((word & kDone) != 0u) return;
+  uint shot = (first + i) / shotParticles;
+  uint particle = (first + i) % shotParticles;
+  uint tile = particle / kTogether;
+  uint column = tile / rings * kTogether + particle % kTogether;
+  if (column >= columns) return;
+  uint ofShot = tile % rings * columns + column;
+  uint ray = shot * shotRays + ofShot;
+  dvec3 o, d;
+  rayOf(ofShot, column, shot * shotPoses, withOrigins != 0u, o, d);
+  if (particles[6u * count + i] == kLeftOut) {
+    leave(ray, kOpen);
+  } else if ((word & 3u) == kHit) {
+    if (!resolve(i, ray, word, o, d)) return;
+  } else {
+    finish(ray, word & 3u, o, d);
+  }
+  records[2u * count + i] = word | kDone;
+}

@@ -1,0 +1,74 @@
+// Makes the particles of ParticleLaunch: does the same as launch() (methods/particle/march_job.cpp), in the same order,
+// in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
+
+#include "rays.glsl"
+
+// LaunchBlock of march_gl.cpp
+layout(std140, binding = 0) uniform LaunchParameters {
+  dvec4 low, high;    // m, of the box where particles may march
+  dvec4 centre;       // m, of the field; and level 0's voxels a metre
+  double farthest;    // m
+  uint rings, columns;
+  uint first;         // particle of the slice, shot after shot
+  uint count;         // of the slice
+  uint withOrigins;
+  uint shotParticles;
+  uint shotPoses;
+};
+layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
+
+// Stores a number that is computed exactly as on the processor.
+void put(uint column, uint i, double value) {
+  particles[column * count + i] = float(value);
+}
+
+// Stores a number that was computed by a division, which a device may round differently. False if its float32 could
+// therefore differ from that of the processor.
+bool putQuotient(uint column, uint i, double value) {
+  float rounded;
+  bool sure = settled(value, 2.0LF * abs(value) * kSlack, rounded);
+  particles[column * count + i] = rounded;
+  return sure;
+}
+
+double inverseOf(double component) {
+  return 1.0LF / (abs(component) < 1e-12LF ? 1e-12LF : component);
+}
+
+void invoke(uint i) {
+  uint shot = (first + i) / shotParticles;
+  uint particle = (first + i) % shotParticles;
+  uint tile = particle / kTogether;
+  uint column = tile / rings * kTogether + particle % kTogether;
+  bool there = column < columns;
+  column = min(column, columns - 1u);
+  dvec3 o, d;
+  rayOf(tile % rings * columns + column, column, shot * shotPoses, withOrigins != 0u, o, d);
+  precise double begin = 0.0LF;
+  precise double end = there ? farthest : 0.0LF;
+  for (int k = 0; k < 3; ++k) {
+    precise double inverse = inverseOf(d[k]);
+    precise double a = (low[k] - o[k]) * inverse;
+    precise double b = (high[k] - o[k]) * inverse;
+    begin = max(begin, min(a, b));
+    end = min(end, max(a, b));
+  }
+  bool sure = true;
+  for (uint k = 0u; k < 3u; ++k) {
+    precise double place = (o[k] - centre[k]) * centre.w;
+    put(k, i, place);
+    put(3u + k, i, d[k]);
+    if (kLists) {
+      put(8u + k, i, o[k]);
+      sure = putQuotient(11u + k, i, inverseOf(d[k])) && sure;
+    }
+  }
+  precise double from = begin * centre.w;
+  precise double to = there ? end * centre.w : 0.0LF;
+  sure = putQuotient(6u, i, from) && sure;
+  sure = putQuotient(7u, i, to) && sure;
+  if (!sure) {  // the particle misses at once, and is left to the processor
+    put(6u, i, double(kLeftOut));
+    put(7u, i, double(kLeftOut));
+  }
+}

@@ -1,0 +1,49 @@
+// Particles march until they reach a surface, whose nearest voxel corner names a triangle.
+
+#include "march.glsl"
+
+float mixed(float a, float b, float t) {
+  precise float between = a + (b - a) * t;
+  return between;
+}
+
+float row(uint i, float t) {
+  return mixed(distanceAt(i), distanceAt(i + 1u), t);
+}
+
+float interpolate(Voxel v) {
+  precise float below = mixed(row(v.cell, v.f.x), row(v.cell + 9u, v.f.x), v.f.y);
+  precise float above = mixed(row(v.cell + 81u, v.f.x), row(v.cell + 90u, v.f.x), v.f.y);
+  precise float here = mixed(below, above, v.f.z) * kDistanceStep;
+  return here;
+}
+
+void invoke(uint i) {
+  precise vec3 o = column3(0u, i);
+  precise vec3 d = column3(3u, i);
+  precise float way = particles[6u * count + i];
+  precise float end = particles[7u * count + i];
+  for (uint taken = 0u; taken < steps; ++taken) {
+    if (!(way < end)) {
+      record(i, 0.0, 0u, kMiss + 4u * taken);
+      return;
+    }
+    precise vec3 q = o + d * way;
+    Voxel v = find(q);
+    precise float ahead;
+    precise float near = v.full ? distanceAt(v.nearest) * kDistanceStep : uintBitsToFloat(v.brick);
+    if (near > kNamed) {
+      Chord chord = chordOf(near, v.full ? kNamedBend : kEmptyBend, v.full ? v.r : v.b, d);
+      ahead = chord.across - chord.along;
+    } else {
+      ahead = interpolate(v);
+      if (ahead <= kRest) {
+        record(i, way, fetch(words, v.nearest), kHit + 4u * (taken + 1u));
+        return;
+      }
+    }
+    precise float stride = ahead * v.grow;
+    way = way + stride;
+  }
+  record(i, 0.0, 0u, kExhausted + 4u * steps);
+}

@@ -1,0 +1,37 @@
+// The rays of shots, from the tables of DeviceBeams.
+
+layout(std430, binding = 0) readonly restrict buffer Directions { double directions[]; };
+layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; };
+layout(std430, binding = 2) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
+layout(std430, binding = 3) readonly restrict buffer Steps { uint stepOfColumn[]; };
+
+// Relative error assumed of quotients and roots: 2^-48, 16 units in the last place. OpenGL allows 2.5 units for
+// quotients and 4.5 for roots.
+const double kSlack = 3.5527136788005009e-15LF;
+
+// True if all values that differ from `value` by at most `doubt` round to the same float32, which is `rounded`.
+bool settled(double value, double doubt, out float rounded) {
+  rounded = float(value);
+  if (doubt == 0.0LF) return value == 0.0LF || abs(value) > 1e-37LF;  // devices may flush smaller values to 0
+  return float(value - doubt) == rounded && float(value + doubt) == rounded && abs(rounded) > 1e-30;
+}
+
+// Returns the product of a row of a pose's rotation and a vector.
+double turned(uint row, dvec3 v) {
+  precise double x = poses[row] * v.x + poses[row + 1u] * v.y + poses[row + 2u] * v.z;
+  return x;
+}
+
+// Returns the origin (m, relative to the world's origin) and the unit direction of a ray, with the same bits as setUp()
+// in methods/world/resolve.h. `firstPose`: index of the shot's first pose among the poses of all shots.
+void rayOf(uint ray, uint column, uint firstPose, bool withOrigins, out dvec3 o, out dvec3 d) {
+  uint pose = 12u * (firstPose + stepOfColumn[column]);
+  dvec3 along = dvec3(directions[3u * ray], directions[3u * ray + 1u], directions[3u * ray + 2u]);
+  d = dvec3(turned(pose, along), turned(pose + 4u, along), turned(pose + 8u, along));
+  o = dvec3(poses[pose + 3u], poses[pose + 7u], poses[pose + 11u]);
+  if (withOrigins) {
+    dvec3 shift = dvec3(origins[3u * ray], origins[3u * ray + 1u], origins[3u * ray + 2u]);
+    precise dvec3 moved = o + dvec3(turned(pose, shift), turned(pose + 4u, shift), turned(pose + 8u, shift));
+    o = moved;
+  }
+}
