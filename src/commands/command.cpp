@@ -31,8 +31,6 @@ std::span<const Command> commands() {
       Command{"view", "DATASET|SHARD|SCAN|EXR|SCENE",
               "a window on scans, images and scenes; pictures without a display", runView},
       Command{"info", "FILE|DIR", "a dataset, shard, scan, recording, scene, sensor or pipeline as tables", runInfo},
-      Command{"picture", "DATASET|SHARD|SCAN|EXR|SCENE -o FILE.png",
-              "a look at a scan, passes or the objects of a scene, without a display", runPicture},
       Command{"list", "[KIND]", "methods, sensors, effects, formats ...; with KIND, their keys; devices", runList},
   };
   return kCommands;

@@ -35,7 +35,6 @@ int runVerify(const std::vector<std::string>& arguments);
 int runReport(const std::vector<std::string>& arguments);
 int runView(const std::vector<std::string>& arguments);
 int runInfo(const std::vector<std::string>& arguments);
-int runPicture(const std::vector<std::string>& arguments);
 int runList(const std::vector<std::string>& arguments);
 
 }  // namespace scanmill

@@ -9,9 +9,15 @@
 #include "base/file.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
-#include "commands/picture_options.h"
+#include "commands/view_options.h"
 #include "dataset/recording.h"
+#include "dataset/scan_source.h"
+#include "scene/scene.h"
+#include "scenefile/scene_file.h"
+#include "viewer/contact_sheet.h"
 #include "viewer/frames/image_list.h"
+#include "viewer/frames/scene_lookup.h"
+#include "viewer/pass_picture.h"
 #include "viewer/picture.h"
 #include "viewer/window/image_session.h"
 #include "viewer/window/mesh_coloring.h"
@@ -23,6 +29,7 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
 constexpr int kTickMs = 15;
+constexpr double kFarthestPlace = 1e5;  // m, of a close-up from the sensor
 
 // Outputs that replace the window; all may be empty.
 struct Outputs {
@@ -30,6 +37,8 @@ struct Outputs {
   std::filesystem::path turntable;
   int frames = 72;
   std::optional<std::pair<int, int>> pick;  // px
+  bool wholeRangeImage = false;             // the screenshot is the range image alone, in full size
+  bool contactSheet = false;                // the screenshot is a sheet of the scene's objects
 
   bool window() const { return screenshot.empty() && turntable.empty() && !pick; }
 };
@@ -68,6 +77,27 @@ ScaleRange readScale(const std::string& text) {
                   text));
 }
 
+// Reads X,Y,Z.
+Vec3d readPlace(const std::string& text) {
+  const auto place = readNumbers<double, 3>(text);
+  if (place && std::ranges::all_of(*place, [](double value) { return std::abs(value) <= kFarthestPlace; })) {
+    return {(*place)[0], (*place)[1], (*place)[2]};
+  }
+  throw InputError(
+      fmt::format("--at is X,Y,Z in m in the sensor's frame (x forward, y left, z up), at most {} each, such as "
+                  "8,-3.5,-1, not '{}'",
+                  kFarthestPlace, text));
+}
+
+std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
+  const bool at = hasOption(parsed, "at");
+  if (at != hasOption(parsed, "within")) {
+    throw InputError("a close-up takes both --at X,Y,Z (where, in m) and --within R (so far around it, in m)");
+  }
+  if (!at) return {};
+  return CloseUp{readPlace(textOption(parsed, "at")), numberWithin(parsed, "within", 0.01, kFarthestPlace)};
+}
+
 Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
   Outputs outputs;
   if (hasOption(parsed, "screenshot")) {
@@ -83,6 +113,13 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
     if (outputs.turntable.empty()) throw InputError("--frames says how many pictures --turntable DIR makes: add that");
     if (outputs.frames < 1 || outputs.frames > kMost) {
       throw InputError(fmt::format("--frames must be from 1 to {}, not {}", kMost, outputs.frames));
+    }
+  }
+  outputs.wholeRangeImage = hasOption(parsed, "range-image-alone");
+  outputs.contactSheet = hasOption(parsed, "contact-sheet");
+  for (const char* const alone : {"range-image-alone", "contact-sheet"}) {
+    if (hasOption(parsed, alone) && outputs.screenshot.empty()) {
+      throw InputError(fmt::format("--{} makes a picture: add --screenshot FILE.png", alone));
     }
   }
   if (hasOption(parsed, "pick")) outputs.pick = readPixel(textOption(parsed, "pick"), size);
@@ -121,14 +158,18 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
     }
   }
   if (hasOption(parsed, "camera")) view.camera = parseCamera(textOption(parsed, "camera"));
+  view.closeUp = readCloseUp(parsed);
+  if (view.closeUp && hasOption(parsed, "camera") && !view.camera.view) {
+    throw InputError(
+        fmt::format("--at says where to look: beside it --camera is one of {}", fmt::join(kViewNames, ", ")));
+  }
   if (hasOption(parsed, "point-size")) view.pointSize = numberWithin(parsed, "point-size", 0.5, 50);
   view.background = readBackground(parsed.options["background"].as<std::string>());
   view.sample = textOption(parsed, "sample");
   view.depthEdges = !hasOption(parsed, "flat");
   view.mesh = hasOption(parsed, "mesh");
   view.rangeRings = hasOption(parsed, "rings");
-  view.rangeImage = hasOption(parsed, "range-image") || hasOption(parsed, "sensor-order");
-  if (hasOption(parsed, "sensor-order")) view.stripOrder = StripOrder::Sensor;
+  view.rangeImage = hasOption(parsed, "range-image");
   view.still = !window;
   view.bare = hasOption(parsed, "bare");
   if (view.bare) view.axes = view.trajectory = view.boxes = false;
@@ -187,17 +228,70 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
+// Throws InputError if an option besides these was given, which `what` does not use.
+void requireOnly(const std::filesystem::path& file, const Arguments& parsed, const std::string& what,
+                 std::initializer_list<std::string_view> used) {
+  for (const cxxopts::KeyValue& given : parsed.options.arguments()) {
+    const std::string& name = given.key();
+    if (name == "input" || std::ranges::find(used, name) != used.end()) continue;
+    throw InputError({file.string()}, fmt::format("{} takes no --{}: leave it out", what, name));
+  }
+}
+
+// Writes a picture of the scan's range image alone.
+void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& parsed, const Outputs& outputs) {
+  requireOnly(file, parsed, "--range-image-alone",
+              {"range-image-alone", "screenshot", "sample", "sensor", "color", "ontology"});
+  const std::vector<std::string> colors = listOption(parsed, "color");
+  if (colors.size() > 1) throw InputError("--range-image-alone shows one --color");
+  ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));
+  if (const auto ontology = ontologyOption(parsed); !ontology.empty()) source.ontology = readOntology(ontology);
+  const auto by = colors.empty() ? std::nullopt : std::optional(readColor(colors.front()));
+  try {
+    writePicture(outputs.screenshot,
+                 drawRangeImage(source.scan, source.ontology ? &*source.ontology : nullptr, by, source.title),
+                 source.title);
+  } catch (const InputError& e) {
+    throw InputError({file.string()}, e.what());
+  }
+}
+
+// Writes a picture with a cell for each of the scene's objects.
+void drawSheet(const std::filesystem::path& file, const Arguments& parsed, const Outputs& outputs) {
+  const std::string kind = lowerExtension(file);
+  if (kind != ".yaml" && kind != ".yml") {
+    throw InputError({file.string()}, "is no scene: --contact-sheet shows the objects of one");
+  }
+  requireScene(file);
+  requireOnly(file, parsed, "--contact-sheet", {"contact-sheet", "screenshot", "ontology", "seed"});
+  SceneOptions plain;
+  plain.textures = false;
+  plain.ontology = ontologyOption(parsed);
+  if (hasOption(parsed, "seed")) plain.seed = parsed.options["seed"].as<std::uint64_t>();
+  writePicture(outputs.screenshot, drawContactSheet(readScene(file, plain)),
+               "a cell for each object of " + file.string());
+}
+
 // Shows an EXR image, or the folder of a recording.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
-  for (const char* option : {"sensor", "over", "reference", "scene", "seed", "color", "scale", "layout", "camera",
-                             "hide", "only", "instance", "mesh", "rings", "range-image", "turntable"}) {
+  for (const char* option :
+       {"sensor", "over", "reference", "scene", "seed", "color", "scale", "layout", "camera", "hide", "only",
+        "instance", "mesh", "rings", "range-image", "range-image-alone", "turntable", "at", "contact-sheet"}) {
     if (hasOption(parsed, option)) {
       throw InputError({path.string()},
                        fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
     }
   }
   ImageList images = imagesOption(path, parsed);
+  if (textOption(parsed, "plane") == "all") {
+    if (outputs.screenshot.empty() || outputs.pick) {
+      throw InputError("--plane all makes a picture: add --screenshot FILE.png, and leave --pick out");
+    }
+    return writePicture(outputs.screenshot,
+                        drawExr(images.files[images.first], images.ontology ? &*images.ontology : nullptr, size.width),
+                        images.names[images.first]);
+  }
   const std::unique_ptr<Canvas> canvas = openCanvas(path, size, outputs.window());
   ImageSession session(std::move(images), *canvas, textOption(parsed, "plane"), hasOption(parsed, "bare"),
                        !outputs.window());
@@ -295,8 +389,10 @@ void addOptions(cxxopts::Options& options) {
                                   fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
                                               "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
                                               fmt::join(kViewNames, ", ")),
-                                  text(),
-                                  "WHERE")("plane", "of an EXR image: the first where not given", text(), "NAME")(
+                                  text(), "WHERE")(
+      "plane", "plane of an EXR image: the first where not given; all: side by side, with --screenshot", text(),
+      "NAME")("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera NAME", text(),
+              "X,Y,Z")("within", "only the points so near the place of --at, in m", cxxopts::value<double>(), "R")(
       "size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", text(), "WxH")(
       "point-size", "of the points, in pixels", cxxopts::value<double>(), "PX")(
       "background", "dark, grey, white, or R,G,B", text()->default_value("dark"), "COLOR")(
@@ -304,8 +400,9 @@ void addOptions(cxxopts::Options& options) {
       "only", "a class that alone is shown (may be repeated)", list(), "CLASS")(
       "instance", "an instance that alone is shown (may be repeated)", list(), "ID")("mesh", "the scene, faintly")(
       "rings", "range rings")("range-image", "also as rings x columns, looking outward")(
-      "sensor-order", "the range image as the sensor orders it")("flat", "no darkening of depth edges")(
-      "bare", "the points alone: no panels, axes or trajectory")(
+      "range-image-alone", "the range image in full size in place of the view, with --screenshot")(
+      "contact-sheet", "of a scene, with --screenshot: a cell for each object, with its size and classes")(
+      "flat", "no darkening of depth edges")("bare", "the points alone: no panels, axes or trajectory")(
       "screenshot", "a picture in place of the window; needs no display", text(), "FILE.png")(
       "turntable", "pictures from all around in place of the window; needs no display", text(), "DIR")(
       "frames", "of the turntable, 72 where not given", cxxopts::value<int>(), "N")(
@@ -333,7 +430,11 @@ int runView(const std::vector<std::string>& arguments) {
                      "  scanmill view scan.pcd --turntable out/turntable --frames 36\n"
                      "  scanmill view out/passes/street-s1-lane-000010.top.0.front.exr\n"
                      "  scanmill view out/passes --sample 000010 --plane semantic\n"
-                     "  scanmill view scenes/street.yaml\n" +
+                     "  scanmill view out/passes --sample 000010 --plane all --screenshot passes.png\n"
+                     "  scanmill view out/quickstart --at 6.5,-2.7,-1 --within 2.5 --screenshot car.png\n"
+                     "  scanmill view out/quickstart --range-image-alone --color range --screenshot ranges.png\n"
+                     "  scanmill view scenes/street.yaml\n"
+                     "  scanmill view scenes/street.yaml --contact-sheet --screenshot objects.png\n" +
                          keyHelp());
   if (parsed.help) return 0;
   ViewInput input;
@@ -350,6 +451,14 @@ int runView(const std::vector<std::string>& arguments) {
   }
   if (hasOption(parsed, "plane")) {
     throw InputError({input.path.string()}, "is no EXR image: --plane chooses one of such an image's planes");
+  }
+  if (outputs.contactSheet) {
+    drawSheet(input.path, parsed, outputs);
+    return 0;
+  }
+  if (outputs.wholeRangeImage) {
+    drawWholeRangeImage(input.path, parsed, outputs);
+    return 0;
   }
   for (const std::string& other : listOption(parsed, "over")) input.over.emplace_back(other);
   input.reference = textOption(parsed, "reference");

@@ -73,7 +73,7 @@ TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
     ASSERT_EQ(compared.code, 0) << compared.error;
     EXPECT_THAT(scanmill({"info", at(layout)}).out, HasSubstr("4 recorded scans, layout "));
     EXPECT_EQ(scanmill({"view", at(layout), "--screenshot", at("picture.png")}).code, 0);
-    EXPECT_EQ(scanmill({"picture", at(layout), "-o", at(std::string(layout) + ".png")}).code, 0);
+    EXPECT_EQ(scanmill({"view", at(layout), "--screenshot", at(std::string(layout) + ".png")}).code, 0);
   }
   const std::string scan = at("semantic_kitti/sequences/00/velodyne/000000.bin");
   EXPECT_THAT(scanmill({"info", scan}).out, AllOf(HasSubstr("intensity"), HasSubstr("label")));

@@ -64,7 +64,7 @@ TEST_F(FirstSteps, TheGuidesPipelineForAnOwnSceneRuns) {
   const Outcome made = scanmill({"generate", file, "-o", at("town"), "-q", "--set", "trajectories.0.frames=2"});
   EXPECT_EQ(made.code, 0) << made.error;
   EXPECT_EQ(made.error, "") << "no warnings";
-  const Outcome picture = scanmill({"picture", at("town"), "-o", at("ranges.png"), "--range-image"});
+  const Outcome picture = scanmill({"view", at("town"), "--range-image-alone", "--screenshot", at("ranges.png")});
   EXPECT_EQ(picture.code, 0) << picture.error;
   EXPECT_EQ(scanmill({"verify", at("town")}).code, 0);
 }

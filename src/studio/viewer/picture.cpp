@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <map>
 
 #include "base/error.h"
@@ -21,48 +20,6 @@
 namespace scanmill {
 
 namespace {
-
-bool isShown(const Vec3f& point, const std::optional<CloseUp>& closeUp) {
-  return closeUp ? closeUp->holds(Vec3d(point)) : isFinite(point);
-}
-
-std::ptrdiff_t countShown(const std::vector<Vec3f>& points, const std::optional<CloseUp>& closeUp) {
-  return std::count_if(points.begin(), points.end(), [&](const Vec3f& p) { return isShown(p, closeUp); });
-}
-
-std::string text(const Vec3d& place) {
-  return fmt::format("{:.4g},{:.4g},{:.4g}", place.x, place.y, place.z);
-}
-
-// Sets the positions of points outside the close-up to NaN, like misses in an organised scan.
-void keepShown(std::vector<Vec3f>& points, const std::optional<CloseUp>& closeUp) {
-  if (!closeUp) return;
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-  double distance = kNone;
-  Vec3d nearest;
-  for (Vec3f& p : points) {
-    const double d = length(Vec3d(p) - closeUp->at);
-    if (d < distance) {
-      distance = d;
-      nearest = Vec3d(p);
-    }
-    if (!isShown(p, closeUp)) p = {kNaN, kNaN, kNaN};
-  }
-  if (distance <= closeUp->within) return;
-  throw InputError(fmt::format(
-      "no point is within {:.4g} m of {}: {}", closeUp->within, text(closeUp->at),
-      distance == kNone ? std::string("there is none at all")
-                        : fmt::format("the nearest is {:.4g} m from there, at {}; take another --at or a larger "
-                                      "--within",
-                                      distance, text(nearest))));
-}
-
-std::string viewOf(const PictureOptions& options) {
-  const std::string_view view = kViewNames[static_cast<std::size_t>(options.view)];
-  if (!options.closeUp) return fmt::format("{} view", view);
-  return fmt::format("{} view, {:.4g} m about {}", view, options.closeUp->within, text(options.closeUp->at));
-}
 
 std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
   return fmt::format("{}, {} point{}", title, grouped(static_cast<std::uint64_t>(points)), points == 1 ? "" : "s");
@@ -87,7 +44,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
   constexpr double kMostDiameter = 200;  // px
   CanvasView view;
   view.rect = body;
-  view.camera = makeCamera(options.view, body.width, body.height, options.zoom, options.closeUp);
+  view.camera = makeCamera(options.view, body.width, body.height, options.zoom);
   view.background = kBackground;
   view.depthEdges = options.depthEdges;
   view.farthest = 2 * view.camera.nearest;
@@ -138,44 +95,28 @@ Rgb overlayColor(std::size_t scan) {
   return place < methods().size() ? methods()[place].color : kMoreColors[place - methods().size()];
 }
 
-Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title) {
-  std::vector<Vec3f> points;
-  std::vector<Rgb> colors;
-  Legend legend;
-  legend.title = "scan";
-  for (const NamedScan& named : scans) {
-    const Rgb color = overlayColor(legend.entries.size());
-    const auto shown = countShown(named.scan.position, options.closeUp);
-    legend.entries.push_back({titleWithPoints(named.name, shown), color});
-    points.insert(points.end(), named.scan.position.begin(), named.scan.position.end());
-    colors.resize(points.size(), color);
-  }
-  keepShown(points, options.closeUp);
-  return drawBoard(points, colors, options, legend, title, viewOf(options), "");
+Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title) {
+  return drawColored(scan, colorScan(scan, options.colorBy, ontology), options, title);
 }
 
-Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title) {
-  keepShown(scan.position, options.closeUp);
-  const Coloring coloring = colorScan(scan, options.colorBy, ontology);
-  return drawColored(std::move(scan), coloring, options, title);
-}
-
-Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& options, const std::string& title) {
-  keepShown(scan.position, options.closeUp);
-  const std::ptrdiff_t points = countShown(scan.position, {});
+Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptions& options, const std::string& title) {
+  const std::ptrdiff_t points =
+      std::count_if(scan.position.begin(), scan.position.end(), [](const Vec3f& p) { return isFinite(p); });
   const Legend legend = points == 0 ? Legend{} : coloring.legend;
-  return drawBoard(scan.position, coloring.colors, options, legend, titleWithPoints(title, points),
-                   fmt::format("{}, {}", viewOf(options), coloring.legend.title), points == 0 ? "no points" : "");
+  return drawBoard(
+      scan.position, coloring.colors, options, legend, titleWithPoints(title, points),
+      fmt::format("{} view, {}", kViewNames[static_cast<std::size_t>(options.view)], coloring.legend.title),
+      points == 0 ? "no points" : "");
 }
 
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
-                     const std::string& title, StripOrder order) {
+                     const std::string& title) {
   constexpr ImageId kStrip = 1;
   constexpr double kReadableWidth = 1600;
   constexpr double kReadableShare = 1.0 / 7;  // height over width
   const Coloring coloring = colorScan(scan, colorBy, ontology);
   const Legend& legend = coloring.legend;
-  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, order);
+  const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});
   const auto steps = [](double wanted, int size) {
     return std::clamp(static_cast<int>(std::ceil(wanted / size)), 1, std::max(kMostPictureSide / size, 1));
   };
@@ -190,7 +131,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   const bool empty =
       std::none_of(scan.position.begin(), scan.position.end(), [](const Vec3f& p) { return isFinite(p); });
   return board.draw([&] {
-    titleRow(top, fmt::format("{}, {}", title, describeStrip(strip, order)),
+    titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });

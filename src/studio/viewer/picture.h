@@ -25,34 +25,25 @@ struct PictureOptions {
   int width = 1600;
   int height = 900;
   double zoom = 1;
-  std::optional<CloseUp> closeUp;  // only points within its ball are drawn; absent: all points
-  double pointSize = 1;            // factor of the usual diameter
-  bool depthEdges = true;          // points behind a nearer surface are darkened (eye-dome lighting)
+  double pointSize = 1;    // factor of the usual diameter
+  bool depthEdges = true;  // points behind a nearer surface are darkened (eye-dome lighting)
 };
 
 // Draws the scan in perspective or from above, with `title` over it and the number of points and the legend beside it.
-// The picture of an empty scan says that it is empty. Throws InputError if a close-up has no points; the message says
-// where the nearest points are.
-Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
+// The picture of an empty scan says that it is empty.
+Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
-// Draws the scan as drawPicture() does, in the colours of `coloring`. `options.colorBy` and the colours of points
-// outside a close-up are ignored.
-Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
+// Draws the scan as drawPicture() does, in the colours of `coloring`; `options.colorBy` is ignored.
+Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
 
-// Draws scans over one another, each in a colour of its own, to show how methods or settings differ. Where points
-// coincide, the one of the first scan is seen.
-struct NamedScan {
-  std::string name;
-  Scan scan;
-};
-Rgb overlayColor(std::size_t scan);  // counted from 0
-Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title);
+// Returns the colour of a scan among scans that lie over one another; `scan`: counted from 0.
+Rgb overlayColor(std::size_t scan);
 
 // Draws the scan as a range image: a row per ring, the highest beams on top, and a pixel per beam, see
 // makeRangeStrip(). Pixels are enlarged by a whole factor until the image is readable. If two points fall on one pixel,
 // the nearer is shown. Throws InputError if the scan is not organised and lacks ring or column, or is too large for a
 // picture.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
-                     const std::string& title, StripOrder order = StripOrder::Sensor);
+                     const std::string& title);
 
 }  // namespace scanmill

@@ -68,7 +68,7 @@ GridSize gridOf(const Scan& scan) {
 }  // namespace
 
 RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
-                          StripOrder order, const BeamTable* beams) {
+                          const BeamTable* beams) {
   const GridSize grid = gridOf(scan);
   RangeStrip strip;
   strip.columns = grid.columns;
@@ -80,15 +80,13 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
     column[i] = key.column;
   }
   std::size_t width = grid.columns;
-  if (order == StripOrder::Outward) {
-    const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
-    const auto shifts = look ? lookingOutward(*look, grid.columns) : std::nullopt;
-    if (shifts && shifts->width <= kMostPictureSide) {
-      for (std::size_t i = 0; i < scan.size(); ++i) column[i] = shifts->place(ring[i], column[i]);
-      width = shifts->width;
-      strip.order = StripOrder::Outward;
-      strip.fullTurn = shifts->fullTurn;
-    }
+  const auto look = stripColumns(scan, ring, column, grid.rings, grid.columns, beams);
+  const auto shifts = look ? lookingOutward(*look, grid.columns) : std::nullopt;
+  if (shifts && shifts->width <= kMostPictureSide) {
+    for (std::size_t i = 0; i < scan.size(); ++i) column[i] = shifts->place(ring[i], column[i]);
+    width = shifts->width;
+    strip.outward = true;
+    strip.fullTurn = shifts->fullTurn;
   }
   strip.image = Image(static_cast<int>(width), static_cast<int>(grid.rings), kBackground);
   strip.ringsRise = elevationsRise(scan);
@@ -108,13 +106,9 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
   return strip;
 }
 
-std::string describeStrip(const RangeStrip& strip, StripOrder wanted) {
-  const char* how = "as the sensor orders it";
-  if (strip.order == StripOrder::Outward) {
-    how = strip.fullTurn ? "looking outward, straight ahead in the middle" : "looking outward";
-  } else if (wanted == StripOrder::Outward) {
-    how = "as the sensor orders it: its columns follow no azimuth";
-  }
+std::string describeStrip(const RangeStrip& strip) {
+  const char* how = "in the sensor's order: its columns do not follow the azimuth";
+  if (strip.outward) how = strip.fullTurn ? "looking outward, straight ahead in the middle" : "looking outward";
   return fmt::format("{} rings x {} columns, {}", strip.image.height, strip.columns, how);
 }
 

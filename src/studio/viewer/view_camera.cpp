@@ -1,8 +1,5 @@
 #include "viewer/view_camera.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "viewer/window/orbit_camera.h"
 
 namespace scanmill {
@@ -17,21 +14,8 @@ Projected ViewCamera::project(const Vec3d& point) const {
   return out;
 }
 
-ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp) {
-  constexpr double kStandOff = 4;  // distance in radii of the ball: little foreshortening, 29 degrees across
-  constexpr double kFilled = 0.97;
-  OrbitCamera turned = presetCamera(view);
-  if (closeUp) {
-    turned.orthographic = false;
-    turned.target = closeUp->at;
-    turned.distance = kStandOff * closeUp->within;
-  }
-  ViewCamera camera = turned.camera(width, height);
-  if (closeUp) {
-    // The tangents from the eye to the ball touch the picture's edges.
-    camera.focal = kFilled * std::min(width, height) / 2 * std::sqrt(kStandOff * kStandOff - 1);
-    camera.nearest = closeUp->within;
-  }
+ViewCamera makeCamera(View view, int width, int height, double zoom) {
+  ViewCamera camera = presetCamera(view).camera(width, height);
   camera.focal *= zoom;
   return camera;
 }

@@ -3,7 +3,6 @@
 // The camera of a picture of a scan.
 
 #include <array>
-#include <optional>
 #include <string_view>
 
 #include "base/vec.h"
@@ -49,9 +48,7 @@ struct ViewCamera {
   Projected project(const Vec3d& point) const;
 };
 
-// Returns the camera for a picture of width x height pixels; `zoom` makes everything that many times larger. With a
-// close-up the camera keeps the view's direction, but is placed where the ball just fits into the picture; the
-// perspective is the same for a ball of any size.
-ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp = {});
+// Returns the camera for a picture of width x height pixels; `zoom` makes everything that many times larger.
+ViewCamera makeCamera(View view, int width, int height, double zoom);
 
 }  // namespace scanmill

@@ -182,15 +182,15 @@ TEST(RangeImage, HasAPixelPerBeam) {
   ASSERT_GE(image.width, 1600);
   const int top = topOf(image);
   int bodyHeight = 0;
-  while (image.at(stepX * 50, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
+  while (image.at(stepX * 70, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
   ASSERT_EQ(bodyHeight, stepY * 8);
-  for (int ring = 0; ring < 8; ++ring) {
-    for (int column = 0; column < 90; ++column) {
-      const Rgb expected = column < 10 ? Rgb{0, 255, 0} : Rgb{255, 0, 0};
-      EXPECT_EQ(image.at(column * stepX, top + ring * stepY), expected);
-      EXPECT_EQ(image.at(column * stepX + stepX - 1, top + ring * stepY + stepY - 1), expected);
-    }
+  const RangeStrip strip = makeRangeStrip(scan, std::vector<Rgb>(scan.size()), {});
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Rgb expected = scan[kColumn][i] < 10 ? Rgb{0, 255, 0} : Rgb{255, 0, 0};
+    const auto [column, row] = strip.place(i);
+    EXPECT_EQ(image.at(column * stepX, top + row * stepY), expected);
+    EXPECT_EQ(image.at(column * stepX + stepX - 1, top + row * stepY + stepY - 1), expected);
   }
 }
 
@@ -245,29 +245,6 @@ TEST(RangeImage, SaysWhatIsMissing) {
   EXPECT_THROW(drawRangeImage(scan, nullptr, ColorBy("range"), "too wide"), InputError);
 }
 
-TEST(Picture, OverlaidScansHaveColoursOfTheirOwn) {
-  NamedScan near{"near", {}};
-  NamedScan far{"far", {}};
-  for (int i = -20; i <= 20; ++i) {
-    near.scan.position.push_back({5, 0.1f * static_cast<float>(i), 0});
-    far.scan.position.push_back({10, 0.1f * static_cast<float>(i), 0});
-  }
-  PictureOptions options = small();
-  options.view = View::Above;
-  options.zoom = 4;
-  options.pointSize = 4;
-  options.depthEdges = false;
-  const Rgb first = overlayColor(0);
-  const Rgb second = overlayColor(1);
-  const Image alone = drawOverlay({near}, options, "one");
-  const Image both = drawOverlay({near, far}, options, "two");
-  const Image same = drawOverlay({near, near}, options, "the same twice");
-  EXPECT_GT(count(alone, first), 200);
-  EXPECT_EQ(count(alone, second), 0);
-  EXPECT_GT(count(both, second), 200);
-  EXPECT_GT(count(same, first), count(same, second));  // where they meet, the first is seen
-}
-
 // sRGB (IEC 61966-2-1) as linear light.
 std::array<double, 3> linear(const Rgb& color) {
   std::array<double, 3> light{};
@@ -318,119 +295,6 @@ TEST(Picture, FirstOverlayColoursDifferInLightness) {
     }
   }
   EXPECT_EQ(overlayColor(methods().size() + 3), overlayColor(0)) << "after the last comes the first";
-}
-
-// A point at the place, four within half a metre of it, one just beyond the ball and one far away.
-Scan aroundPlace(const Vec3f& at) {
-  Scan scan;
-  scan.position = {at,
-                   at + Vec3f{0, 0.5f, 0},
-                   at + Vec3f{0, -0.5f, 0},
-                   at + Vec3f{0.5f, 0, 0},
-                   at + Vec3f{0, 0, 0.5f},
-                   at + Vec3f{0, 0, -1.01f},
-                   {-30, 20, 1}};
-  scan[kLabel] = {2, 2, 2, 2, 2, 3, 3};
-  return scan;
-}
-
-PictureOptions closeUpOf(const Vec3f& at, double within, View view) {
-  PictureOptions options = small();
-  options.view = view;
-  options.closeUp = CloseUp{Vec3d(at), within};
-  options.depthEdges = false;
-  return options;
-}
-
-TEST(Picture, CloseUpLeavesOutWhatIsFarther) {
-  const Ontology ontology = colorful();
-  const Vec3f at{9, -4, -1};
-  const Rgb inside{0, 255, 0};
-  const Rgb outside{255, 255, 0};
-  for (const View view : {View::Driver, View::Above, View::Chase}) {
-    const Image tight = drawPicture(aroundPlace(at), &ontology, closeUpOf(at, 1, view), "close");
-    EXPECT_GT(count(tight, inside), 50);
-    EXPECT_EQ(count(tight, outside), 0) << "neither the points nor their class in the legend";
-    const Image wide = drawPicture(aroundPlace(at), &ontology, closeUpOf(at, 1.1, view), "close");
-    EXPECT_GT(count(wide, outside), 0);
-    const Image over =
-        drawOverlay({{"one", aroundPlace(at)}, {"two", aroundPlace({0, 0, 0})}}, closeUpOf(at, 1, view), "overlay");
-    const Image alone = drawOverlay({{"one", aroundPlace(at)}}, closeUpOf(at, 1, view), "overlay");
-    EXPECT_GT(count(over, overlayColor(0)), 50);
-    const PixelRect body = bodyOf(over);
-    int different = 0;
-    for (int y = body.top; y < body.top + body.height; ++y) {
-      for (int x = body.left; x < body.left + body.width; ++x) different += over.at(x, y) != alone.at(x, y) ? 1 : 0;
-    }
-    EXPECT_EQ(different, 0) << "the second scan has nothing there";
-  }
-}
-
-// Where the pixels of this colour have their middle, from the middle of the scan's part.
-Vec2d middleOf(const Image& image, const Rgb& color) {
-  const PixelRect body = bodyOf(image);
-  Vec2d sum;
-  double pixels = 0;
-  for (int y = body.top; y < body.top + body.height; ++y) {
-    for (int x = body.left; x < body.left + body.width; ++x) {
-      if (image.at(x, y) != color) continue;
-      sum.x += x + 0.5 - body.left - body.width / 2.0;
-      sum.y += y + 0.5 - body.top - body.height / 2.0;
-      ++pixels;
-    }
-  }
-  EXPECT_GE(pixels, 4);
-  return {sum.x / pixels, sum.y / pixels};
-}
-
-TEST(Picture, CloseUpHasThePlaceInTheMiddle) {
-  const Ontology ontology = colorful();
-  const Vec3f at{9, -4, -1};
-  Scan scan;
-  scan.position = {at, {-30, 20, 1}};
-  scan[kLabel] = {2, 3};
-  for (const View view : {View::Driver, View::Above, View::Chase}) {
-    for (const Image& image : {drawPicture(scan, &ontology, closeUpOf(at, 0.5, view), "one"),
-                               drawOverlay({{"one", scan}}, closeUpOf(at, 0.5, view), "one")}) {
-      const PixelRect body = bodyOf(image);
-      const Rgb color = image.at(body.left + body.width / 2, body.top + body.height / 2);
-      ASSERT_NE(color, kBackground);
-      const Vec2d middle = middleOf(image, color);
-      EXPECT_NEAR(middle.x, 0, 0.5);
-      EXPECT_NEAR(middle.y, 0, 0.5);
-    }
-  }
-}
-
-TEST(Picture, CloseUpOfHalfTheRadiusIsTwiceAsLarge) {
-  const Vec3f at{9, -4, -1};
-  for (const View view : {View::Driver, View::Above, View::Chase}) {
-    // To the right in each view.
-    const Vec3f right = view == View::Above ? Vec3f{0.4f, 0, 0} : Vec3f{0, -0.4f, 0};
-    Scan scan;
-    scan.position = {at + right};
-    const auto offset = [&](double within) {
-      PictureOptions options = closeUpOf(at, within, view);
-      options.pointSize = 0.5;
-      return middleOf(drawOverlay({{"one", scan}}, options, "one"), overlayColor(0)).x;
-    };
-    EXPECT_NEAR(offset(0.5), 2 * offset(1), 1);
-    EXPECT_NEAR(offset(1), 2 * offset(2), 1);
-  }
-}
-
-TEST(Picture, CloseUpOfNothingSaysWhereThePointsAre) {
-  const Vec3f at{9, -4, -1};
-  const PictureOptions options = closeUpOf({9, -4, 3}, 2, View::Chase);
-  for (const std::string& said :
-       {messageOf<InputError>([&] { drawPicture(aroundPlace(at), nullptr, options, "none"); }),
-        messageOf<InputError>([&] {
-          drawOverlay({{"one", aroundPlace(at)}}, options, "none");
-        })}) {
-    EXPECT_THAT(said, AllOf(HasSubstr("within 2 m of 9,-4,3"), HasSubstr("3.5 m from there, at 9,-4,-0.5"),
-                            HasSubstr("--within")));
-  }
-  EXPECT_THAT(messageOf<InputError>([&] { drawPicture({}, nullptr, options, "none"); }), HasSubstr("none at all"));
 }
 
 // A frame of a real OS-1-128: organised, intensity but no classes.

@@ -59,35 +59,33 @@ TEST(SeveralReturnsColors, OfEveryKindAreThere) {
 
 // Each beam has a pixel, which shows its nearest return; that of its other returns is the same.
 TEST(SeveralReturnsStrip, ShowsTheNearest) {
-  for (const StripOrder order : {StripOrder::Sensor, StripOrder::Outward}) {
-    for (const Scan& scan : layouts()) {
-      const Coloring coloring = colorScan(scan, kByReturn, nullptr);
-      const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {}, order);
-      EXPECT_EQ(strip.order, order);
-      EXPECT_EQ(strip.image.width, static_cast<int>(kColumns));
-      EXPECT_EQ(strip.image.height, static_cast<int>(kRings));
-      ASSERT_EQ(strip.pixelOf.size(), scan.size());
-      std::size_t shown = 0;
-      for (const std::uint32_t point : strip.pointAt) {
-        if (point == kNoPoint) continue;
-        ++shown;
-        EXPECT_EQ(keyOf(scan, point).number, 0u);
-      }
-      EXPECT_EQ(shown, 2 * kBeams / 3);
-      for (std::size_t i = 0; i < scan.size(); ++i) {
-        if (!isFinite(scan.position[i])) continue;
-        const std::uint32_t front = strip.pointAt[strip.pixelOf[i]];
-        ASSERT_NE(front, kNoPoint);
-        EXPECT_EQ(keyOf(scan, front).ring, keyOf(scan, i).ring);
-        EXPECT_EQ(keyOf(scan, front).column, keyOf(scan, i).column);
-      }
-      // What is hidden does not hide what is behind it.
-      std::vector<bool> further(scan.size());
-      for (std::size_t i = 0; i < scan.size(); ++i) further[i] = keyOf(scan, i).number == 1;
-      const RangeStrip behind = makeRangeStrip(scan, coloring.colors, further, order);
-      EXPECT_EQ(static_cast<std::size_t>(std::count(behind.pointAt.begin(), behind.pointAt.end(), kNoPoint)),
-                strip.pointAt.size() - kBeams / 3);
+  for (const Scan& scan : layouts()) {
+    const Coloring coloring = colorScan(scan, kByReturn, nullptr);
+    const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});
+    EXPECT_TRUE(strip.outward);
+    EXPECT_EQ(strip.image.width, static_cast<int>(kColumns));
+    EXPECT_EQ(strip.image.height, static_cast<int>(kRings));
+    ASSERT_EQ(strip.pixelOf.size(), scan.size());
+    std::size_t shown = 0;
+    for (const std::uint32_t point : strip.pointAt) {
+      if (point == kNoPoint) continue;
+      ++shown;
+      EXPECT_EQ(keyOf(scan, point).number, 0u);
     }
+    EXPECT_EQ(shown, 2 * kBeams / 3);
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (!isFinite(scan.position[i])) continue;
+      const std::uint32_t front = strip.pointAt[strip.pixelOf[i]];
+      ASSERT_NE(front, kNoPoint);
+      EXPECT_EQ(keyOf(scan, front).ring, keyOf(scan, i).ring);
+      EXPECT_EQ(keyOf(scan, front).column, keyOf(scan, i).column);
+    }
+    // What is hidden does not hide what is behind it.
+    std::vector<bool> further(scan.size());
+    for (std::size_t i = 0; i < scan.size(); ++i) further[i] = keyOf(scan, i).number == 1;
+    const RangeStrip behind = makeRangeStrip(scan, coloring.colors, further);
+    EXPECT_EQ(static_cast<std::size_t>(std::count(behind.pointAt.begin(), behind.pointAt.end(), kNoPoint)),
+              strip.pointAt.size() - kBeams / 3);
   }
 }
 

@@ -54,8 +54,8 @@ Scan scanOf(const BeamTable& table) {
   return scan;
 }
 
-RangeStrip stripOf(const Scan& scan, const BeamTable* beams, StripOrder order = StripOrder::Outward) {
-  return makeRangeStrip(scan, std::vector<Rgb>(scan.size(), Rgb{255, 255, 255}), {}, order, beams);
+RangeStrip stripOf(const Scan& scan, const BeamTable* beams) {
+  return makeRangeStrip(scan, std::vector<Rgb>(scan.size(), Rgb{255, 255, 255}), {}, beams);
 }
 
 double azimuthOf(const Vec3f& p) {
@@ -82,7 +82,7 @@ TEST(StripColumns, EveryPointKeepsItsOwnPixel) {
     const BeamTable table = tableOf(turning);
     const Scan scan = scanOf(table);
     const RangeStrip strip = stripOf(scan, turning.known ? &table : nullptr);
-    ASSERT_EQ(strip.order, StripOrder::Outward);
+    ASSERT_TRUE(strip.outward);
     const bool full = table.fullTurn();
     EXPECT_EQ(strip.fullTurn, full);
     EXPECT_EQ(strip.columns, 120u);
@@ -164,14 +164,14 @@ TEST(StripColumns, ColumnsOfNoAzimuthStayAsTheyAre) {
     scan.position[i] = Vec3f(Vec3d{5 * std::cos(azimuth), 5 * std::sin(azimuth), 0});
   }
   const RangeStrip strip = stripOf(scan, nullptr);
-  EXPECT_EQ(strip.order, StripOrder::Sensor);
-  EXPECT_NE(describeStrip(strip, StripOrder::Outward).find("follow no azimuth"), std::string::npos);
+  EXPECT_FALSE(strip.outward);
+  EXPECT_NE(describeStrip(strip).find("do not follow the azimuth"), std::string::npos);
   for (std::size_t i = 0; i < scan.size(); ++i) ASSERT_EQ(strip.place(i).first, scan[kColumn][i]);
   Scan one;
   one.position = {{5, 0, 0}};
   one[kRing] = one[kColumn] = {0};
-  EXPECT_EQ(stripOf(one, nullptr).order, StripOrder::Sensor);
-  EXPECT_EQ(stripOf({}, nullptr).order, StripOrder::Sensor);
+  EXPECT_FALSE(stripOf(one, nullptr).outward);
+  EXPECT_FALSE(stripOf({}, nullptr).outward);
 }
 
 // Columns of an image are not evenly apart in azimuth, and rows do not keep their elevation.
@@ -198,7 +198,7 @@ TEST(StripColumns, AnImageStaysAnImage) {
     fillBeams(table);
     for (const BeamTable* beams : {static_cast<const BeamTable*>(nullptr), static_cast<const BeamTable*>(&table)}) {
       const RangeStrip strip = stripOf(scan, beams);
-      EXPECT_EQ(strip.order, StripOrder::Outward);
+      EXPECT_TRUE(strip.outward);
       EXPECT_EQ(strip.image.width, 100);
       for (std::size_t i = 0; i < scan.size(); ++i) {
         const int column = scan[kColumn][i];
@@ -227,11 +227,17 @@ TEST(StripColumns, ARealSensorsTeethAreGone) {
   SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
   const auto source = openFrames({.path = sharedData() / "lidar/ouster_os1_128/frame_1795.pcd"});
   const Scan scan = source->load(0).scans.at(0).scan;
-  const RangeStrip raw = stripOf(scan, nullptr, StripOrder::Sensor);
   const RangeStrip outward = stripOf(scan, nullptr);
-  ASSERT_EQ(outward.order, StripOrder::Outward);
+  RangeStrip raw = outward;  // each beam at its own column
+  std::ranges::fill(raw.pointAt, kNoPoint);
+  for (std::uint32_t i = 0; i < scan.size(); ++i) {
+    const PointKey key = keyOf(scan, i);
+    const std::size_t row = raw.ringsRise ? static_cast<std::size_t>(raw.image.height) - 1 - key.ring : key.ring;
+    if (isFinite(scan.position[i])) raw.pointAt[row * static_cast<std::size_t>(raw.image.width) + key.column] = i;
+  }
+  ASSERT_TRUE(outward.outward);
   EXPECT_TRUE(outward.fullTurn);
-  EXPECT_EQ(outward.image.width, raw.image.width);
+  ASSERT_EQ(outward.image.width, 2048);
   EXPECT_LT(meanUprightDifference(scan, outward), 0.7 * meanUprightDifference(scan, raw));
   double strayed = 0;
   double count = 0;

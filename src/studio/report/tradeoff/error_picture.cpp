@@ -72,7 +72,7 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   options.zoom = 1.6;
   options.depthEdges = false;
   const std::string title = fmt::format("{}, {}", truth.shot.sample, truth.shot.sensorName);
-  return encodePng(drawColored(std::move(scan), coloring, options, title));
+  return encodePng(drawColored(scan, coloring, options, title));
 }
 
 }  // namespace scanmill

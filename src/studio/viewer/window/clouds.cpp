@@ -192,7 +192,7 @@ void Clouds::applyFilter() {
     const bool hiddenWhole = isHidden(cloud);
     cloud.shown.clear();
     cloud.visible = cloud.finite;
-    const bool all = filter.instances.empty() && (filter.classes.showsAll() || scan[kLabel].empty());
+    const bool all = filter.instances.empty() && !filter.closeUp && (filter.classes.showsAll() || scan[kLabel].empty());
     if (!hiddenWhole && all) {
       context_.canvas.showAll(cloudItem(k));
       continue;
@@ -207,6 +207,7 @@ void Clouds::applyFilter() {
     for (std::size_t i = 0; i < scan.size() && !hiddenWhole; ++i) {
       if (!scan[kLabel].empty() && classShown[scan[kLabel][i]] == 0) continue;
       if (!filter.showsInstance(scan[kInstance].empty() ? 0 : scan[kInstance][i])) continue;
+      if (filter.closeUp && !filter.closeUp->holds(Vec3d(scan.position[i]))) continue;
       cloud.shown[i] = 1;
       indices.push_back(static_cast<std::uint32_t>(i));
       if (isFinite(scan.position[i])) ++cloud.visible;
@@ -317,8 +318,7 @@ void Clouds::makeStrip() {
     const ViewScan& viewed = context_.frame->scans[cloud.scan];
     // In the overlay a scan has a single colour, in which a range image would show nothing.
     const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
-    strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown,
-                           context_.options.stripOrder, viewed.beams.get());
+    strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown, viewed.beams.get());
     setImage(context_.canvas, kStripImage, strip->image);
   } catch (const InputError& e) {
     stripProblem = e.what();

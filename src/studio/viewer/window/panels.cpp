@@ -160,6 +160,10 @@ std::string Panels::summary() const {
   if (context_.filter.instances.size() == 1)
     out += fmt::format(", only instance {}", *context_.filter.instances.begin());
   if (context_.filter.instances.size() > 1) out += fmt::format(", only {} instances", context_.filter.instances.size());
+  if (const auto& closeUp = context_.filter.closeUp) {
+    out += fmt::format(", {:.4g} m about {:.4g},{:.4g},{:.4g}", closeUp->within, closeUp->at.x, closeUp->at.y,
+                       closeUp->at.z);
+  }
   if (pointer_.measuring)
     out += fmt::format(", distance: click the {} end", pointer_.ends.empty() ? "first" : "second");
   return out;

@@ -49,6 +49,8 @@ struct Scenery {
   OrbitCamera preset(View view) const;
   // Returns the camera that the options choose; it may change when a scene has been loaded.
   OrbitCamera firstCamera() const;
+  // Looks at the close-up of the options, in the direction that they choose, the first time that there are points.
+  void lookAtCloseUp();
   // Returns the camera as a value of --camera.
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
@@ -104,7 +106,7 @@ struct Scenery {
   SessionContext& context_;
   Clouds& clouds_;
   std::vector<ContentBall> content_;
-  bool sceneFramed_ = false;  // the first camera of a scene, which needs the scene's box, has been set
+  bool framed_ = false;  // the first camera, which needs the scene's box or the scan's pose, has been set
   std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // the frame and scan of `instances_`
   std::vector<InstanceSummary> instances_;
 };

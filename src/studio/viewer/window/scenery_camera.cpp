@@ -1,6 +1,7 @@
 // The cameras: presets, the first one, and the current one as text.
 
 #include <algorithm>
+#include <cmath>
 
 #include "viewer/window/scenery.h"
 
@@ -56,6 +57,22 @@ OrbitCamera Scenery::firstCamera() const {
   OrbitCamera chosen = choice.camera;
   if (choice.placed) chosen.target = canvasFromWorld * chosen.target;
   return chosen;
+}
+
+void Scenery::lookAtCloseUp() {
+  const std::optional<CloseUp>& closeUp = context_.options.closeUp;
+  if (!closeUp || framed_ || clouds_.list.empty()) return;
+  framed_ = true;
+  constexpr double kFilled = 0.85;  // share of the picture's shorter side; the panels cover some of it
+  const int width = context_.canvas.width();
+  const int height = context_.canvas.height();
+  OrbitCamera chosen = camera;
+  chosen.orthographic = false;
+  chosen.target = clouds_.list.front().canvasFromScan * closeUp->at;
+  // The tangents from the eye to the ball are at this slope to the line of sight.
+  const double slope = kFilled * std::min(width, height) / 2 / chosen.camera(width, height).focal;
+  chosen.distance = closeUp->within * std::hypot(1, 1 / slope);
+  setCamera(chosen);
 }
 
 std::string Scenery::cameraText() const {

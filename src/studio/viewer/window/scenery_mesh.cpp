@@ -32,8 +32,8 @@ void Scenery::placeMesh() {
   applyFilter();
   if (!context_.source->isScene()) return;
   placeGuides();
-  if (sceneFramed_) return;
-  sceneFramed_ = true;
+  if (framed_) return;
+  framed_ = true;
   setCamera(firstCamera());
   for (const std::string& warning : mesh->warnings) context_.hint(warning);
   tellWhatEncloses();

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "viewer/window/session_state.h"
 
@@ -14,6 +15,29 @@ namespace {
 std::shared_ptr<const FrameSource> notEmpty(std::shared_ptr<const FrameSource> source) {
   if (source->keys().empty()) throw InputError(fmt::format("{}: holds no sample", source->title()));
   return source;
+}
+
+// Throws InputError if no point of the frame's scans is in the close-up. The message says where the nearest one is.
+void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double distance = kNone;
+  Vec3d nearest;
+  for (const ViewScan& viewed : frame.scans) {
+    for (const Vec3f& p : viewed.scan.position) {
+      const double here = length(Vec3d(p) - closeUp.at);
+      if (!(here < distance)) continue;
+      distance = here;
+      nearest = Vec3d(p);
+    }
+  }
+  if (distance <= closeUp.within) return;
+  const auto text = [](const Vec3d& v) { return fmt::format("{:.4g},{:.4g},{:.4g}", v.x, v.y, v.z); };
+  throw InputError(fmt::format(
+      "no point is within {:.4g} m of {}: {}", closeUp.within, text(closeUp.at),
+      distance == kNone ? std::string("there is none at all")
+                        : fmt::format("the nearest is {:.4g} m from there, at {}; take another --at or a larger "
+                                      "--within",
+                                      distance, text(nearest))));
 }
 
 }  // namespace
@@ -69,6 +93,7 @@ void ViewSession::check() const {
   const auto& mesh = s.scenery.mesh;
   const bool nothing =
       s.context.source->isScene() ? mesh == nullptr || mesh->size() == 0 : !frame || frame->scans.empty();
+  if (!nothing && s.context.filter.closeUp) return requirePoints(*frame, *s.context.filter.closeUp);
   if (!nothing) return;
   const auto all = s.problems();
   throw Error(all.empty() ? "nothing could be loaded" : all.front());

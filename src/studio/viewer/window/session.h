@@ -42,12 +42,12 @@ struct ViewOptions {
   bool boxes = true;  // boxes of the objects that samples list
   bool trajectory = true;
   bool rangeImage = false;
-  StripOrder stripOrder = StripOrder::Outward;  // of the range image
-  bool still = false;                           // for pictures: no buttons, menus or fields
-  bool bare = false;                            // no panels: the points alone
-  std::vector<std::string> hidden{};            // hidden classes by name or id; with `only`, all others are hidden
+  bool still = false;                 // for pictures: no buttons, menus or fields
+  bool bare = false;                  // no panels: the points alone
+  std::vector<std::string> hidden{};  // hidden classes by name or id; with `only`, all others are hidden
   bool only = false;
   std::vector<std::uint32_t> instances{};  // only these instances are shown; empty: all
+  std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
 };
 
 constexpr std::size_t kNoScan = SIZE_MAX;

@@ -29,6 +29,7 @@ struct ViewNotice {
 struct ShownFilter {
   ClassFilter classes;
   std::set<std::uint32_t> instances;  // the only instances that are shown; empty: all
+  std::optional<CloseUp> closeUp;     // only points in this ball are shown; absent: all
   std::set<std::string> hiddenScans;  // names of the scans that are hidden when scans lie over one another
 
   bool showsInstance(std::uint32_t id) const { return instances.empty() || instances.contains(id); }
@@ -42,6 +43,7 @@ struct SessionContext {
         drawing(drawnOn),
         filter{ClassFilter(chosen.hidden, chosen.only, source->ontology()),
                {chosen.instances.begin(), chosen.instances.end()},
+               chosen.closeUp,
                {}} {}
 
   // Shows a message for some seconds.

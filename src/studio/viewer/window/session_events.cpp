@@ -242,6 +242,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       context.filter.classes.showAll();
       context.filter.instances.clear();
       context.filter.hiddenScans.clear();
+      context.filter.closeUp.reset();
       return applyFilter();
     case KeyAction::InstanceAlone:
       return toggleAlone();
@@ -249,12 +250,6 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return pointer.toggleMeasuring();
     case KeyAction::ToggleRangeImage:
       context.options.rangeImage = !context.options.rangeImage;
-      context.changes.views = true;
-      return clouds.makeStrip();
-    case KeyAction::ToggleStripOrder:
-      context.options.stripOrder =
-          context.options.stripOrder == StripOrder::Outward ? StripOrder::Sensor : StripOrder::Outward;
-      context.options.rangeImage = true;
       context.changes.views = true;
       return clouds.makeStrip();
     case KeyAction::SavePicture:

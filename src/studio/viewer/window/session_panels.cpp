@@ -204,12 +204,8 @@ void ViewSession::State::drawStrip() {
     mark = std::pair(rect.left + (column + 0.5) * rect.width / clouds.strip->image.width,
                      rect.top + (row + 0.5) * rect.height / clouds.strip->image.height);
   }
-  std::string caption = context.frame->scans[clouds.list[clouds.stripCloud].scan].name + ": " +
-                        describeStrip(*clouds.strip, context.options.stripOrder);
-  if (!context.options.still) {
-    caption +=
-        context.options.stripOrder == StripOrder::Outward ? " (I: as the sensor orders it)" : " (I: looking outward)";
-  }
+  const std::string caption =
+      context.frame->scans[clouds.list[clouds.stripCloud].scan].name + ": " + describeStrip(*clouds.strip);
   bool pressed = false;
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {0, ImGui::GetFontSize() * 0.2F});
   panelAt("##strip", panels.rooms.strip, false, [&] {

@@ -46,7 +46,6 @@ std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
     case KeyAction::ToggleWorld:
       return "a scene has no sensor to follow";
     case KeyAction::ToggleRangeImage:
-    case KeyAction::ToggleStripOrder:
       return "a scene has no range image: a dataset of it has";
     default:
       return {};

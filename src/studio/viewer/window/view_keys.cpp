@@ -31,7 +31,6 @@ std::vector<ViewCommand> listCommands() {
       {"Scans", {A::ToggleSplit}, "side by side, or one in several colours", {"s"}},
       {"Scans", {A::NextView}, "next view that colours are chosen for", {"Tab"}},
       {"Scans", {A::ToggleRangeImage}, "range image", {"i"}},
-      {"Scans", {A::ToggleStripOrder}, "range image outward, or as the sensor orders it", {"I"}},
   };
   constexpr std::array<const char*, 10> kDigits{"1", "2", "3", "4", "5", "6", "7", "8", "9", "0"};
   for (std::size_t i = 0; i < kDigits.size(); ++i) {
@@ -45,7 +44,7 @@ std::vector<ViewCommand> listCommands() {
       {"Colours", {A::LowerLowEnd}, "lower the scale's lower end", {"{"}},
       {"Colours", {A::RaiseLowEnd}, "raise the scale's lower end", {"}"}},
       {"Colours", {A::AutomaticScale}, "the scale that the values give", {"\\"}},
-      {"Show", {A::ShowAllClasses}, "all classes and instances", {"A"}},
+      {"Show", {A::ShowAllClasses}, "all points", {"A"}},
       {"Show", {A::InstanceAlone}, "the instance that is pointed at alone", {"x"}},
       {"Show", {A::ToggleLegends}, "what colours mean", {"k"}},
       {"Show", {A::ToggleMesh}, "mesh of the scene", {"m"}},

@@ -55,7 +55,6 @@ enum class KeyAction {
   InstanceAlone,
   Measure,
   ToggleRangeImage,
-  ToggleStripOrder,
   SavePicture,
   ToggleHelp,
   Escape,

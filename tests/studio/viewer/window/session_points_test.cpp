@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <set>
 
 #include "tests/studio/viewer/window/session_world.h"
+#include "tests/support/message_of.h"
 #include "viewer/picture.h"
 #include "viewer/window/session.h"
 
@@ -64,6 +66,47 @@ TEST(SessionFilter, OptionsHideOrShowAlone) {
 }
 
 // The tip's values are the scan's, for points all over the picture and from random places.
+// A close-up shows the points in its ball alone, from the direction that was chosen, until all points are asked for.
+TEST(SessionCloseUp, ShowsTheBallAndFillsThePictureWithIt) {
+  const Scan scan = fakeScan(8, 72, 1.001);
+  const Vec3d at(scan.position[3 * 72 + 5]);
+  for (const char* const view : {"chase", "driver", "above"}) {
+    for (const double within : {1.0, 4.0}) {
+      SCOPED_TRACE(std::string(view) + " " + std::to_string(within));
+      SessionWorld world(3, {"ray_tracing"}, {.camera = parseCamera(view), .closeUp = CloseUp{at, within}});
+      const auto& item = world.canvas.items.at(firstCloud(world));
+      const CanvasView& seen = world.canvas.views().front();
+      std::set<std::uint32_t> expected;
+      double farthest = 0;
+      for (std::uint32_t i = 0; i < scan.size(); ++i) {
+        if (length(Vec3d(scan.position[i]) - at) > within) continue;
+        expected.insert(i);
+        const Projected p = seen.camera.project(item.look.canvasFromItem * Vec3d(scan.position[i]));
+        farthest = std::max({farthest, std::abs(p.x - seen.rect.width / 2.0), std::abs(p.y - seen.rect.height / 2.0)});
+      }
+      const auto shown = world.canvas.shownOf(firstCloud(world));
+      EXPECT_EQ(std::set<std::uint32_t>(shown.begin(), shown.end()), expected);
+      EXPECT_LT(farthest, seen.rect.height / 2.0) << "all of it is seen";
+      EXPECT_NEAR(length(world.session->camera().target - item.look.canvasFromItem * at), 0, 1e-5);
+      EXPECT_EQ(world.session->camera().yaw, parseCamera(view).camera.yaw);
+      EXPECT_EQ(world.session->camera().pitch, parseCamera(view).camera.pitch);
+      EXPECT_NO_THROW(world.session->check());
+      world.key("Right");
+      world.session->settle();
+      EXPECT_LT(world.canvas.shownOf(firstCloud(world)).size(), scan.size()) << "it stays in other frames";
+      world.key("A");
+      EXPECT_EQ(world.canvas.shownOf(firstCloud(world)).size(), scan.size());
+    }
+  }
+}
+
+TEST(SessionCloseUp, OfNothingSaysWhereThePointsAre) {
+  SessionWorld world(1, {"ray_tracing"}, {.closeUp = CloseUp{{0, 0, 50}, 2}});
+  EXPECT_THAT(messageOf<InputError>([&] { world.session->check(); }),
+              testing::AllOf(testing::HasSubstr("within 2 m of 0,0,50"), testing::HasSubstr("m from there, at "),
+                             testing::HasSubstr("--within")));
+}
+
 TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
   SessionWorld world(3);
   std::mt19937 random(1);

@@ -194,7 +194,7 @@ TEST_F(SceneViewer, CamerasAimAtThePlacesOfPicks) {
 
 TEST_F(SceneViewer, SaysWhatMeansNothing) {
   for (const char* name :
-       {"4", "+", "-", "r", "t", "m", "Right", "Page_Up", ">", " ", "g", "l", "s", "Tab", "n", "w", "i", "I"}) {
+       {"4", "+", "-", "r", "t", "m", "Right", "Page_Up", ">", " ", "g", "l", "s", "Tab", "n", "w", "i"}) {
     const auto session = open();
     const std::vector<Rgba> before = canvas_.overlay();
     const std::size_t items = canvas_.items.size();
@@ -234,15 +234,6 @@ TEST(SessionStrip, OfAnOverlayHasTheColoursOfClasses) {
   EXPECT_TRUE(world.inOverlay(kFakeCarColor));
   world.key("i");
   EXPECT_FALSE(world.inOverlay(kFakeRoadColor));
-}
-
-TEST(SessionStrip, TheSensorsOrderComesAndGoes) {
-  SessionWorld world(1, {"ray_tracing"}, {.rangeImage = true});
-  const std::string outward = world.drawn();
-  world.key("I");
-  EXPECT_NE(world.drawn(), outward);
-  world.key("I");
-  EXPECT_EQ(world.drawn(), outward);
 }
 
 }  // namespace

@@ -17,18 +17,44 @@ class Pictures : public SmallWorld {
   }
 
   std::vector<std::string> of(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"picture", at("a"), "-o", at("p.png")};
+    std::vector<std::string> arguments{"view", at("a"), "--screenshot", at("p.png")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
   }
 };
 
 TEST_F(Pictures, OfTheObjectsOfAScene) {
-  const Outcome sheet = scanmill({"picture", SCANMILL_SOURCE_DIR "/scenes/primitives.yaml", "-o", at("sheet.png")});
+  const std::string scene = SCANMILL_SOURCE_DIR "/scenes/primitives.yaml";
+  const Outcome sheet = scanmill({"view", scene, "--contact-sheet", "--screenshot", at("sheet.png")});
   ASSERT_EQ(sheet.code, 0) << sheet.error;
   EXPECT_THAT(sheet.out, AllOf(HasSubstr("sheet.png"), HasSubstr("a cell for each object")));
   EXPECT_THAT(readFile(at("sheet.png")), testing::StartsWith("\x89PNG"));
-  expectRefused(scanmill({"picture", pipeline_, "-o", at("p.png")}), "is a pipeline");
+  const std::vector<std::string> wanted{"--contact-sheet", "--screenshot", at("p.png")};
+  const auto with = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), wanted.begin(), wanted.end());
+    return scanmill(arguments);
+  };
+  expectRefused(with({"view", pipeline_}), "is a pipeline");
+  expectRefused(with({"view", at("a")}), "is no scene");
+  expectRefused(with({"view", scene, "--mesh"}), "--contact-sheet takes no --mesh");
+  expectRefused(scanmill({"view", scene, "--contact-sheet"}), "add --screenshot");
+}
+
+// The range image alone: whole pixels for each beam of the sensor.
+TEST_F(Pictures, OfARangeImageAlone) {
+  const Outcome made = scanmill(of({"--range-image-alone", "--color", "range"}));
+  ASSERT_EQ(made.code, 0) << made.error;
+  const std::string png = readFile(at("p.png"));
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(png.at(i))); };
+  const unsigned width = byte(16) << 24 | byte(17) << 16 | byte(18) << 8 | byte(19);  // of the PNG's first chunk
+  EXPECT_GE(width, 1600u);
+  EXPECT_EQ(width % 64, 0u) << "the sensor has 64 columns, and each beam whole pixels";
+  expectRefused(scanmill(of({"--range-image-alone", "--mesh"})), "takes no --mesh");
+  expectRefused(scanmill({"view", at("a"), "--range-image-alone"}), "add --screenshot");
+}
+
+TEST_F(Pictures, TheOldCommandIsNamed) {
+  expectRefused(scanmill({"picture", at("a"), "-o", at("p.png")}), "scanmill view INPUT --screenshot FILE.png");
 }
 
 TEST_F(Pictures, CloseUps) {
@@ -36,10 +62,10 @@ TEST_F(Pictures, CloseUps) {
     const Outcome alone = scanmill(of({"--at", place, "--within", "60", "--size", "320x200"}));
     EXPECT_EQ(alone.code, 0) << alone.error;
     EXPECT_THAT(readFile(at("p.png")), testing::StartsWith("\x89PNG"));
-    const Outcome over = scanmill(of({"--at", place, "--within=60", "--over", at("a"), "--view", "above"}));
+    const Outcome over = scanmill(of({"--at", place, "--within=60", "--over", at("a"), "--camera", "above"}));
     EXPECT_EQ(over.code, 0) << over.error;
   }
-  EXPECT_THAT(scanmill({"picture", "--help"}).out,
+  EXPECT_THAT(scanmill({"view", "--help"}).out,
               AllOf(HasSubstr("--at X,Y,Z"), HasSubstr("--within R"), HasSubstr("--at 6.5,-2.7,-1 --within 2.5")));
 }
 
@@ -65,18 +91,19 @@ TEST_F(Pictures, WrongCloseUpsAreRefusedWithAdvice) {
       {{"--at", "1,2,3", "--within", "-2"}, "--within must be from 0.01"},
       {{"--at", "1,2,3", "--within", "nan"}, "nan"},
       {{"--at", "1,2,3", "--within", "near"}, "near"},
-      {{"--at", "1,2,3", "--within", "3", "--range-image"}, "range image"},
+      {{"--at", "1,2,3", "--within", "3", "--range-image-alone"}, "takes no --at"},
+      {{"--at", "1,2,3", "--within", "3", "--camera", "30,20,25"}, "--at says where to look"},
       {{"--at", "0,0,9999", "--within", "3"}, "the nearest is"},
   };
   std::vector<std::vector<std::string>> all;
   for (const auto& [arguments, says] : cases) all.push_back(of(arguments));
-  all.push_back({"picture", at("absent.exr"), "-o", at("p.png"), "--at", "1,2,3", "--within", "3"});
+  all.push_back({"view", at("absent.exr"), "--screenshot", at("p.png"), "--at", "1,2,3", "--within", "3"});
   const std::vector<Outcome> outcomes = scanmillEach(all);
   for (std::size_t i = 0; i + 1 < outcomes.size(); ++i) {
     SCOPED_TRACE(testing::PrintToString(all[i]));
     expectRefused(outcomes[i], cases[i].second);
   }
-  expectRefused(outcomes.back(), "is an image");
+  expectRefused(outcomes.back(), "is shown as images");
   EXPECT_FALSE(std::filesystem::exists(at("p.png")));
 }
 

@@ -1,4 +1,4 @@
-#include "commands/picture_options.h"
+#include "commands/view_options.h"
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>

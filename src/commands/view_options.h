@@ -1,6 +1,6 @@
 #pragma once
 
-// Options that commands which make pictures share.
+// Reads the values of options of `scanmill view`.
 
 #include <array>
 #include <charconv>
