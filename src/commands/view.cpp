@@ -10,6 +10,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/view_options.h"
+#include "config/text.h"
 #include "dataset/recording.h"
 #include "dataset/scan_source.h"
 #include "scene/scene.h"
