@@ -38,7 +38,7 @@ if(shown EQUAL -1)
   message(FATAL_ERROR "docs/architecture.md shows another program than tests/install/consumer/scan.cpp")
 endif()
 
-run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Release
+run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/build -G Ninja -DCMAKE_BUILD_TYPE=Release -DPUBLIC=${HEADERS}
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_PREFIX_PATH=${WORK}/prefix)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 set(share ${WORK}/prefix/share/scanmill)

@@ -1,6 +1,8 @@
 #pragma once
 
 // Errors are thrown where they are found and caught once, in main, which turns them into the exit code.
+//
+//   throw InputError({"scene.yaml", 12, 3}, "unknown class 'raod'");  // scene.yaml:12:3: unknown class 'raod'
 
 #include <stdexcept>
 #include <string>

@@ -28,7 +28,7 @@ enum class LockKind {
 // leaves only a file that nobody holds. On a file system without locks no process can be kept from sharing the folder,
 // and a file that was taken alone counts as held if its process still runs on this host, or if it was written on
 // another host.
-class FolderLock {
+class [[nodiscard]] FolderLock {
  public:
   // `folder` must exist; it may be a link, and errors name it. `file` lies in it or in folders below it, none of which
   // may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the file cannot be
@@ -40,18 +40,20 @@ class FolderLock {
 
   // Does the same as the constructor, but returns null if another process holds the lock, and then describes that
   // process in `holder`.
-  static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder, const std::filesystem::path& file,
-                                             LockKind kind, std::string& holder);
+  [[nodiscard]] static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder,
+                                                           const std::filesystem::path& file, LockKind kind,
+                                                           std::string& holder);
 
   // Turns a shared lock into one held alone. Returns false and loses the lock if another process shares it, or if the
   // file system has no locks.
-  bool makeAlone();
+  [[nodiscard]] bool makeAlone();
   // True if the lock keeps other processes out: false on a file system without locks.
   bool isKept() const { return locked_; }
 
  private:
   FolderLock() = default;
-  bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind, std::string& holder);
+  [[nodiscard]] bool take(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind,
+                          std::string& holder);
   bool isStillThere() const;
   void remove() const;
   void release();

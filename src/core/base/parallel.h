@@ -24,7 +24,7 @@ void withWaiters(const std::function<void()>& work);
 bool hasWaiters();
 
 // Limits how many threads all parallel work uses, for as long as the object lives; 0 means one for each core.
-class ThreadLimit {
+class [[nodiscard]] ThreadLimit {
  public:
   explicit ThreadLimit(int threads);
   ~ThreadLimit();

@@ -6,7 +6,7 @@ namespace scanmill {
 
 // Creates a new temporary folder in TMPDIR, or in /tmp where TMPDIR is not set. Only this user may enter it. The
 // destructor removes the folder with everything in it.
-class ScratchFolder {
+class [[nodiscard]] ScratchFolder {
  public:
   ScratchFolder();  // throws Error if the folder cannot be created
   ~ScratchFolder();

@@ -32,7 +32,7 @@ class StageClock {
 };
 
 // Measures from its construction to its destruction, and adds that time to a stage of a clock, which must outlive it.
-class StageTimer {
+class [[nodiscard]] StageTimer {
  public:
   StageTimer(StageClock& clock, const char* stage) : clock_(clock), stage_(stage) {}
   ~StageTimer() { clock_.add(stage_, timer_.seconds()); }

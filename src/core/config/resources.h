@@ -1,5 +1,9 @@
 #pragma once
 
+// The program's own files: pipelines, scenes, labels.
+//
+//   const std::filesystem::path street = namedResource("street", "scenes");  // .../scenes/street.yaml
+
 #include <filesystem>
 #include <string>
 

@@ -55,7 +55,7 @@ class DatasetFolder {
   const std::filesystem::path& staging() const { return staging_; }
 
   // Claims a shard for this process as long as the returned lock lives; null if another process has claimed it.
-  std::unique_ptr<FolderLock> claim(const std::string& name);
+  [[nodiscard]] std::unique_ptr<FolderLock> claim(const std::string& name);
   // Stores the record of a shard that is complete in staging().
   void keep(const DatasetPart& part);
   enum class Check { Size, Bytes };

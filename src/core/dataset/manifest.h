@@ -1,6 +1,9 @@
 #pragma once
 
 // manifest.json: the contents of a dataset and how it was generated. Its JSON Schema is docs/manifest.schema.json.
+//
+//   const Manifest manifest = readManifest("out/quickstart");
+//   for (const SampleRecord& sample : manifest.samples) std::puts(sample.key.c_str());
 
 #include <array>
 #include <cstdint>

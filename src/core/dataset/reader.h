@@ -1,6 +1,10 @@
 #pragma once
 
 // Reads the shards of a dataset back.
+//
+//   readTar("out/quickstart/train/train-000000.tar", [](const std::string& name, std::string_view bytes) {
+//     if (name.ends_with(".drc")) std::printf("%s: %zu points\n", name.c_str(), decodeMember(name, bytes).size());
+//   });
 
 #include <cstdint>
 #include <filesystem>

@@ -49,7 +49,7 @@ class ShardWriter {
   // Throws Error for names that readers of WebDataset would misread. After any other failure nothing more can be added.
   void add(const Sample& sample);
   std::uint64_t bytes() const { return bytes_; }  // size of the file if finished now
-  ShardPart finish();
+  [[nodiscard]] ShardPart finish();
 
  private:
   ShardPart part_;

@@ -20,7 +20,7 @@ class TarReader {
   TarReader(const std::filesystem::path& file, std::size_t blockBytes);
 
   // Goes to the next member; returns false at the end of the archive.
-  bool next();
+  [[nodiscard]] bool next();
 
   // These are about the current member.
   const std::string& name() const { return name_; }

@@ -1,6 +1,8 @@
 #pragma once
 
 // Checks a complete dataset: hashes its shards again, decodes its scans and compares everything with the manifest.
+//
+//   for (const std::string& fault : verifyDataset("out/quickstart").problems) std::puts(fault.c_str());
 
 #include <cstdint>
 #include <filesystem>
@@ -23,7 +25,7 @@ struct Verification {
 // cannot be decoded, counts that differ, a class id that the ontology does not have, members out of order, and files
 // that the manifest does not list. Throws an InputError only if the manifest cannot be read. progress(done, total)
 // counts shards; it is called after each.
-Verification verifyDataset(const std::filesystem::path& folder,
-                           const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
+[[nodiscard]] Verification verifyDataset(const std::filesystem::path& folder,
+                                         const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
 }  // namespace scanmill

@@ -38,7 +38,7 @@ class DracoWriter {
   void addFloats(std::string_view name, std::span<const float> values);            // as they are
 
   // Returns the bytes of the whole point cloud.
-  std::string finish() const;
+  [[nodiscard]] std::string finish() const;
 
  private:
   void describe(std::string_view name, int attributeType, int dataType, std::size_t components, int encoder);

@@ -1,6 +1,11 @@
 #pragma once
 
 // A format turns a Scan into bytes and back, without disk access. To add one, add a file and a row in formats().
+//
+//   const Value defaults;
+//   Fields options(defaults, "pcd");
+//   const std::unique_ptr<Format> pcd = requireFormat("pcd", {}).make(options);
+//   const Scan same = pcd->decode(pcd->encode(scan), "scan.pcd");
 
 #include <cstdint>
 #include <memory>

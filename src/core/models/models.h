@@ -147,7 +147,7 @@ class Shape {
             const std::function<SurfaceIndex(int row, int column)>& of);
 
   // Adds the mesh to the scene.
-  Model finish();
+  [[nodiscard]] Model finish();
 
   Affine frame;
   Mesh mesh;

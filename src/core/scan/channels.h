@@ -32,7 +32,7 @@ class Channels {
   constexpr Channels(Channel c) : bits_(static_cast<std::uint32_t>(c)) {}  // NOLINT: a channel is a set of one
   constexpr Channels operator|(Channels o) const { return Channels(bits_ | o.bits_); }
   constexpr Channels operator&(Channels o) const { return Channels(bits_ & o.bits_); }
-  constexpr Channels without(Channels o) const { return Channels(bits_ & ~o.bits_); }
+  [[nodiscard]] constexpr Channels without(Channels o) const { return Channels(bits_ & ~o.bits_); }
   constexpr Channels& operator|=(Channels o) { return *this = *this | o; }
   constexpr bool has(Channel c) const { return (bits_ & static_cast<std::uint32_t>(c)) != 0; }
   constexpr bool operator==(const Channels&) const = default;

@@ -375,11 +375,11 @@ class ColumnSet {
     return *this;
   }
   template <std::size_t Index>
-  constexpr ColumnSet with(ColumnKey<Index>) const {
+  [[nodiscard]] constexpr ColumnSet with(ColumnKey<Index>) const {
     return ColumnSet(*this).add(Index);
   }
   template <std::size_t Index>
-  constexpr ColumnSet without(ColumnKey<Index>) const {
+  [[nodiscard]] constexpr ColumnSet without(ColumnKey<Index>) const {
     return ColumnSet(*this).remove(Index);
   }
   constexpr bool operator==(const ColumnSet&) const = default;

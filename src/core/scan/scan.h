@@ -1,6 +1,10 @@
 #pragma once
 
 // A scan: the points that the sensor reports in one revolution, one row per point, as they are written to files.
+//
+//   for (std::size_t i = 0; i < scan.size(); ++i) {
+//     if (scan[kLabel][i] == 10) std::printf("%g m ahead\n", static_cast<double>(scan.position[i].x));
+//   }
 
 #include <cstddef>
 #include <cstdint>
@@ -100,7 +104,7 @@ void requireConsistent(const Scan& scan);
 
 // Returns a dense scan of the points with a finite position; it keeps the numbers of rings and columns, and
 // has no reasonOfBeam.
-Scan withoutMisses(const Scan& scan);
+[[nodiscard]] Scan withoutMisses(const Scan& scan);
 
 // The beam of a point (ring, column), and which of the beam's returns the point is (number, counted from 0).
 struct PointKey {
@@ -112,7 +116,7 @@ struct PointKey {
 
 // True if the scan says which beam each of its points belongs to: an organised scan by its order, a dense scan by its
 // columns ring and column. True for a scan without points.
-bool knowsBeams(const Scan& scan);
+[[nodiscard]] bool knowsBeams(const Scan& scan);
 
 // Returns the key of a point of a scan that knows its beams. If a dense scan has no column `return`, every point counts
 // as a first return.

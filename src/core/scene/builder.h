@@ -1,6 +1,11 @@
 #pragma once
 
 // Builds a scene: finds classes and materials by their names, cleans meshes, and assigns instance ids to things.
+//
+//   SceneBuilder builder("yard", 1, readOntology("labels/scanmill.yaml"), readMaterials("labels/materials.yaml"));
+//   mesh.surfaces = {builder.surface("car", "car_paint")};
+//   builder.place(builder.addMesh(mesh), Affine{{}, {10, 2, 0}}, "car");
+//   const Scene yard = builder.finish();
 
 #include <cstdint>
 #include <map>
@@ -31,7 +36,7 @@ class SceneBuilder {
 
   // Adds a mesh and returns its index in Scene::meshes. Triangles that cannot be traced are dropped and counted;
   // Mesh::objects is computed from the surfaces.
-  std::uint32_t addMesh(Mesh mesh);
+  [[nodiscard]] std::uint32_t addMesh(Mesh mesh);
 
   // Places a mesh in the world (m). Its things get the next instance ids, counted from 1, so that ids depend only on
   // the order of placement. With a movement, `worldFromMesh` is relative to the movement's pose. All instances that are
@@ -61,7 +66,7 @@ class SceneBuilder {
   void ask(std::vector<ShareBound> shares) { scene_.shares = std::move(shares); }
 
   // Returns the scene. Throws InputError if it has no triangle.
-  Scene finish();
+  [[nodiscard]] Scene finish();
 
  private:
   Scene scene_;

@@ -1,6 +1,10 @@
 #pragma once
 
 // A scene in memory: meshes that instances share, materials, and labels. Methods read it and never change it.
+//
+//   for (const Instance& instance : scene.instances) {
+//     std::printf("%s: %zu triangles\n", instance.name.c_str(), scene.meshes[instance.mesh].triangles.size());
+//   }
 
 #include <array>
 #include <cstdint>
@@ -61,7 +65,7 @@ struct Dropped {
 
 // Drops triangles that cannot be traced, and sets vertices that are not finite to zero. The other triangles keep their
 // order.
-Dropped clean(Mesh& mesh);
+[[nodiscard]] Dropped clean(Mesh& mesh);
 
 // Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n is the object's shape at k/n
 // of the period, and is shown at the times that are nearest to it. All meshes have the same things.

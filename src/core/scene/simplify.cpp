@@ -119,7 +119,7 @@ void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to
     alone.positions = from.positions;
     if (lost.size() > kFewTriangles) {
       appendFewer(scene, from, lost, keep, alone);
-      clean(alone);
+      static_cast<void>(clean(alone));
     }
     if (alone.triangles.empty()) {
       for (const std::uint32_t t : lost) {
@@ -162,7 +162,7 @@ void simplify(const Scene& scene, const Mesh& from, double keep, Mesh& to) {
   to.triangles.clear();
   to.surfaceOf.clear();
   appendFewer(scene, from, all, keep, to);
-  clean(to);
+  static_cast<void>(clean(to));
   restoreVanished(scene, from, keep, to);
   to.triangles.shrink_to_fit();
   to.surfaceOf.shrink_to_fit();

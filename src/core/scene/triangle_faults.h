@@ -9,6 +9,6 @@
 namespace scanmill {
 
 // True if the triangle can be traced; otherwise counts the reason in `dropped`.
-bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped);
+[[nodiscard]] bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, Dropped& dropped);
 
 }  // namespace scanmill

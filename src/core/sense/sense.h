@@ -1,6 +1,11 @@
 #pragma once
 
 // The receiver model turns hits into a scan: it detects, applies the effects and gathers.
+//
+//   const ScanLayout layout{.columns = ColumnSet::byDefault()};
+//   Returns returns;
+//   Scan points;
+//   sense({.materials = scene.materials, .layout = layout}, hits, shot, returns, points);
 
 #include <span>
 

@@ -2,6 +2,10 @@
 
 // Reads sensor files, such as those in pipelines/sensors.
 //
+//   const std::shared_ptr<const BeamTable> beams = makeBeams(readYaml("pipelines/sensors/vlp_16.yaml"));
+//
+// Their keys:
+//
 //   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
 //   source: ...
 //   columns: 1024                      # per revolution (per field, where the field is partial)

@@ -126,7 +126,7 @@ TEST(SceneBuilder, meshesThatContradictThemselvesAreErrors) {
 
 TEST(SceneBuilder, anEmptySceneIsRefused) {
   SceneBuilder builder = makeBuilder();
-  builder.addMesh(box(builder.surface("road", "asphalt")));  // never placed
+  static_cast<void>(builder.addMesh(box(builder.surface("road", "asphalt"))));  // never placed
   expectInputError([&] { builder.finish(); }, {"'test'", "no triangle"});
 }
 

@@ -18,10 +18,10 @@ std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& 
 // Returns the plan of a dataset. The files that its pipeline names are looked for in the folder of `pipeline`, or in
 // pipelineFolders() if `pipeline` is empty. Throws InputError if a file is not found, or if the plan made from the
 // files has other samples or shards than the dataset.
-Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
-                   const std::filesystem::path& pipeline);
+[[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,
+                                 const std::filesystem::path& pipeline);
 
 // Returns a plan of `method: auto` with the method and options that were chosen before, without measuring again.
-Plan chosenAgain(const Plan& plan, const MethodRecord& chosen);
+[[nodiscard]] Plan chosenAgain(const Plan& plan, const MethodRecord& chosen);
 
 }  // namespace scanmill

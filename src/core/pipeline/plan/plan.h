@@ -60,7 +60,7 @@ Plan makePlan(Pipeline pipeline, Channels kept = {});
 
 // Returns the plan with a method and its options in place of `method: auto`; the record says what was chosen and why.
 // Throws InputError if the method cannot do what the pipeline asks for.
-Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
+[[nodiscard]] Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
 
 // Returns lines that say what is computed, what is left out, and why. `blocked`: for each sensor, the share of its rays
 // that the own vehicle blocks; empty: no own vehicle.

@@ -1,6 +1,8 @@
 #pragma once
 
 // A pipeline file: which scenes, sensors and trajectories become which dataset. Everything is checked when it is read.
+//
+//   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {"seed=7", "effects=[]"});  // --set
 
 #include <cstdint>
 #include <filesystem>

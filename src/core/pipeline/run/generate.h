@@ -1,6 +1,9 @@
 #pragma once
 
 // Makes the dataset of a plan: shots -> hits -> effects -> scans -> bytes -> shards -> manifest.
+//
+//   const GenerateSummary made = generate(plan, {.folder = "out/street", .quiet = true});
+//   std::printf("%zu samples, %llu points\n", made.samples, static_cast<unsigned long long>(made.points));
 
 #include <atomic>
 #include <cstdint>
@@ -58,7 +61,7 @@ struct GenerateSummary {
 
 // Returns the manifest of a plan's dataset if the folder holds the complete dataset, else nothing. Throws InputError if
 // shards of it are missing or have the wrong size.
-std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
+[[nodiscard]] std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
 
 // Makes the dataset of a plan, or some shards of it. Throws InputError for an unusable scene or folder, Error if the
 // work fails. A folder without a manifest does not count as a dataset; an unfinished one can be resumed, which gives

@@ -58,7 +58,7 @@ class ObjectList {
   void add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns);
 
   // Returns the objects that were within the reach of any shot, sorted by id.
-  SampleObjects finish() const;
+  [[nodiscard]] SampleObjects finish() const;
 
  private:
   ObjectRecord recordOf(std::size_t thing) const;

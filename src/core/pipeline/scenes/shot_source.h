@@ -1,6 +1,11 @@
 #pragma once
 
 // Loads the scenes of a plan and makes the shots of its frames.
+//
+//   ShotSource source(plan);
+//   const Scene first = source.load(0);             // the scene of the first sequence
+//   const Frame frame = source.frame(0, 12);        // a shot for each sensor
+//   source.method(first)->trace(frame.shots.front(), plan.channels, hits);
 
 #include <cstddef>
 #include <cstdint>
