@@ -71,7 +71,7 @@ int runCompare(const std::vector<std::string>& arguments) {
            "NAME")("pipeline", "of SIMULATED, for what to try; default: looked for near the dataset",
                    cxxopts::value<std::string>(), "FILE")("overwrite", "replace a comparison that is there already")(
       "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
-      "q,quiet", "one line in place of progress and tables");
+      "q,quiet", "print one line instead of progress and tables");
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"

@@ -83,7 +83,7 @@ int runExport(const std::vector<std::string>& arguments) {
   progress.reset();
   for (const std::string& warning : summary.warnings) warn(warning);
   const std::string there =
-      summary.resumedFrames == 0 ? std::string() : fmt::format(" ({} of them were there)", summary.resumedFrames);
+      summary.resumedFrames == 0 ? std::string() : fmt::format(" ({} of them existed already)", summary.resumedFrames);
   printText("{} frames{} of {} sequences in {}\n", summary.frames, there, summary.sequences, chosen.folder.string());
   return 0;
 }

@@ -41,7 +41,7 @@ std::string warningsText() {
 void printMade(const GenerateSummary& s, const GenerateOptions& options) {
   const std::string folder = options.folder.string();
   const std::string there =
-      s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them were there)", s.resumedShards);
+      s.resumedShards == 0 ? std::string() : fmt::format(" ({} of them existed already)", s.resumedShards);
   if (s.whole) {
     printText("{} samples in {} shards{}, {}, in {}{}\n", s.manifest.samples.size(), s.manifest.shards.size(), there,
               shortBytes(static_cast<double>(s.bytes)), folder, warningsText());
@@ -50,8 +50,8 @@ void printMade(const GenerateSummary& s, const GenerateOptions& options) {
   printText("{} shards{}, {}, in {}{}; {}\n", s.shards + s.resumedShards, there,
             shortBytes(static_cast<double>(s.bytes)), folder, warningsText(),
             options.shards.kind == ShardChoice::Kind::Any
-                ? fmt::format("another process ends the dataset, or scanmill merge {}", folder)
-                : fmt::format("when all are there: scanmill merge {}", folder));
+                ? fmt::format("another process completes the dataset, or scanmill merge {}", folder)
+                : fmt::format("when all shards exist: scanmill merge {}", folder));
 }
 
 void printSummary(const GenerateSummary& s, const GenerateOptions& options, const std::optional<Forecast>& told) {
@@ -69,7 +69,7 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
             shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * made / s.seconds),
             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   if (told) {
-    printText("forecast: {}; {}; in fact {} and {}\n", timeText(*told), sizeText(*told), shortTime(s.seconds),
+    printText("forecast: {}; {}; actual: {} and {}\n", timeText(*told), sizeText(*told), shortTime(s.seconds),
               shortBytes(static_cast<double>(s.bytes)));
   }
   printText("stages (s of thread time):");
@@ -109,7 +109,7 @@ Plan withMethod(const Plan& plan, const GenerateOptions& options) {
   const CalibratedSetting& chosen = calibration.settings[calibration.chosen];
   if (!options.quiet) {
     printText("method: auto takes {}: {}\n", chosen.setting.setting.name, calibration.why);
-    printText("the same again: --set '{}'\n\n", chosen.setting.setting.assignment());
+    printText("to repeat this choice: --set '{}'\n\n", chosen.setting.setting.assignment());
   }
   return settled(plan, chosen.setting.choice, calibration.record());
 }
@@ -120,13 +120,14 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   const bool workers = parsed.options.count("workers") > 0;
   if (!listed && !worker && !workers) return {};
   if (listed && (worker || workers)) {
-    throw InputError("--shards lists what is made, --workers shares it out: give one of them");
+    throw InputError(
+        "--shards names the shards to make, --workers shares them among processes: give only one of the two");
   }
   if (listed) {
     return {ShardChoice::Kind::Listed, parseShardRanges(parsed.options["shards"].as<std::string>(), shards)};
   }
   if (workers && parsed.options["workers"].as<std::string>() == "auto") {
-    if (worker) throw InputError("--workers auto numbers no workers: leave --worker out");
+    if (worker) throw InputError("--workers auto needs no --worker: leave it out");
     return {ShardChoice::Kind::Any, {}};
   }
   if (!worker || !workers) {
@@ -134,7 +135,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   }
   const std::uint64_t own = countOption(parsed, "worker");
   const std::uint64_t all = countOption(parsed, "workers");
-  if (all == 0) throw InputError("--workers 0: there is at least one");
+  if (all == 0) throw InputError("--workers 0: give at least 1");
   if (own >= all) throw InputError(fmt::format("--worker {} of {}: workers are numbered from 0", own, all));
   ShardChoice choice{ShardChoice::Kind::Listed, {}};
   for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);
@@ -165,7 +166,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   generateOptions.overwrite = parsed.options.count("overwrite") > 0;
   generateOptions.resume = parsed.options.count("resume") > 0;
   if (generateOptions.resume && generateOptions.overwrite) {
-    throw InputError("--resume goes on with what is there, --overwrite begins anew: give one of them");
+    throw InputError("--resume continues a dataset, --overwrite replaces it: give only one of the two");
   }
   const std::vector<ShardJob> jobs = shardJobs(plan);
   generateOptions.shards = shardsOption(parsed, jobs.size());
@@ -179,7 +180,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   if (plan.pipeline.method.automatic) plan = withMethod(plan, generateOptions);
   // Not an error, so that scripts can always pass --resume.
   if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
-    printText("{}: is whole, there is nothing to resume\n", generateOptions.folder.string());
+    printText("{}: is complete: there is nothing to resume\n", generateOptions.folder.string());
     return;
   }
   const double rays = static_cast<double>(plan.pipeline.frames()) * static_cast<double>(plan.pipeline.raysPerFrame());
@@ -193,7 +194,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   }
   const GenerateSummary summary = generate(plan, generateOptions);
   if (summary.whole && summary.shards == 0 && summary.resumedShards == 0) {
-    printText("{}: is whole, there is nothing to make\n", generateOptions.folder.string());
+    printText("{}: is complete: there is nothing to make\n", generateOptions.folder.string());
     return;
   }
   for (const std::string& warning : summary.warnings) warn(warning);
@@ -209,23 +210,26 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
 int runGenerate(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("generate");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the dataset (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a dataset, or recordings, that are there already")(
-      "resume", "go on with a dataset that was interrupted: the bytes are those of one that was not")(
-      "shards", "make only these shards, as in 0-9,12; `scanmill merge` ends the dataset",
-      cxxopts::value<std::string>(), "RANGES")("worker", "make every N-th shard, from the I-th on; for N processes",
-                                               cxxopts::value<std::string>(), "I")(
-      "workers", "how many such processes there are; or auto: each makes what no other does, the last one ends",
+  options.add_options()("o,out", "folder of the dataset; it is made if it does not exist",
+                        cxxopts::value<std::string>(),
+                        "DIR")("overwrite", "replace an existing dataset or existing recordings")(
+      "resume", "continue an interrupted dataset; the bytes are the same as without the interruption")(
+      "shards", "make only these shards, such as 0-9,12; `scanmill merge` completes the dataset",
       cxxopts::value<std::string>(),
-      "N|auto")("keep-hits", "keep what the beams meet, to make scans again without tracing",
-                cxxopts::value<std::string>(), "DIR")(
-      "sweep", "a dataset for each value of the list, in DIR/KEY=VALUE, else alike; several times for all combinations",
-      cxxopts::value<std::vector<std::string>>(),
-      "KEY=[A,B]")("corruptions",
-                   "a dataset for each of `scanmill list corruptions` in each severity, and one without any, likewise")(
-      "keep-passes", "keep the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
+      "RANGES")("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes",
+                cxxopts::value<std::string>(), "I")("workers",
+                                                    "the number of these processes; or auto: each makes shards that no "
+                                                    "other makes, and the last completes the dataset",
+                                                    cxxopts::value<std::string>(), "N|auto")(
+      "keep-hits", "save what the beams hit, so that scans can be made again without tracing",
+      cxxopts::value<std::string>(), "DIR")(
+      "sweep", "make a dataset in DIR/KEY=VALUE for each value of the list; given several times, for all combinations",
+      cxxopts::value<std::vector<std::string>>(), "KEY=[A,B]")(
+      "corruptions",
+      "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption")(
+      "keep-passes", "save the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
   addRecordingOptions(options);
-  options.add_options()("q,quiet", "one line in place of progress and tables");
+  options.add_options()("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(command, options, arguments,

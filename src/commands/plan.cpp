@@ -64,12 +64,12 @@ void printSequences(const Pipeline& pipeline) {
 // scatter of equal frames share one line.
 void printFeatures(const FeatureCosts& costs) {
   if (costs.points == 0) {
-    warn(fmt::format("no beam of {} meets anything: what features cost is not measured", costs.frame));
+    warn(fmt::format("no beam of {} hits anything: the costs of features are not measured", costs.frame));
     return;
   }
   const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
   std::vector<std::vector<std::string>> rows{
-      {"what a feature costs a frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
+      {"cost of a feature per frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
   const auto add = [&](const std::string& name, const FrameCost& cost, const std::string& share) {
     rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
                     share, fmt::format("{:+}", std::lround(cost.bytes * 1e-3))});
@@ -86,10 +86,12 @@ void printFeatures(const FeatureCosts& costs) {
     lost += (lost.empty() ? "" : "; ") + name;
     scatter = std::max({scatter, f.scatter, -f.cost.seconds()});
   }
-  printText("\n{}measured on {}: the least times of frames with and without, tracing on all cores, the rest on one\n",
-            formatTable(rows), costs.frame);
+  printText(
+      "\n{}measured on {}: shortest times of frames with and without the feature; tracing uses all cores, the rest "
+      "one\n",
+      formatTable(rows), costs.frame);
   if (lost.empty()) return;
-  printText("lost in the scatter of equal frames, which is up to {:.0f} %: {}\n", 100 * scatter / costs.whole.seconds(),
+  printText("not measurable, since equal frames differ by up to {:.0f} %: {}\n", 100 * scatter / costs.whole.seconds(),
             lost);
 }
 
@@ -188,10 +190,11 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
 int runPlan(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("plan");
   cxxopts::Options options = describe(command);
-  options.add_options()("frames", "say also how many seeds a dataset of so many frames wants, and what it costs",
-                        cxxopts::value<std::string>(),
-                        "N")("check", "load the scenes: ways through walls, unlabelled parts, odd sizes, memory")(
-      "costs", "measure what each feature costs, which traces a frame some hundred times");
+  options.add_options()("frames", "print also how many seeds a dataset of N frames needs, and its time and size",
+                        cxxopts::value<std::string>(), "N")(
+      "check",
+      "load the scenes, and warn of paths through walls, unlabelled parts, unusual sizes and too little memory")(
+      "costs", "measure what each feature costs; this traces a frame about a hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
   const Arguments parsed =
@@ -225,7 +228,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   }
   if (!loads && !pipeline.method.automatic) {
     found.modelled.push_back(
-        fmt::format("method: {}; --check says what it leaves out in these scenes", pipeline.methodName()));
+        fmt::format("method: {}; --check tells what it leaves out of these scenes", pipeline.methodName()));
   }
   printText("{}modelled and left out:\n", loads ? "\n" : "");
   for (const std::string& line : found.modelled) printText("  {}\n", line);
@@ -241,11 +244,11 @@ int runPlan(const std::vector<std::string>& arguments) {
   if (found.bytes > 0) printText(" and about {} for the scene", shortBytes(static_cast<double>(found.bytes)));
   printText("\n");
   if (checks && !recorded) {
-    printText("checked: ways, labels and sizes; {}\n",
+    printText("checked: paths, labels and sizes; {}\n",
               warningCount() == 0 ? "nothing to warn of"
                                   : fmt::format("{} warning{}", warningCount(), warningCount() == 1 ? "" : "s"));
   } else if (!loads && !costs) {
-    printText("scenes were not loaded: --check does, and looks at ways, labels and sizes\n");
+    printText("scenes were not loaded; --check loads them and checks paths, labels and sizes\n");
   }
   return 0;
 }

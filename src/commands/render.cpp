@@ -60,8 +60,9 @@ int runRender(const std::vector<std::string>& arguments) {
       "passes",
       "all, or some of depth, normal, instance, semantic, material, primitive, reflectance, and look (roughness, "
       "metallic and retroreflectance), with commas",
-      cxxopts::value<std::string>()->default_value("all"), "LIST")(
-      "overwrite", "replace a recording that is there already")("q,quiet", "one line in place of progress and tables");
+      cxxopts::value<std::string>()->default_value("all"),
+      "LIST")("overwrite", "replace a recording that is there already")(
+      "q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
       command, options, arguments,

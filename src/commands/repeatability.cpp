@@ -81,7 +81,8 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("repeatability");
   cxxopts::Options options = describe(command);
   options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a report that is there already")("q,quiet", "one line in place of progress and tables");
+      "overwrite", "replace a report that is there already")("q,quiet",
+                                                             "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(command, options, arguments,

@@ -184,7 +184,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
       "overwrite", "replace a report that is there already")(
       "budget", "how long the study may take, about, in minutes (default: the pipeline's, or 5)",
-      cxxopts::value<double>(), "MINUTES")("q,quiet", "one line in place of progress and tables");
+      cxxopts::value<double>(), "MINUTES")("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
       command, options, arguments,

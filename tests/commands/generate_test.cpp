@@ -108,7 +108,7 @@ TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
   EXPECT_THAT(made.out, HasSubstr("method: auto takes ray_tracing packet="));
   const Manifest manifest = readManifest(at("auto"));
   ASSERT_TRUE(manifest.chosen.has_value());
-  EXPECT_THAT(made.out, HasSubstr("the same again: --set '" + manifest.chosen->assignment + "'"));
+  EXPECT_THAT(made.out, HasSubstr("to repeat this choice: --set '" + manifest.chosen->assignment + "'"));
   EXPECT_THAT(manifest.chosen->assignment, testing::StartsWith("method={ray_tracing: {packet: "));
   ASSERT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("hand"), "--set", manifest.chosen->assignment}).code, 0);
   EXPECT_TRUE(readFile(at("auto/train/train-000000.tar")) == readFile(at("hand/train/train-000000.tar")));
@@ -496,7 +496,7 @@ TEST_F(Generate, EndsWithForecastBesideFact) {
       scanmill({"generate", pipeline_, "-o", at("large"), "--set", "sensors.0.columns=20000", "--set",
                 "sensors.0.elevation_deg.rings=128", "--set", "output.formats=[pcd: {encoding: binary}]"});
   EXPECT_EQ(large.code, 0) << large.error;
-  EXPECT_THAT(large.out, ContainsRegex("\nforecast: [0-9.]+ s .*MiB.*; in fact [0-9.]+ s and [0-9.]+ MiB\n"));
+  EXPECT_THAT(large.out, ContainsRegex("\nforecast: [0-9.]+ s .*MiB.*; actual: [0-9.]+ s and [0-9.]+ MiB\n"));
   const Outcome small = scanmill({"generate", pipeline_, "-o", at("small")});
   EXPECT_THAT(small.out, Not(HasSubstr("forecast"))) << "which would take longer than the dataset";
 }

@@ -48,7 +48,7 @@ TEST_F(Sweep, ASweepMakesASetForEachCombination) {
   again.emplace_back("--resume");
   const Outcome whole = scanmill(again);
   EXPECT_EQ(whole.code, 0);
-  EXPECT_THAT(whole.out, HasSubstr("effects=none,seed=4: is whole, there is nothing to resume"));
+  EXPECT_THAT(whole.out, HasSubstr("effects=none,seed=4: is complete: there is nothing to resume"));
 }
 
 TEST_F(Sweep, AWrongSweepMakesNothing) {

@@ -440,7 +440,7 @@ class FailingCalls(Faults):
         """What is wrong about how a run ended in which a call has failed."""
         wrong = self.halves(out)
         if done.code == 0:
-            if "another process ends the dataset, or scanmill merge" in done.said and not (out / MANIFEST).exists():
+            if "another process completes the dataset, or scanmill merge" in done.said and not (out / MANIFEST).exists():
                 return wrong  # it is told, and docs/scale.md says so: without locks nobody knows who is the last
             return wrong + [f"exit code 0, but {what}" for what in self.wrong_in(out, last, hidden=False)]
         if done.code not in (1, 2):

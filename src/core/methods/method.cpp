@@ -30,7 +30,7 @@ constexpr std::array kMethods{
                 .make = makeRayTracing},
     MethodEntry{
         .name = "depth_camera",
-        .summary = "images of depth, normals and ids, drawn at the sensor and sampled at the beams",
+        .summary = "images of depth, normals and ids, drawn from the sensor and sampled along the beams",
         .keys = "renderer: vtk or blender, what draws; "
                 "layout: auto, three_120, four_90 or cube_6, where the cameras look; "
                 "resolution: 2048 pixels across an image, 128 to 4096; "
@@ -46,7 +46,7 @@ constexpr std::array kMethods{
             "- depth_camera\n- {depth_camera: {resolution: [512, 1024]}}\n- {depth_camera: {sampling: nearest}}\n",
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
-                .summary = "one particle per beam flies through a distance field, on the processor or a GPU",
+                .summary = "one particle per beam marches through a distance field, on the processor or a GPU",
                 .keys = "field: sensor or scene, levels around each sensor or one for the whole scene; "
                         "voxel_m: 0.1 m, voxels of the finest level; "
                         "voxels: 256, across each level around a sensor, 64 to 1024; "

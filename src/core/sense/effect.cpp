@@ -11,15 +11,15 @@ namespace scanmill {
 
 std::span<const EffectEntry> effects() {
   static constexpr std::array<EffectEntry, 16> kEffects{{
-      {"footprint", "beams of finite width: rays add up to echoes, mixed pixels at edges",
+      {"footprint", "beams of finite width: several rays per beam add up to echoes; mixed pixels at edges",
        "rays: required, 7, 19, 37, 61, 91 or 127 a beam", 0, makeFootprintEffect},
-      {"light_paths", "rays go on behind glass and off mirrors: cars' windows, mirror images",
+      {"light_paths", "rays continue behind glass and off mirrors: car windows, mirror images",
        "panes: 4, of glass that a ray goes through at most; "
        "bounces: 1, off mirrors, at most; "
        "least: 0.001, share of a beam's power below which a ray is not followed; "
        "mirrored: class or unlabeled, the class of mirror images",
        0, makeLightPaths},
-      {"ring_bias", "fixed errors of each laser: range, elevation and gain, drawn once per sensor or as listed",
+      {"ring_bias", "fixed errors of each laser in range, elevation and gain, random per sensor or as listed",
        "range_sigma_m: 0 m, spread of the range's offset over the rings; "
        "elevation_sigma_deg: 0 deg, spread of the elevation's error; "
        "gain_sigma: 0, spread of the gain's natural logarithm; "
@@ -27,11 +27,11 @@ std::span<const EffectEntry> effects() {
        "elevation_deg: none, a list likewise; "
        "gain: none, a list likewise, 1 is right",
        0, makeRingBias},
-      {"relief", "surfaces are rough: grass, gravel, stone and bark stop beams before and behind the mesh",
+      {"relief", "rough surfaces: grass, gravel, stone and bark reflect beams before or behind the mesh",
        "strength: 1, times what the table of materials says", 0, makeRelief},
-      {"reflectance_variation", "surfaces are brighter here and darker there: patches, grass, bricks, dirt",
+      {"reflectance_variation", "reflectance that varies over a surface: patches, grass, bricks, dirt",
        "strength: 1, times what the table of materials says", 0, makeReflectanceVariation},
-      {"weather", "rain, snow, fog or dust: faint returns are lost, particles return, the ground is wet",
+      {"weather", "rain, snow, fog or dust: faint returns are lost, particles give returns, the ground is wet",
        "kind: required, rain, snow, fog or dust; "
        "severity: moderate, or light or heavy; "
        "rate_mm_h: as the severity says, of rain or snow, in mm of water an hour; "
@@ -40,16 +40,16 @@ std::span<const EffectEntry> effects() {
        "least: 0.001, power below which particles are not looked at, 1 is white at 10 m; "
        "label: 0, class of the particles' returns, by its id or name",
        0, makeWeather},
-      {"blooming", "retroreflectors shine beside themselves: returns of beams that look by them",
+      {"blooming", "retroreflectors give returns to beams that narrowly miss them",
        "share: 0.001, part of a retroreflector's echo in beams close beside it; "
        "angle_deg: 0.5 deg, where that has fallen to 1/e^2; "
        "above: 10, least retroreflectance that blooms, in units of a white target; "
        "label: 0, class of these returns, by its id or name",
        0, makeBlooming},
-      {"speckle", "grain of laser light: the power of each return times a random factor of the gamma law",
+      {"speckle", "speckle of laser light: the power of each return times a gamma-distributed factor",
        "looks: required, 1 to 30 patterns that average, for a variance of 1 / looks", 0, makeSpeckle},
       {"intensity",
-       "strength of the return: diffuse, specular and retroreflective, over range and air, then the sensor",
+       "strength of the return: diffuse, specular and retroreflective, by range and air; then the sensor's response",
        "reference_range_m: 10 m, where a white diffuse target has power 1; "
        "falloff: inverse_square or none; "
        "near_range_m: 1 m, nearer targets gain nothing; "
@@ -62,7 +62,7 @@ std::span<const EffectEntry> effects() {
        "diffuse: lambertian or oren_nayar, rough surfaces that stay bright where the beam grazes them; "
        "retro_full_scale: none, for bytes of reflectivity: 0 to 100 diffuse, 255 so many times a white target",
        1, makeIntensity},
-      {"detection", "which echoes are found in the receiver's noise, false positives, and which of them are reported",
+      {"detection", "echoes that exceed the receiver's noise, false positives, and which returns are reported",
        "returns: strongest, first, last, dual (strongest and last), all, or so many of the strongest; "
        "noise: 0, standard deviation in units of power, 1 is white at the reference range; "
        "threshold: 4.8, least measure that is found, in units of the noise; "
@@ -82,7 +82,7 @@ std::span<const EffectEntry> effects() {
        "table: none, in their place [[range m, sigma m], ...], linear between and constant beyond; "
        "over_snr_m: 0 m, added in squares: this over the signal to noise ratio, times how much the echo is stretched",
        3, makeRangeNoise},
-      {"range_walk", "strong returns seem nearer, as their pulses cross the threshold early",
+      {"range_walk", "strong returns seem nearer, since their pulses cross the threshold earlier",
        "per_decade_m: required, for each factor of ten of the power; "
        "above: 1, power beyond which it grows, 1 is white at the reference range",
        3, makeRangeWalk},
@@ -90,7 +90,7 @@ std::span<const EffectEntry> effects() {
        "scale_m: 0 m, length at range 0; "
        "growth_per_m: 0 m/m, growth with the range",
        3, makeShellNoise},
-      {"quantize", "ranges in whole steps", "step_m: required, m", 4, makeQuantize},
+      {"quantize", "ranges rounded to whole steps", "step_m: required, m", 4, makeQuantize},
       {"angular_jitter", "Gaussian error of the beam's azimuth and elevation",
        "sigma_deg: 0 deg, of both; "
        "azimuth_sigma_deg: sigma_deg, about the sensor's axis; "

@@ -237,7 +237,7 @@ TEST(StripColumns, ARealSensorsTeethAreGone) {
   }
   ASSERT_TRUE(outward.outward);
   EXPECT_TRUE(outward.fullTurn);
-  ASSERT_EQ(outward.image.width, 2048);
+  ASSERT_EQ(outward.image.width, 1024);
   EXPECT_LT(meanUprightDifference(scan, outward), 0.7 * meanUprightDifference(scan, raw));
   double strayed = 0;
   double count = 0;

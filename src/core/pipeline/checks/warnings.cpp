@@ -152,7 +152,7 @@ std::vector<std::string> unlabeledWarnings(const Scene& scene) {
 
 std::vector<std::string> withoutWarnings(const Scene& scene) {
   if (scene.whole == nullptr || scene.whole->absent.empty()) return {};
-  return {fmt::format("{}: nothing is taken out of {}, of which there is nothing", scene.file.string(),
+  return {fmt::format("{}: `without` names {}, of which the scene has nothing", scene.file.string(),
                       fmt::join(scene.whole->absent, ", "))};
 }
 
@@ -164,7 +164,7 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
         rule.matched == 0
             ? fmt::format("{}: the rule for {} matches nothing: `scanmill info FILE` lists the names of a file",
                           rule.where.text(), rule.match)
-            : fmt::format("{}: the rule for {} gives nothing: rules before it have decided on all {} "
+            : fmt::format("{}: the rule for {} has no effect: earlier rules label all {} "
                           "triangles that it matches",
                           rule.where.text(), rule.match, rule.matched));
   }
@@ -216,9 +216,9 @@ std::vector<std::string> driveWarnings(const Pipeline& pipeline) {
   }
   if (straight.empty()) return lines;
   lines.push_back(fmt::format(
-      "{} of {} drives with `along: turns` go straight on, {}{}: their towns have no side road to turn out of "
+      "{} of {} drives with `along: turns` go straight on ({}{}): their towns have no side road to turn out of "
       "or into; other seeds may have one",
-      straight.size(), turning, straight.front(), straight.size() > 1 ? " the first" : ""));
+      straight.size(), turning, straight.size() > 1 ? "the first is " : "", straight.front()));
   return lines;
 }
 
@@ -228,10 +228,10 @@ std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::ve
     if (blocked[s] < kMostBlocked) continue;
     const MountedSensor& sensor = pipeline.sensors[s];
     const Vec3d& at = sensor.vehicleFromSensor.translation;
-    lines.push_back(
-        fmt::format("the own vehicle is in the way of {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
-                    "{:g}] m: is it inside of it? See `scanmill info` of the vehicle's scene, and `mount`",
-                    100 * blocked[s], sensor.name, at.x, at.y, at.z));
+    lines.push_back(fmt::format(
+        "the own vehicle blocks {:.0f} % of the rays of '{}', which is mounted at [{:g}, {:g}, "
+        "{:g}] m: is the sensor inside the vehicle? See `scanmill info` of the vehicle's scene, and `mount`",
+        100 * blocked[s], sensor.name, at.x, at.y, at.z));
   }
   return lines;
 }

@@ -68,7 +68,7 @@ class WayCheck {
     }
     if (!drive_->still()) checkWalls();
     if (drive_->bareShare() > kMostBare) {
-      say(fmt::format("{:.0f} % of its way has no ground below or above: it is kept as high as before there",
+      say(fmt::format("{:.0f} % of its path has no ground below or above: it keeps its height there",
                       100 * drive_->bareShare()));
     }
     return std::move(lines_);
@@ -178,11 +178,11 @@ class WayCheck {
         if (count.first + 2 < kDirections.size()) continue;
         return say(fmt::format("'{}' is inside of {} at {} (frame {}){}", plan_.pipeline.sensors[sensor].name,
                                nameOf(count.second), shortPlace(at), frame,
-                               key.first == 0 ? ", which is right in rooms and tunnels alone" : ""));
+                               key.first == 0 ? ", which is right only in rooms and tunnels" : ""));
       }
       for (const auto& [instance, count] : seen) {
         if (count.first < kDirections.size()) continue;
-        return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right in rooms and tunnels alone",
+        return say(fmt::format("'{}' sees nothing but {} at {} (frame {}), which is right only in rooms and tunnels",
                                plan_.pipeline.sensors[sensor].name, nameOf(count.second), shortPlace(at), frame));
       }
     }
@@ -235,7 +235,7 @@ class WayCheck {
       }
     }
     if (walls.empty()) return;
-    say(fmt::format("its way goes through {} at {}{}", nameOf(walls.front()), shortPlace(walls.front().place),
+    say(fmt::format("its path goes through {} at {}{}", nameOf(walls.front()), shortPlace(walls.front().place),
                     walls.size() > 1
                         ? fmt::format(", and through {} more surface{}", walls.size() - 1, walls.size() > 2 ? "s" : "")
                         : ""));

@@ -42,19 +42,20 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
     for (const ChosenEffect& effect : effects) {
       const EffectEntry& entry = *effect.entry;
       if (pipeline.recording != nullptr && (effect->raysPerBeam() > 1 || effect->lightPaths() != nullptr)) {
-        lines.push_back(fmt::format("effect {}{}: left out, a recording holds one ray a beam", entry.name, of));
+        lines.push_back(fmt::format("effect {}{}: left out: a recording holds one ray per beam", entry.name, of));
         continue;
       }
       lines.push_back(fmt::format("effect {}{}{}{}: {}", entry.name, of, effect.options.empty() ? "" : " ",
                                   effect.options, entry.summary));
     }
     for (const std::string& name : leftOut) {
-      lines.push_back(fmt::format("effect {}{}: left out, as the pipeline says", name, of));
+      lines.push_back(fmt::format("effect {}{}: left out by the pipeline", name, of));
     }
   }
   for (const MountedSensor& sensor : pipeline.sensors) {
     if (own || sensor.description.find("effects") == nullptr) continue;
-    lines.push_back(fmt::format("effects of the file of '{}': left out (`effects: sensor` takes them)", sensor.name));
+    lines.push_back(
+        fmt::format("effects in the sensor file of '{}': left out (`effects: sensor` uses them)", sensor.name));
   }
 }
 
@@ -76,27 +77,28 @@ std::string motionLine(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
   switch (pipeline.motion.kind) {
     case MotionKind::None:
-      return "ego motion: left out, each turn has one pose";
+      return "ego motion: left out, one pose per revolution";
     case MotionKind::PerColumn:
-      return "ego motion: a pose per column";
+      return "ego motion: one pose per column";
     case MotionKind::Steps:
       break;
   }
-  return fmt::format("ego motion: {} poses a revolution", pipeline.motion.steps);
+  return fmt::format("ego motion: {} poses per revolution", pipeline.motion.steps);
 }
 
 std::string voxelsLine(const Pipeline& pipeline) {
-  if (!pipeline.output.voxels) return "voxels: left out (`output.voxels: true` labels what stands about the sensors)";
+  if (!pipeline.output.voxels)
+    return "voxels: left out (`output.voxels: true` adds labelled voxel grids around the sensors)";
   const VoxelGrid& grid = *pipeline.output.voxels;
-  return fmt::format("voxels: {} x {} x {} of {:g} m about each sensor, by the area of triangles in them",
+  return fmt::format("voxels: {} x {} x {} of {:g} m around each sensor, labelled by the area of the triangles in them",
                      grid.counts[0], grid.counts[1], grid.counts[2], grid.size);
 }
 
 std::string missesLine(const ScanLayout& layout) {
-  if (layout.organised) return "misses: kept, as NaN";
+  if (layout.organised) return "misses: written as NaN";
   const bool beamKnown = layout.columns.has(kRing) && layout.columns.has(kColumn);
-  return fmt::format("misses: left out of the files; {}",
-                     beamKnown ? "ring and column tell the beam"
+  return fmt::format("misses: not written; {}",
+                     beamKnown ? "ring and column identify the beam of a point"
                                : "name ring and column in output.columns to know the beam of a point");
 }
 
@@ -108,7 +110,7 @@ std::string vehicleLine(const Pipeline& pipeline, std::span<const double> blocke
     const std::string of = blocked.size() > 1 ? fmt::format(" of '{}'", pipeline.sensors[s].name) : "";
     shares += fmt::format("{}{:.1f} % of the rays{}", s > 0 ? ", " : "", 100 * blocked[s], of);
   }
-  return fmt::format("own vehicle: {}, in the way of {}", pipeline.vehicle.filename().string(), shares);
+  return fmt::format("own vehicle: {}, blocks {}", pipeline.vehicle.filename().string(), shares);
 }
 
 }  // namespace
@@ -123,7 +125,7 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     const auto asked = channelNames(plan.channels);
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
-  if (!left.empty()) lines.push_back(fmt::format("channels left out, nothing reads them: {}", left));
+  if (!left.empty()) lines.push_back(fmt::format("channels left out because nothing reads them: {}", left));
   if (columns.has(kIntensity) && !setsIntensity(pipeline)) {
     lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
   }
@@ -137,7 +139,7 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
   addEffectLines(pipeline, lines);
   if (pipeline.drawn != nullptr) {
     const std::vector<std::string> drawn = pipeline.drawn->lines();
-    lines.emplace_back("what is drawn at random: above as the first frame has it, else as the samples tell");
+    lines.emplace_back("random values: the lines above have those of the first frame, each sample lists its own");
     lines.insert(lines.end(), drawn.begin(), drawn.end());
   }
   std::set<std::string> takenOut;
@@ -146,7 +148,7 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     Value list;
     list.kind = Value::Kind::Sequence;
     list.items = s.without;
-    takenOut.insert(fmt::format("taken out of {}: {}", s.scene, flowText(list)));
+    takenOut.insert(fmt::format("removed from {}: {}", s.scene, flowText(list)));
   }
   lines.insert(lines.end(), takenOut.begin(), takenOut.end());
   lines.push_back(motionLine(pipeline));
@@ -155,13 +157,13 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     const std::string about = s.trajectory == nullptr ? "" : s.trajectory->about();
     if (!about.empty()) ways[about].insert(s.trajectoryName);
   }
-  for (const auto& [about, names] : ways) lines.push_back(fmt::format("way of {}: {}", fmt::join(names, ", "), about));
+  for (const auto& [about, names] : ways) lines.push_back(fmt::format("path of {}: {}", fmt::join(names, ", "), about));
   if (pipeline.recording == nullptr) lines.push_back(vehicleLine(pipeline, blocked));
   lines.push_back(missesLine(pipeline.output.layout));
   if (pipeline.recording == nullptr) {
     lines.emplace_back(pipeline.output.objects
-                           ? "objects: boxes, and visibility by one ray more for each beam that crosses a box"
-                           : "objects: left out (`output.objects: true` lists their boxes and how much is seen)");
+                           ? "objects: boxes, and visibility by one more ray for each beam that crosses a box"
+                           : "objects: left out (`output.objects: true` lists their boxes and visibility)");
   }
   if (pipeline.recording == nullptr) lines.push_back(voxelsLine(pipeline));
   if (!columns.has(kRangeTrue)) {

@@ -84,7 +84,7 @@ TEST_F(WayWarnings, TellOfSensorsThatSeeOneThingAlone) {
 
 TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [45, 0, 0]]")}),
-              testing::Contains(AllOf(HasSubstr("its way goes through something of the class wall at [30.00, 0.00"),
+              testing::Contains(AllOf(HasSubstr("its path goes through something of the class wall at [30.00, 0.00"),
                                       HasSubstr("1 more surface"))));
   // Both cars of the yard, one behind the other, however often it comes by; and a circle that one frame is long.
   EXPECT_THAT(warnings({"trajectories=[{name: loop, path: line, waypoints: [[-10, 5, 0], [20, 5, 0], [20, 9, 0], "
@@ -100,7 +100,7 @@ TEST_F(WayWarnings, TellOfWaysThroughWallsAndLowThings) {
 
 TEST_F(WayWarnings, TellOfWaysThatLeaveTheGround) {
   EXPECT_THAT(warnings({drive("[[0, 0, 0], [0, 30, 0], [0, 70, 0]]", ", ground: drop")}),
-              testing::Contains(HasSubstr("% of its way has no ground below or above")));
+              testing::Contains(HasSubstr("% of its path has no ground below or above")));
 }
 
 // The same scans whatever heights the way is given with.

@@ -29,7 +29,7 @@ TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
 
 TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
   EXPECT_THAT(modelled(plan({}), {}), AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
-                                            Contains(HasSubstr("left out, nothing reads them: normal")),
+                                            Contains(HasSubstr("left out because nothing reads them: normal")),
                                             Contains(HasSubstr("intensity: left out, no effect sets it")),
                                             Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
   EXPECT_THAT(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {}),

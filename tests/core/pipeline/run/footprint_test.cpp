@@ -154,7 +154,7 @@ TEST_F(FootprintRun, IsLeftOutOfRecordings) {
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   const Plan plan =
       makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recording));
-  EXPECT_THAT(modelled(plan, {}), testing::Contains("effect footprint: left out, a recording holds one ray a beam"));
+  EXPECT_THAT(modelled(plan, {}), testing::Contains("effect footprint: left out: a recording holds one ray per beam"));
   EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
   GenerateOptions again;
   again.folder = out("again");

@@ -99,7 +99,7 @@ TEST_F(OwnVehicle, BlocksTheRaysOfFootprintsAndBehindGlass) {
 TEST_F(OwnVehicle, IsPlannedAndRefusedWhereItMeansNothing) {
   const Plan planned = makePlan(readPipeline(pipeline_, with()));
   const auto lines = modelled(planned, ShotSource(planned).blockedShares());
-  EXPECT_THAT(lines, testing::Contains(HasSubstr("own vehicle: roof.yaml, in the way of")));
+  EXPECT_THAT(lines, testing::Contains(HasSubstr("own vehicle: roof.yaml, blocks")));
   EXPECT_THAT(messageOf([&] { makePlan(readPipeline(pipeline_, with())).requireOneRay(); }), HasSubstr("vehicle"));
   EXPECT_THAT(messageOf([&] { readPipeline(pipeline_, {"vehicle=scenes/none.yaml"}); }), HasSubstr("none.yaml"));
 }
