@@ -7,7 +7,7 @@ namespace scanmill {
 
 // One dataset of a sweep.
 struct SweepSet {
-  std::string folder;                  // its name within the sweep's folder: "preset=os1_128,severity=heavy"
+  std::string folder;                  // the dataset's folder within the sweep's: "preset=os1_128,severity=heavy"
   std::vector<std::string> overrides;  // in the form of --set
 };
 

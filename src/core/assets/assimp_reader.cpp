@@ -224,7 +224,7 @@ class Importer {
     struct Item {
       const aiNode* node;
       Affine assetFromParent;
-      std::string name;  // of the nearest named ancestor except the root, which the importer often adds
+      std::string name;  // the name of the nearest named ancestor except the root, which the importer often adds
     };
     std::vector<Item> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
     for (std::uint32_t index = 0; !open.empty(); ++index) {
@@ -246,7 +246,7 @@ class Importer {
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
     const std::size_t first = read.parts.size();
-    std::vector<unsigned> materials;  // of each part of this node
+    std::vector<unsigned> materials;  // the materials of this node's parts, in their order
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];

@@ -168,7 +168,7 @@ struct Process::State {
   Descriptor errors;
   std::string outputText;      // read, but not asked for yet
   std::size_t searched = 0;    // bytes of outputText in which no line ends
-  std::string unfinishedLine;  // of the child's standard error
+  std::string unfinishedLine;  // the last line of the child's standard error, as far as it has been read
   std::list<std::string> lines;
 
   void start(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment) {

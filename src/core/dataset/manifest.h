@@ -41,7 +41,7 @@ struct ScanRecord {
   std::uint64_t unresolved = 0;  // beams that the method gave up: neither hit nor miss
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   std::uint32_t instances = 0;  // number of object instances with points
-  ReasonCounts beamsPerReason;  // of all beams; empty if the pipeline does not ask for reasons
+  ReasonCounts beamsPerReason;  // reasons of all beams; empty if the pipeline does not ask for reasons
 };
 
 // Returns the pose at which the sensor of a scan was mounted.
@@ -66,7 +66,7 @@ struct SampleRecord {
   std::uint32_t shard = 0;  // index into Manifest::shards
   std::vector<ScanRecord> scans;
   std::vector<std::string> members;    // names in the shard, in order
-  std::vector<std::string> xxh3 = {};  // of each member's bytes; empty in earlier manifests
+  std::vector<std::string> xxh3 = {};  // XXH3 of each member's bytes; empty in earlier manifests
   // Counts of the objects in the member `<key>.objects.json`, by class; none if the pipeline does not ask for objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
   std::vector<DrawnValue> draws = {};  // random values of keys in the scene file and the pipeline
@@ -106,7 +106,7 @@ struct Manifest {
   std::uint64_t seed = 0;
   bool organised = false;
   bool deskewed = false;
-  std::vector<std::string> columns;  // of every scan
+  std::vector<std::string> columns;  // names of the columns that every scan has
   std::vector<FormatRecord> formats;
   Ontology ontology;
   std::vector<SensorRecord> sensors;

@@ -53,7 +53,7 @@ struct ObjectRecord {
 
 struct SampleObjects {
   std::string key;
-  double time = 0;  // of the sample's first scan
+  double time = 0;  // s, when the sample's first scan begins
   std::vector<ObjectRecord> objects;
 
   // Returns the number of objects of each class.

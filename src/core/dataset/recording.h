@@ -70,7 +70,7 @@ struct Recording {
   static constexpr int kSchemaVersion = 1;
   RecordingKind kind = RecordingKind::Hits;
   std::string programVersion;
-  std::string method;  // that computed the hits or passes
+  std::string method;  // the method that computed the hits or passes
   std::filesystem::path folder;
   Ontology ontology;  // without classes if the recording has no ontology: then the pipeline must name one
   std::vector<RecordedSensor> sensors;

@@ -14,7 +14,7 @@ struct MemberName {
   std::string key;
   std::string sensor;
   std::string method;
-  std::string suffix;  // of the format
+  std::string suffix;  // the suffix of the format
 };
 MemberName partsOfMember(const std::string& member);
 

@@ -87,9 +87,9 @@ class ScanStore {
   struct Shard {
     std::filesystem::path file;
     std::unique_ptr<const ShardIndex> index;  // null until it is needed
-    std::uint64_t bytes = 0;                  // its size in the manifest; 0: unknown
+    std::uint64_t bytes = 0;                  // the shard's size in the manifest; 0: unknown
     bool failed = false;                      // the last attempt to open it has failed
-    bool sized = false;                       // its size has been compared with `bytes`
+    bool sized = false;                       // the shard's size has been compared with `bytes`
   };
 
   void openDataset();
@@ -109,7 +109,7 @@ class ScanStore {
   std::shared_ptr<const Manifest> manifest_;
   std::optional<Scan> single_;
   std::optional<ScanFolder> recorded_;
-  std::optional<Ontology> ontology_;  // of scans that were recorded or are single files
+  std::optional<Ontology> ontology_;  // classes of scans that were recorded or are single files
   std::vector<std::string> keys_;
   std::vector<Sample> samples_;  // in the order of keys_
   std::unordered_map<std::string, std::size_t> byKey_;

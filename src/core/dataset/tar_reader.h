@@ -40,9 +40,9 @@ class TarReader {
 
   std::filesystem::path file_;
   std::unique_ptr<archive, Free> tar_;
-  std::uint64_t size_ = 0;  // of the file
+  std::uint64_t size_ = 0;  // size of the file
   std::uint64_t begin_ = 0;
-  std::uint64_t end_ = 0;  // of the current member, padded
+  std::uint64_t end_ = 0;  // offset of the current member's end, with its padding
   std::uint64_t memberBytes_ = 0;
   std::string name_;
 };

@@ -253,8 +253,9 @@ class ShardCheck {
   std::vector<std::string> expected_;                 // members, in order
   std::map<std::string, const SampleRecord*> owner_;  // by member: the sample that it belongs to
   std::vector<std::string> problems_;
-  std::unique_ptr<const SampleObjects> objects_;  // of the sample whose list was read last; null: it is damaged
-  std::set<std::string> countedSensors_;          // sensors whose points were compared with objects_
+  std::unique_ptr<const SampleObjects>
+      objects_;                           // objects of the sample whose list was read last; null: the list is damaged
+  std::set<std::string> countedSensors_;  // sensors whose points were compared with objects_
   std::uint64_t scans_ = 0;
   std::uint64_t points_ = 0;
 };

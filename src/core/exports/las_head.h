@@ -19,7 +19,7 @@ constexpr std::uint16_t kMostLasClass = 255;
 // The figures of the header about the points.
 struct LasPoints {
   static constexpr std::uint8_t kMostReturns = 15;
-  static constexpr std::uint16_t kBytes = 30;  // of a point, without extra bytes
+  static constexpr std::uint16_t kBytes = 30;  // bytes of a point without extra bytes
 
   double step = 0;  // m: coordinates are stored as steps from the offset
   Vec3d offset;     // m

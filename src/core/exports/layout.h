@@ -25,7 +25,7 @@ namespace scanmill {
 // One drive along one trajectory through one scene: consecutive frames.
 struct ExportSequence {
   std::string name;                  // the beginning of its samples' keys: "street-s1-lane"
-  std::string split;                 // of its first sample
+  std::string split;                 // the split of the sequence's first sample
   std::vector<std::size_t> samples;  // indices into Manifest::samples, in the order of the frames
 };
 
@@ -47,7 +47,7 @@ struct ExportSample {
   const SampleRecord* record = nullptr;
   std::size_t sequence = 0;              // index into ExportPlan::sequences
   std::size_t frame = 0;                 // in the sequence, from 0
-  std::vector<ExportScan> scans;         // of the sensors that are exported, in their order
+  std::vector<ExportScan> scans;         // the scans of the sensors that are exported, in the order of the sensors
   std::optional<SampleObjects> objects;  // none: the dataset lists no objects
   std::optional<ScanVoxels> voxels;      // around the first sensor; none: the sample has none, or the layout reads none
 };
@@ -126,7 +126,7 @@ struct LayoutEntry {
   std::string_view name;
   std::string_view summary;
   std::string_view labels;  // name of its ontology in labels/; empty: the dataset's own classes
-  bool oneSensor = false;   // it holds the scans of only one sensor
+  bool oneSensor = false;   // the sequence holds the scans of only one sensor
   bool boxesAlone = false;  // only boxes have classes, not points
   std::unique_ptr<Layout> (*make)();
 };

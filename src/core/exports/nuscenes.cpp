@@ -48,7 +48,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint16_t kClassStep = 1000;   // between the panoptic labels of classes
-constexpr std::size_t kMostInstances = 999;  // of a class in a scene
+constexpr std::size_t kMostInstances = 999;  // the greatest number of instances of a class in a scene
 constexpr std::size_t kMostClasses = 65;     // 64 * 1000 + 999 is the largest label that fits 16 bits
 constexpr float kFullIntensity = 255;
 

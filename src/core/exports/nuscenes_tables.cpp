@@ -237,7 +237,7 @@ class Tables {
       std::size_t annotations = 0;
       OrderedJson first;      // token
       OrderedJson last;       // row, whose `next` is not known yet
-      std::size_t place = 0;  // of the row `last`
+      std::size_t place = 0;  // where the row `last` begins
     };
     const ExportSequence& sequence = plan_.sequences[s];
     JsonListFile& annotations = tables_.at("sample_annotation");

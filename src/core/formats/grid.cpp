@@ -25,7 +25,7 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
     magnitude = std::max({magnitude, std::fabs(double{low[c]}), std::fabs(double{high[c]})});
   }
   Grid grid;
-  const double diagonal = std::sqrt(static_cast<double>(low.size()));  // of a cube of side 1
+  const double diagonal = std::sqrt(static_cast<double>(low.size()));  // the diagonal of a cube of side 1
   const double axisBound = bound / diagonal;
   const double widest = 2 * axisBound * (1 - 1e-9);  // less a margin for the rounding of the index in double
   // The step and all grid points are multiples of `unit`, of at most 2^24 units, hence exact in float32.

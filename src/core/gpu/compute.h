@@ -37,9 +37,9 @@ class ComputeDevice {
   const std::string& name() const;        // "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string driver() const;             // "4.5 (Core Profile) Mesa 22.3.6"
   std::string nameAndPlace() const;       // adds where software runs: "llvmpipe (...), on the processor"
-  bool software() const;                  // it runs on the processor
-  std::uint64_t mostBufferBytes() const;  // of one buffer that a program reads and writes
-  std::uint64_t mostTableTexels() const;  // of one table, which a program only reads
+  bool software() const;                  // the device is the processor
+  std::uint64_t mostBufferBytes() const;  // the largest buffer that a program may read and write
+  std::uint64_t mostTableTexels() const;  // the largest table, which a program only reads
   // Waits until all requested work is done.
   void finish();
   // Runs work that makes several calls of this device, its buffers and programs. All of it runs on the device's own
@@ -60,7 +60,7 @@ struct FoundDevice {
   std::string name;    // value of the variable that selects it
   std::string driver;  // as ComputeDevice::name(); the reason if the device cannot compute
   bool usable = false;
-  bool software = false;  // it runs on the processor
+  bool software = false;  // the device is the processor
 };
 
 // Returns the seconds that devices spent on each program (by its name) and on copies to the processor ("read back")

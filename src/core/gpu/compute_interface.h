@@ -22,9 +22,9 @@ constexpr std::int32_t kFirstInvocation = 0;  // location of a shader's uniform:
 constexpr std::int32_t kEndInvocation = 1;    // location of a shader's uniform: one after the last invocation
 
 struct ComputeLimits {
-  std::uint64_t bufferBytes = 0;     // of a buffer that a program reads or writes
-  std::uint64_t tableTexels = 0;     // of a table
-  std::uint64_t parameterBytes = 0;  // of a program's parameters
+  std::uint64_t bufferBytes = 0;     // the largest buffer that a program reads or writes
+  std::uint64_t tableTexels = 0;     // the largest table
+  std::uint64_t parameterBytes = 0;  // the most parameters of a program
   std::uint32_t buffers = 0;         // number of buffers that a program reads or writes
   std::uint32_t tables = 0;          // number of tables that a program reads
 };
@@ -49,7 +49,7 @@ class ComputeBackend {
   virtual ~ComputeBackend() = default;
   virtual std::string name() const = 0;
   virtual std::string driver() const = 0;
-  virtual bool software() const = 0;  // it runs on the processor
+  virtual bool software() const = 0;  // the device is the processor
   virtual ComputeLimits limits() const = 0;
   // `text`: a whole compute shader, as computeShaderText() returns it.
   virtual std::uint32_t makeProgram(const std::string& name, const std::string& text) = 0;

@@ -11,8 +11,8 @@ namespace {
 // Dimensions of a grown animal (m).
 struct AnimalForm {
   double length;    // from chest to rump
-  double height;    // of the back
-  double depth;     // of the chest
+  double height;    // height of the back
+  double depth;     // depth of the chest
   double width;     // half width of the chest
   double neck;      // length
   double head;      // length

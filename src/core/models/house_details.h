@@ -14,7 +14,7 @@ struct HouseMeasures {
   double base = 0.3;    // height of the ground floor above the ground
   double storey = 2.9;  // from floor to floor
   double wallTop = 6;
-  double sill = 0.8;  // of windows, above the floor of their storey
+  double sill = 0.8;  // lower edge of windows above the floor of their storey
   double windowWidth = 1.2, windowHeight = 1.4;
   double reveal = 0.14;      // how far windows are set back
   double foundation = -0.4;  // where walls begin

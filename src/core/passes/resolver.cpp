@@ -28,7 +28,7 @@ struct DrawnView {
 
 struct Resolver::Job {
   std::vector<DrawnView> views;
-  PixelAddress pixels = 0;  // of all cameras
+  PixelAddress pixels = 0;  // pixels of all cameras together
   std::span<const PixelAddress> addresses;
   std::span<const SeenTriangle> seen;
   PassChoice asked;

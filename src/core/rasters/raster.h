@@ -20,7 +20,7 @@ struct Raster {
   std::vector<float> values;        // row by row; NaN where there is no value
   std::array<double, 6> transform;  // from column and row, counted from the raster's outer edges, to x and y
   bool geographic = false;          // x and y are longitude and latitude in degrees
-  double metresPerUnit = 1;         // of x and y, if not geographic
+  double metresPerUnit = 1;         // metres per unit of x and y, if the raster is not geographic
   std::string reference;            // definition of the coordinate system
 
   // Returns x and y of a sample's centre.

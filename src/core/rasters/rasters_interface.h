@@ -17,7 +17,7 @@ struct RasterHeader {
   bool placed = false;                                // whether the file states a geotransform
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5, c and r from edges
   bool geographic = false;                            // x and y are longitude and latitude, in degrees
-  double metresPerUnit = 1;                           // of x and y, if not geographic
+  double metresPerUnit = 1;                           // metres per unit of x and y, if the raster is not geographic
   std::string reference;                              // the coordinate system's definition (WKT); empty: not stated
 };
 

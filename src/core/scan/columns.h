@@ -68,7 +68,7 @@ struct ColumnDisplay {
 struct Column {
   std::string_view name;  // in files and in output.columns
   ColumnType type;
-  std::string_view unit;     // of the stored values; empty: no unit
+  std::string_view unit;     // the unit of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
   double none;               // stored where a point has no value, such as a miss of an organised scan
   ColumnOrigin origin;

@@ -140,8 +140,8 @@ struct Scene {
   std::shared_ptr<const WholeScene> whole;           // null: nothing was taken out
 
   bool moves() const;                         // true if some instance moves
-  std::uint64_t triangles() const;            // of all meshes, each counted once
-  std::uint64_t placedTriangles() const;      // of all instances
+  std::uint64_t triangles() const;            // triangles of all meshes, each mesh counted once
+  std::uint64_t placedTriangles() const;      // triangles of all instances
   std::uint32_t things() const;               // the largest instance id
   Box bounds() const;                         // m, in the world's frame at time 0; WholeScene::bounds if set
   std::vector<std::uint64_t> copies() const;  // by mesh: how many instances place it

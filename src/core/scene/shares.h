@@ -22,7 +22,7 @@ using SupplyFactors = std::array<double, kSupplies>;
 
 // Bounds on the share of some classes in the hits of a sensor above the lane.
 struct ShareBound {
-  std::string name;                    // of a class, or of a supply: all its classes together
+  std::string name;                    // the name of a class, or of a supply: all its classes together
   std::vector<std::uint16_t> classes;  // ids
   Supply supply = Supply::Vehicles;    // the supply that the share depends on
   double least = 0, most = 1;

@@ -13,7 +13,7 @@ namespace scanmill {
 
 // The smallest box with given axes that encloses a thing.
 struct OrientedBox {
-  Pose worldFromBox;  // of the box's centre; x forward, y left, z up, seen from the thing
+  Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up, seen from the thing
   Vec3d size;         // m: length along x, width along y, height along z
 
   // Returns the eight corners in the world's frame (m).
@@ -23,7 +23,7 @@ struct OrientedBox {
 struct Thing {
   std::uint32_t id = 0;            // instance id, 1 or more
   std::uint16_t semantic = 0;      // the class of most of its triangles
-  std::string name;                // of the instance that has most of its triangles
+  std::string name;                // the name of the instance that has most of the thing's triangles
   std::vector<std::string> parts;  // names of its nodes, sorted, each once; "": a node without a name
   // True: the box has the axes of the placed object, turned so that x is the direction in which it faces
   // (Instance::facing). False if its mesh has several things and `facing` is not set: then the box is the one with the

@@ -174,8 +174,9 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
   std::vector<std::uint32_t> owner(connected.size());
   if (all.empty()) return owner;
   constexpr double kGap = 0.05;    // m, between the boxes
-  constexpr double kShare = 0.25;  // of the smaller part's footprint
-  constexpr double kSmall = 0.15;  // of the larger part's diagonal
+  constexpr double kShare = 0.25;  // of the smaller part's footprint over the other: more makes the two one thing
+  constexpr double kSmall =
+      0.15;  // share of the larger part's diagonal: a part this small belongs to one that it overlaps at all
   Cells largest(all);
   for (const std::uint32_t i : order) {
     owner[i] = i;

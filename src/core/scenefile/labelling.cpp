@@ -15,7 +15,8 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // of a mesh
+constexpr std::size_t kMostSurfaces =
+    std::numeric_limits<std::uint16_t>::max();  // the greatest number of surfaces of a mesh
 
 // Returns the rule's `material`, adapted to a part with the material `own` of its file. The part keeps its own texture
 // if the rule's material is textured, and also if the texture's alpha decides which beams pass (cut-outs).

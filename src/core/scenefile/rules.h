@@ -35,8 +35,8 @@ struct Rule {
   std::vector<Rgb> colors;                    // base colours in the triangle's middle that match; empty: any
   int within = 16;                            // largest difference of red, green and blue from one of `colors`
   std::optional<Box> box;                     // must contain the triangle's middle, in the asset's frame, m
-  std::optional<Between> height;              // of the triangle's middle above the asset's lowest point, m
-  std::optional<Between> slope;               // of the triangle, from horizontal, rad
+  std::optional<Between> height;              // height of the triangle's middle above the asset's lowest point, m
+  std::optional<Between> slope;               // slope of the triangle: its angle to the horizontal, rad
   std::optional<Between> size;                // the longest edge of the box about the connected part, m
   std::string className, materialName;        // empty: not set by this rule
   bool drop = false;
@@ -66,7 +66,7 @@ struct TriangleTraits {
   Vec3d middle;       // in the asset's frame, m
   double height = 0;  // above the asset's lowest point, m
   double slope = 0;   // from horizontal, rad
-  double size = 0;    // of the connected part, m
+  double size = 0;    // size of the connected part, m
 };
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits);
 

@@ -14,9 +14,9 @@
 namespace scanmill {
 
 struct SceneOptions {
-  std::uint64_t seed = 1;          // of everything random in the scene
+  std::uint64_t seed = 1;          // seed of everything random in the scene
   std::filesystem::path ontology;  // if not empty, replaces the one that the scene names
-  int wavelengthNm = 905;          // of the material table
+  int wavelengthNm = 905;          // wavelength at which the material table is read
   bool textures = true;            // false: no base colour is loaded unless alpha needs it
   SupplyFactors supply{1, 1, 1};   // factors for towns, on top of those in their files
 };

@@ -30,7 +30,7 @@ struct Echo {
   std::uint32_t beam = 0;
   std::uint32_t hit = 0;     // the strongest ray of the class that contributes most power
   float range = 0;           // m
-  float power = 0;           // of all rays together
+  float power = 0;           // power of all rays together
   float spread = 0;          // m, standard deviation of the rays' ranges, weighted by power
   float share = 1;           // part of the power that comes from surfaces of the hit's class
   std::uint16_t label2 = 0;  // the class that contributes most of the remaining power; 0: none

@@ -72,10 +72,11 @@ using Effects = std::vector<ChosenEffect>;  // in the order in which they run
 using EffectList = std::span<const ChosenEffect>;
 
 // The needs of all effects of a sensor together.
-std::uint32_t raysPerBeam(EffectList effects);                     // 1 if no effect samples the footprint
-const LightPaths* lightPaths(EffectList effects);                  // null: rays end at their first hit
-std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // of a beam whose rays hit `met` surfaces
-double intensityFullScale(EffectList effects);                     // the intensity that means 1; 0: no effect sets it
+std::uint32_t raysPerBeam(EffectList effects);     // 1 if no effect samples the footprint
+const LightPaths* lightPaths(EffectList effects);  // null: rays end at their first hit
+std::uint32_t mostReturns(EffectList effects,
+                          std::uint32_t met);   // most returns of a beam whose rays hit `met` surfaces
+double intensityFullScale(EffectList effects);  // the intensity that means 1; 0: no effect sets it
 
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);

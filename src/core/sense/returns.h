@@ -112,7 +112,7 @@ class Returns {
   std::vector<std::uint8_t> rowsOfBeam_;  // empty until a row is added
   bool tellsReasons_ = false;
   std::vector<Reason> lost_;   // as long as the table was when reasons were last recorded
-  std::vector<bool> present_;  // of the same length: the row was not lost then
+  std::vector<bool> present_;  // as long as `lost_`; true: the row was not lost then
 };
 
 }  // namespace scanmill

@@ -53,7 +53,7 @@ Weather rainOf(double rate) {
 Weather snowOf(double rate) {
   Weather made;
   made.drops = snowFlakes(rate);
-  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // of a flake, relative to the drop that it melts to
+  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts to
   made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
   // pi times the flake's extinction cross section (twice the area of radius width * D / 2), over the lidar ratio.
   made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;

@@ -166,7 +166,7 @@ std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sampl
     double sumD = 0;
     double sumDD = 0;
     Sample sum;
-    Sample sumBy;  // of the values times their distances
+    Sample sumBy;  // sum of the values times their distances
     for (std::size_t k = i - own; k <= i + own; ++k) {
       const Sample& s = samples[k];
       const double d = driven[k] - driven[i];

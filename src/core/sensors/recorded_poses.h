@@ -14,7 +14,7 @@ namespace scanmill {
 struct StampedPose {
   double time = 0;
   Pose pose;
-  int line = 0;  // of the file; 0: the file has no lines
+  int line = 0;  // line in the file; 0: the file has no lines
 };
 
 // Interpolates recorded poses. Positions follow a cubic curve (Hermite's). Its velocity at a pose is that of the

@@ -3,7 +3,7 @@
 // A shot: one revolution of one sensor at one time, from one pose or several if it moves, with the address of its
 // random numbers.
 //
-//   Shot still;  // that stands 1.9 m above the world's origin
+//   Shot still;  // a sensor that stands 1.9 m above the world's origin
 //   still.beams = beams;
 //   still.worldFromSensor = {Pose{.rotation = {}, .translation = {0, 0, 1.9}}};
 

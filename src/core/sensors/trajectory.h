@@ -113,7 +113,7 @@ class Trajectory {
   double speed_ = 0;        // m/s
   std::optional<int> turns_;
   std::vector<Pose> poses_;           // one per frame where the vehicle stands still
-  std::shared_ptr<const Path> path_;  // of a drive; null until it is known
+  std::shared_ptr<const Path> path_;  // the path of a drive; null until it is known
   std::shared_ptr<const RecordedPoses> recorded_;
   double offLines_ = 0;  // m, greatest distance of the path from the straight lines between waypoints
   std::size_t waypoints_ = 0;

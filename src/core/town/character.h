@@ -46,7 +46,7 @@ struct Character {
   double foliage = 1;    // share of their leaves that trees have kept
   double snow = 0;       // m, depth where nobody clears it
   double snowBanks = 0;  // m, height of the banks that ploughs leave beside roads
-  double wear = 0;       // of the roads' surface, 0 to 1: potholes and repairs
+  double wear = 0;       // wear of the roads' surface, 0 to 1: potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
   double bend = 0.4;                      // rad, how far the main road's heading varies

@@ -39,7 +39,7 @@ constexpr double kLimitStep = 2;  // m
 struct Driver {
   std::uint32_t route = 0;
   double at = 0;         // m along the route, the vehicle's middle when the simulation begins
-  double length = 4;     // of the vehicle, m
+  double length = 4;     // length of the vehicle, m
   double speed = 10;     // desired speed, m/s
   double starts = -1e9;  // s; the vehicle stands until then
 };

@@ -63,7 +63,7 @@ Line evenLine(const Line& line, double step) {
 
 Line smoothLine(const Line& line, double step) {
   Line points = evenLine(line, step);
-  constexpr int kPasses = 8;  // they average over about two points on both sides
+  constexpr int kPasses = 8;  // eight passes average over about two points on both sides
   for (int pass = 0; pass < kPasses; ++pass) {
     Line next = points;
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {

@@ -36,8 +36,8 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
 // Returns the distance along a side road at which its lanes begin (m).
 double mouthOf(const Layout& l);
-double stopAtMouth(const Layout& l);                    // where vehicles that come out of a side road stop
-double endOf(const Layout& l, std::uint32_t sideRoad);  // where the lanes of a side road end
+double stopAtMouth(const Layout& l);                    // returns where vehicles that come out of a side road stop
+double endOf(const Layout& l, std::uint32_t sideRoad);  // returns where the lanes of a side road end
 // Returns the distance (m) along the main road between a side road's joint and the start of the turn into it.
 double cornerOf(const Layout& l, std::uint32_t sideRoad);
 

@@ -44,7 +44,7 @@ struct PlacedBlock {
   models::Block block;      // relative to the centre of `about`
   models::Footprint about;  // the rectangle around the building
   Point2 entrance;          // in front of the wall that faces the road
-  double height = 0;        // of the ground at the entrance, m
+  double height = 0;        // height of the ground at the entrance, m
 };
 
 // A rectangle of ground that is levelled: under a building and half a metre around it.

@@ -17,7 +17,7 @@ using models::Kind;
 struct Frontage {
   Footprint about;   // rectangle around the building, its x axis towards the road
   double gap = 1e9;  // m, from the pavement's outer edge to the building; 1e9: no road is near
-  Beside before;     // of the middle of the building's front
+  Beside before;     // the road before the middle of the building's front
 
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };

@@ -17,7 +17,7 @@ struct MapPlace {
     bool joinsLeft = false;
   };
 
-  OsmNode origin;                   // of the place's frame, on the main road
+  OsmNode origin;                   // origin of the place's frame, on the main road
   std::vector<PlacedRoad> roads;    // the main road first
   std::vector<Point2> joints;       // where roads meet
   double mainFrom = 0, mainTo = 0;  // m along the main road

@@ -40,8 +40,9 @@ struct ChartSeries {
   // shape.
   std::size_t color = 0;
   ChartMark mark = ChartMark::Dots;
-  bool emphasised = false;      // larger and drawn on top, as the Pareto front is
-  bool labelsFirst = false;     // its labels precede other series' labels, and are drawn even if room is scarce
+  bool emphasised = false;  // larger and drawn on top, as the Pareto front is
+  bool labelsFirst =
+      false;  // the series' labels precede those of other series, and are drawn even if there is little room
   std::vector<Vec2d> points{};  // a point that is not finite is left out, and a line is broken there
   // The following lists are empty, or have an entry for each point.
   std::vector<Vec2d> spans{};          // the low and high end of an error bar in y
@@ -51,7 +52,7 @@ struct ChartSeries {
 };
 
 struct Chart {
-  std::string name{};  // of the chart's file, and of its element in a page
+  std::string name{};  // the name of the chart's file, and of its element in a page
   std::string title{};
   std::string note{};  // written below the title: what is shown, on which data
   ChartAxis x{}, y{};

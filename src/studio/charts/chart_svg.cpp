@@ -438,7 +438,7 @@ class SvgDrawing {
   const Chart& chart_;
   double width_, height_;
   bool emphasised_ = false;  // any series
-  ChartBox area_;            // of the plot
+  ChartBox area_;            // the rectangle of the plot
   const ChartScale *x_ = nullptr, *y_ = nullptr;
   std::vector<ChartBox> taken_;  // boxes of marks and labels
   std::vector<ChartBox> lines_;  // boxes of lines, which labels avoid if possible

@@ -15,7 +15,7 @@ namespace scanmill::draft {
 
 struct DraftedFile {
   std::filesystem::path file;
-  std::string name;  // of the object
+  std::string name;  // the name of the object
   double unit = 1;   // m
   char up = 'z';
   std::uint64_t triangles = 0;

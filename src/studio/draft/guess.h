@@ -51,7 +51,7 @@ const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesys
 // The plate of ground of a tile, on which other objects stand.
 struct Plate {
   const Concept* ground = nullptr;
-  double height = 0;  // of the plate's upper side above the lowest point, in the file's units
+  double height = 0;  // height of the plate's upper side above the lowest point, in the file's units
 };
 
 // Returns the plate of an asset if groundIn() finds a ground and level triangles near the bottom cover most of the

@@ -26,7 +26,7 @@ struct Model {
   const Concept* whole = nullptr;  // from the name of the file or its folders
   FrameGuess frame;
   Box box;                     // m, with the guessed unit and up axis
-  std::optional<Plate> plate;  // of a tile; the parts above the plate are `whole`
+  std::optional<Plate> plate;  // the plate of a tile; the parts above the plate are `whole`
   bool mixed = false;          // the file's name has both a ground and an object
   bool measured = false;       // the file has measured intensities of points
   bool allowOutside = false;   // as the file was read: see AssetOptions

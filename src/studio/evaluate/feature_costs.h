@@ -31,8 +31,8 @@ struct FeatureCost {
 
 struct FeatureCosts {
   std::string frame;         // the sample's key
-  std::uint64_t points = 0;  // of the frame; 0: the costs say nothing
-  FrameCost whole;           // of the unchanged pipeline
+  std::uint64_t points = 0;  // points of the frame; 0: the costs are meaningless
+  FrameCost whole;           // cost of the unchanged pipeline
   std::vector<FeatureCost> features;
 };
 

@@ -25,8 +25,8 @@ struct HitErrors {
   std::uint64_t interior = 0;        // beams away from edges
   std::uint64_t interiorAgree = 0;   // interior beams that both miss, or that both hit with the same label
   Spread range;                      // |tested - reference| (m) of the beams of bothHit
-  Spread rangeSameSurface;           // likewise, only of beams with the same instance and class
-  Spread rangeInterior;              // likewise, only of interior beams
+  Spread rangeSameSurface;           // range errors of beams with the same instance and class
+  Spread rangeInterior;              // range errors of interior beams
 };
 
 // Compares hits that have the channels Instance and Semantic. `edges` holds 1 for beams near an edge, as edgeBeams()

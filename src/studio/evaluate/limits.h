@@ -15,7 +15,7 @@ namespace scanmill {
 // The errors and the rate that a user accepts. An absent limit accepts anything. Range errors are of the beams that
 // both hit; miss rates and labels are shares from 0 to 1, as in GroupErrors.
 struct ErrorLimits {
-  std::optional<double> mean, rms, median, p95, p99, p999, max;  // of the range error (m), at most
+  std::optional<double> mean, rms, median, p95, p99, p999, max;  // greatest allowed range errors (m)
   std::optional<double> intensity;                               // the mean of the intensity's error, at most
   std::optional<double> missRate;                                // at most
   std::optional<double> labels, classes, instances;              // at least

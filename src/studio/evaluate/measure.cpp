@@ -119,7 +119,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   ResidentGrowth growth;
   std::map<std::uint32_t, std::vector<double>> seconds;  // by sensor, since sensors' scans differ in size
   TraceAccount timedAccount;
-  TraceAccount otherAccount;  // of scans that are not timed
+  TraceAccount otherAccount;  // account of the scans that are not timed
 
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);

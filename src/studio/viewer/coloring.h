@@ -98,7 +98,7 @@ struct ColorContext {
   const Ontology* ontology = nullptr;
   std::span<const float> error{};     // m, one per point; NaN: unknown; empty: no errors are given
   std::string errorTitle{};           // "distance to the reference (m)"; empty: "error (m)"
-  std::string whyNoError{};           // what an unknown error means: "no partner in the reference"
+  std::string whyNoError{};           // the meaning of an unknown error: "no partner in the reference"
   std::optional<ScaleRange> scale{};  // the ends of the scale; absent: they follow from the values
 };
 

@@ -19,7 +19,7 @@ struct PassPlane {
   Image image;                                            // a pixel per pixel of the file
   std::function<std::string(int column, int row)> value;  // "depth: 12.34 m", "semantic: car (6)"; empty outside
   std::string note;                                       // the range of values of the colours; may be empty
-  Legend legend;                                          // of classes, materials and shares; else empty
+  Legend legend;  // legend of classes, materials or shares; empty for other planes
 };
 
 // Reads all planes of an EXR file of render passes or of hits; their values stay readable without the file. Depth is

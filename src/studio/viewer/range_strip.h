@@ -25,7 +25,7 @@ struct RangeStrip {
   bool ringsRise = false;              // ring 0 is the lowest beam, in the last row
   bool outward = false;                // left is on the left, and rings are shifted so that upright things are upright
   bool fullTurn = false;               // `outward`, and straight ahead is in the middle
-  std::size_t columns = 0;  // of the sensor; the image is wider if rings of less than a revolution are shifted
+  std::size_t columns = 0;  // columns of the sensor; the image is wider if rings of less than a revolution are shifted
 
   // Returns the column and the row of a point.
   std::pair<int, int> place(std::size_t point) const {

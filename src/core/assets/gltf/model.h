@@ -138,7 +138,7 @@ struct Material {
 };
 
 struct Model {
-  std::filesystem::path file;   // its name in messages
+  std::filesystem::path file;   // the file's name in messages
   std::string bin;              // the GLB's binary chunk
   std::optional<Vec3d> center;  // m, z up: origin of all coordinates, from CESIUM_RTC or a .b3dm's RTC_CENTER
   std::vector<Buffer> buffers;

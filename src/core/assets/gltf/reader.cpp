@@ -161,7 +161,7 @@ class Reader {
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
-    std::vector<std::size_t> materials;  // of each part of this node
+    std::vector<std::size_t> materials;  // the materials of this node's parts, in their order
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
       const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
@@ -403,7 +403,7 @@ Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, c
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {
-  const Model model = readModel(file, file, true);  // its references were checked when the asset was read
+  const Model model = readModel(file, file, true);  // the file's references were checked when the asset was read
   const Data data(model);
   std::vector<Clip> clips;
   for (Index i = 0; i < model.animations.size(); ++i) {
@@ -413,7 +413,7 @@ std::vector<Clip> readClips(const std::filesystem::path& file) {
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
-  const Model model = readModel(file, file, true);  // its references were checked when the asset was read
+  const Model model = readModel(file, file, true);  // the file's references were checked when the asset was read
   const Index animation = animationNamed(model, clip);
   const auto span = spanOf(model, Data(model), animation);
   if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));

@@ -25,7 +25,7 @@ Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, c
 
 // An animation of a file.
 struct Clip {
-  std::string name;            // its number if it has no name
+  std::string name;            // the scene's name, or its number if it has no name
   double first = 0, last = 0;  // s, times of the first and the last key frame
 };
 // Returns the animations of a file, in the file's order. Throws an InputError that names the file.

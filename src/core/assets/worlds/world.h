@@ -24,7 +24,7 @@ struct WorldPart {
   std::string material;  // name, for solids and for meshes without a material of their own
   std::optional<std::array<float, 3>> color;
   std::filesystem::path texture;     // replaces the mesh's own texture; empty: does not
-  std::optional<float> alphaCutoff;  // of `texture`: beams pass below this alpha
+  std::optional<float> alphaCutoff;  // beams pass where the alpha of `texture` is below this
   Location where;
 };
 

@@ -16,7 +16,7 @@ namespace scanmill {
 struct XmlNode {
   Location where;
   std::string name;
-  std::string text;  // of the element itself, trimmed
+  std::string text;  // the text of the element itself, trimmed
   std::vector<std::pair<std::string, std::string>> attributes;
   std::vector<XmlNode> children;
 

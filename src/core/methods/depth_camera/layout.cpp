@@ -17,12 +17,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kImageCost = 100'000;              // pixels: the cost of one more image, whatever its size
-constexpr double kWidestField = radians(168.0);     // wider planes have few pixels at the centre and many at the edge
-constexpr int kMostSides = 6;                       // plus one camera up and one down
-constexpr double kSteepest = 1e4;                   // slope that stands for all steeper ones
-constexpr double kSmallestDepth = 1e-4;             // of a unit direction; one of less depth is outside of the image
-constexpr int kBins = 512;                          // of azimuth, while the cameras are chosen
+constexpr double kImageCost = 100'000;           // pixels: the cost of one more image, whatever its size
+constexpr double kWidestField = radians(168.0);  // wider planes have few pixels at the centre and many at the edge
+constexpr int kMostSides = 6;                    // plus one camera up and one down
+constexpr double kSteepest = 1e4;                // slope that stands for all steeper ones
+constexpr double kSmallestDepth =
+    1e-4;                   // least depth of a unit direction; a direction of less depth is outside the image
+constexpr int kBins = 512;  // bins of azimuth, while the cameras are chosen
 constexpr double kFullRevolution = radians(300.0);  // azimuths that span more are taken as a full circle
 
 // Returns a monotonic substitute for the azimuth, 0 to 4, without trigonometry: the length along |x| + |y| = 1.
@@ -89,7 +90,7 @@ struct Spread {
   std::array<double, kBins> high;  // largest slope per bin of squareAngle()
   double first = 0;                // rad, the azimuths are first to first + width
   double width = 2 * kPi;
-  double lowest = INFINITY;  // of all slopes
+  double lowest = INFINITY;  // the lowest of all slopes
   double highest = -INFINITY;
 
   explicit Spread(std::span<const Vec3d> directions) {

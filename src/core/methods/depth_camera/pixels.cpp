@@ -18,7 +18,7 @@ constexpr std::size_t kPixelGrain = 8192;
 // Returns the nearest half float, ties to even; values beyond the largest one become the largest one.
 double asHalf(double value) {
   constexpr double kLargest = 65504;
-  constexpr int kBits = 11;            // of the significand
+  constexpr int kBits = 11;            // bits of the significand
   constexpr int kSmallestPower = -24;  // exponent of the step of subnormal numbers
   if (!std::isfinite(value)) return value;
   int power = 0;

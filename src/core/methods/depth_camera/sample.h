@@ -53,7 +53,7 @@ struct RigBeams {
   std::vector<std::uint32_t> beam;  // index in Hits: where the result goes
   double minRange = 0;              // m
   double maxRange = 0;
-  const BeamTable* table = nullptr;  // of the sensor; only naive.cpp needs it, for a beam's ring and column
+  const BeamTable* table = nullptr;  // the sensor's table; only naive.cpp needs it, for a beam's ring and column
 };
 
 // Fills `hits`, which Hits::reset() has sized, for the given beams: every channel that hits.channels names and, if the

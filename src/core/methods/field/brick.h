@@ -79,7 +79,7 @@ class BrickMaker {
   std::vector<std::array<std::uint32_t, kLanes>> listedBy_;  // bit i of [c][lane]: the corner lists candidate 32 c + i
 
   // Buffers for sparse bricks.
-  std::vector<Facet<float>> facets_;    // of triangles_
+  std::vector<Facet<float>> facets_;    // the facets of triangles_
   std::vector<Lanes> centreDistance2_;  // squared, of facets_ from the blocks' centres
 
   // Buffers for dense bricks.

@@ -63,7 +63,7 @@ class Builder {
 
   // A full brick that is placed in the pool.
   struct Brick {
-    std::uint32_t entry;   // its entry of the table
+    std::uint32_t entry;   // index of its entry in the table
     std::uint32_t made;    // number of a new brick, an index into lists_; else kNone
     std::uint32_t copied;  // place in poolBefore_ of a brick that is copied from there; else kNone
   };

@@ -30,7 +30,7 @@ constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // x fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // of DistanceField::distance; even: two values per 32-bit word
 constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in bricks
-constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // of a corner that names no triangle: see DistanceField::word
+constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;  // the word of a corner that names no triangle: see DistanceField::word
 constexpr std::uint32_t kFullBrick = 0x80000000u;   // bit of an entry of DistanceField::table
 constexpr std::uint32_t kLastOfList = 0x80000000u;  // bit of an entry of DistanceField::lists
 constexpr std::uint32_t kMaxLevels = 16;
@@ -86,7 +86,7 @@ struct FieldLevel {
   std::array<float, 3> offset{};
   float scale = 1;  // 2^-level
   std::array<std::uint32_t, 3> bricks{};
-  std::uint32_t firstEntry = 0;  // of its bricks, in DistanceField::table; x fastest, then y, then z
+  std::uint32_t firstEntry = 0;  // the level's first entry in DistanceField::table; x fastest, then y, then z
 };
 
 struct BrickPool;  // brick_pool.h

@@ -28,11 +28,11 @@ struct TexturedTriangle {
 constexpr std::uint32_t kLetsPass = 0x80000000u;  // bit of a texel; the other bits are its reflectance
 
 // Flags: why the texels of a material are read.
-constexpr std::uint32_t kTextured = 1;  // they scale the reflectance
+constexpr std::uint32_t kTextured = 1;  // texels scale the reflectance
 constexpr std::uint32_t kCutOut = 2;    // some of them let beams pass
 
 struct LabelTables {
-  std::vector<TriangleRecord> records;     // of World::baked
+  std::vector<TriangleRecord> records;     // the records of World::baked
   std::vector<TexturedTriangle> textured;  // triangles whose material's texels are read
   std::vector<DeviceWord> materials;  // bits of the reflectance, first texel, width | height << 16, kTextured | kCutOut
   std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), kLetsPass

@@ -16,7 +16,7 @@
 namespace scanmill {
 
 struct GlMarcherLimits {
-  std::size_t particles = std::size_t{1} << 20;  // that march at once
+  std::size_t particles = std::size_t{1} << 20;  // greatest number of particles that march at once
   // Most bytes of a table; the limit of the device applies too.
   std::uint64_t tableBytes = std::numeric_limits<std::uint64_t>::max();
 };

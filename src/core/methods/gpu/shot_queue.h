@@ -32,7 +32,7 @@ class ShotQueue {
   struct Batch {
     explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
     ComputeReadbacks::Lease hits;
-    std::size_t rays = 0;  // of all works
+    std::size_t rays = 0;  // rays of all works together
   };
   // Gives the device some work, and starts the copy to `hits` of the batch. Only one thread at a time calls it.
   using Give = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;

@@ -12,7 +12,7 @@ namespace scanmill {
 
 // A problem with some beams of a scan, which makes them worse than the user expects.
 struct BeamWarning {
-  std::string sensor;       // its name
+  std::string sensor;       // the sensor's name
   unsigned kind = 0;        // number of the warning in its method; warnings are reported in this order
   std::uint64_t count = 0;  // how many of the scan's beams are affected
   std::string text;         // the complete sentence, with the count, the sensor and the remedy

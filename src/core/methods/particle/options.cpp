@@ -103,8 +103,8 @@ double levelReach(const ParticleOptions& options, std::uint32_t level) {
 }
 
 double levelBytes(double voxels, bool lists) {
-  constexpr double kFullBricks = 3.0;            // of a street's level, in units of (bricks across)^2
-  constexpr double kBytes = kBrickStride * 6.0;  // of a full brick: distances and words
+  constexpr double kFullBricks = 3.0;            // full bricks in a street's level, in units of (bricks across)^2
+  constexpr double kBytes = kBrickStride * 6.0;  // bytes of a full brick: distances and words
   constexpr double kListBytes = 3000;            // and of its lists
   const double across = voxels / kBrickVoxels;
   return across * across * kFullBricks * (kBytes + (lists ? kListBytes : 0)) + across * across * across * 4;

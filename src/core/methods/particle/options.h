@@ -21,7 +21,7 @@ struct ParticleOptions {
   std::uint32_t levels = 0;                                     // 0: as many as the sensor's range takes
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
   std::uint32_t steps = 512;  // most steps of a particle
-  Location where;             // of the key that chose the voxels, for messages
+  Location where;             // the key that chose the voxels, for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}

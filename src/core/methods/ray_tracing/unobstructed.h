@@ -25,7 +25,7 @@ class Unobstructed {
   Unobstructed(const Worlds& worlds, const ThingBoxes& boxes) : worlds_(worlds), boxes_(boxes) {}
 
   struct View {
-    std::uint32_t beams = 0;  // that would hit the thing within the sensor's range
+    std::uint32_t beams = 0;  // beams that would hit the thing within the sensor's range
     // Index of the beam in the middle of these by firing time; if there are none, of a beam that fires when the sensor
     // looks towards the thing.
     std::uint32_t middle = 0;

@@ -51,7 +51,7 @@ struct Resolved {
   alignas(64) Lane offset;      // normal . p of the plane
   alignas(64) Lane traced;      // m, the range that was traced; infinite for a miss
   alignas(64) Lane range;       // m; infinite for a miss
-  alignas(64) Lane cosine;      // of normal and beam, signed
+  alignas(64) Lane cosine;      // signed cosine of the angle between normal and beam
 };
 
 // Returns when a ray of the table fires, as a share (0 to 1) of a revolution of `duration` seconds; 0 if `duration` is

@@ -113,7 +113,7 @@ class BlenderRenderer : public PassRenderer {
       if (!cameras.empty()) load(cameras[0].worldFromCamera.translation);
       return std::make_unique<SeenSource>(resolver_, cameras, drawAll(cameras, limits));
     } catch (...) {
-      job_.reset();  // its next answers would be those to earlier requests
+      job_.reset();  // the process's next answers would belong to earlier requests
       origin_.reset();
       throw;
     }

@@ -35,7 +35,7 @@ struct ChunkRange {
 
 struct ViewMesh {
   Vec3d origin;  // m, mesh axes: exact in float32, as is every position minus the origin
-  Vec3f low;     // of all chunks
+  Vec3f low;     // lowest corner of all chunks
   Vec3f high;
   ChunkRange solid;
   ChunkRange cut;  // triangles with an alpha-tested material

@@ -38,7 +38,7 @@ struct VtkScene {
   VtkTriangles solid;
   VtkTriangles cut;
   std::span<const VtkCutout> cutouts;
-  std::span<const std::uint32_t> words;  // of the cut-outs' bits
+  std::span<const std::uint32_t> words;  // the bits of the cut-outs
 };
 
 // One placement of a run of triangles. In the image, the k-th triangle of the batch has the number firstNumber + k; 0

@@ -27,7 +27,7 @@ class DrawnSensors {
  public:
   // The values of the file, before anything is drawn at random. A mount of the kind Null is the vehicle's origin.
   struct Written {
-    Value effects;                    // of the pipeline; Null: none
+    Value effects;                    // the effects of the pipeline; Null: none
     std::vector<Value> mounts;        // one per sensor
     std::vector<Value> descriptions;  // one per sensor; their key `effects` may hold distributions
   };

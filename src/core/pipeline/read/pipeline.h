@@ -90,11 +90,12 @@ struct Pipeline {
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
-  std::uint32_t raysPerBeam(std::size_t sensor) const;     // as the effect footprint says; 1 for a recording
-  const LightPaths* lightPaths(std::size_t sensor) const;  // of the effect light_paths; null: none
-  std::uint32_t mostMet() const;                           // most surfaces that a ray hits
-  std::uint32_t mostReturns() const;                       // most returns of a beam
-  std::string methodName() const;                          // of the method that made, or makes, the hits
+  std::uint32_t raysPerBeam(std::size_t sensor) const;  // as the effect footprint says; 1 for a recording
+  const LightPaths* lightPaths(
+      std::size_t sensor) const;      // the paths of the effect light_paths; null: the sensor does not have the effect
+  std::uint32_t mostMet() const;      // most surfaces that a ray hits
+  std::uint32_t mostReturns() const;  // most returns of a beam
+  std::string methodName() const;     // the name of the method that made, or will make, the hits
 };
 
 // Reads the pose of a sensor on the vehicle; Null is the vehicle's origin. Throws InputError.

@@ -37,7 +37,7 @@ struct Sequence {
 
 // Durations of the sensors' revolutions (s).
 struct Periods {
-  double first = 0.1;  // of the first sensor
+  double first = 0.1;  // period of the first sensor
   double longest = 0.1;
 };
 

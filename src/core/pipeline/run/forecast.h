@@ -22,8 +22,8 @@ struct Estimate {
 struct Forecast {
   std::uint64_t frames = 0;
   int threads = 0;
-  Estimate seconds;  // of wall time, from the start of the program to the manifest
-  Estimate bytes;    // of all shards
+  Estimate seconds;  // wall time from the start of the program to the manifest
+  Estimate bytes;    // size of all shards together
 };
 
 // The costs of a pipeline's scenes and frames on this machine.
@@ -33,7 +33,7 @@ struct SampleCosts {
   double sceneSeconds = 0;         // processor seconds to set up a scene, on the mean over the pipeline's scenes
   double slowestSceneSeconds = 0;  // s of wall time to set one up with all threads
   double frameSeconds = 0;         // thread seconds of a frame while all threads work
-  double frameBytes = 0;           // of a sample in its shard
+  double frameBytes = 0;           // size of a sample in its shard
   double timeSpread = 1;           // factor by which a dataset may take longer or shorter than expected
   double byteSpread = 1;           // factor by which it may be larger or smaller than expected
 };

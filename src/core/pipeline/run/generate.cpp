@@ -47,7 +47,7 @@ struct OpenShard {
   ShardWriter writer;
   DatasetPart part;
   std::vector<std::unique_ptr<MadeSample>> made;  // samples that are not written yet
-  std::shared_ptr<const SceneFacts> scene;        // of the sample that was written last
+  std::shared_ptr<const SceneFacts> scene;        // the scene of the sample that was written last
 };
 
 class DatasetRun {

@@ -35,7 +35,7 @@ struct ShardChoice {
 struct GenerateOptions {
   std::filesystem::path folder;
   std::filesystem::path keepHits;    // folder of a recording, or empty
-  std::filesystem::path keepPasses;  // likewise; only for methods that render passes
+  std::filesystem::path keepPasses;  // folder for passes, or empty; only for methods that render passes
   bool overwrite = false;            // replaces an existing dataset and existing recordings
   bool resume = false;               // continues an unfinished dataset; impossible with recordings
   ShardChoice shards;                // the shards that this process makes
@@ -44,7 +44,7 @@ struct GenerateOptions {
 };
 
 struct GenerateSummary {
-  Manifest manifest;            // of the complete dataset; without shards and samples if `whole` is false
+  Manifest manifest;            // the manifest of the complete dataset; without shards and samples if `whole` is false
   bool whole = false;           // the dataset is complete, by this process or by another one that shares the folder
   std::size_t shards = 0;       // shards that this process has made
   std::size_t samplesMade = 0;  // samples in these shards

@@ -129,7 +129,7 @@ void SampleMaker::finish() {
 StageSeconds SampleMaker::stageSeconds() const {
   StageSeconds stages = clock_.seconds();
   const StageSeconds ofMethod = scenes_.methodSeconds();
-  if (!ofMethod.empty()) stages.erase("trace");  // its parts are listed instead
+  if (!ofMethod.empty()) stages.erase("trace");  // the parts of the stage are listed instead
   for (const StageSeconds& own :
        {ofMethod, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
     for (const auto& [stage, seconds] : own) stages[stage] = seconds;

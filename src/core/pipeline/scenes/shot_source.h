@@ -73,7 +73,7 @@ class ShotSource {
   const Plan& plan_;
   const Pipeline& pipeline_;
   std::shared_ptr<const Scene> vehicle_;           // null: no own vehicle
-  std::shared_ptr<const FrameSettings> settings_;  // of the first frame of the first sequence
+  std::shared_ptr<const FrameSettings> settings_;  // the settings of the first frame of the first sequence
   DrawnSettings drawn_;
   std::mutex mutex_;                                                 // guards drives_
   std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;  // those found in scenes, by sequence

@@ -106,7 +106,7 @@ class Blooming : public Effect {
   void spill(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
     const double cosine = dot(beams.direction[source.beam], beams.direction[to]);
     if (cosine < leastCosine) return;
-    const double square = 2 * (1 - std::min(1.0, cosine));  // of the angle, which is small
+    const double square = 2 * (1 - std::min(1.0, cosine));  // square of the angle, which is small
     const double spilled = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
     const auto echo = static_cast<float>(spilled);
     if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};

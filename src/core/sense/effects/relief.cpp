@@ -38,7 +38,7 @@ struct RoughHit {
   Vec3d place, along;                         // hit on the mesh (m), direction of the beam; world axes
   std::array<double, kMostReliefs> height{};  // m, averaged over the beam's width
   std::array<double, kMostReliefs> cubes{};   // per metre
-  double cosine = 1;                          // of the angle of incidence
+  double cosine = 1;                          // cosine of the angle of incidence
   double reach = 0;                           // m along the beam that are searched before the mesh, and behind it
   double step = 0;                            // m along the beam
   int steps = 0;

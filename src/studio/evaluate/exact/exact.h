@@ -14,7 +14,7 @@
 namespace scanmill {
 
 struct ExactHits {
-  Hits hits;                  // its ranges are rounded to float
+  Hits hits;                  // the ranges are rounded to float
   std::vector<double> range;  // m, per beam; infinite for a miss
 };
 

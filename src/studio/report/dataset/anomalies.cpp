@@ -109,7 +109,7 @@ class AnomalySearch {
   // True if the points of a class have no ids, except for a few objects. Classes of parts of objects do not count.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
-    constexpr double kFewShare = 0.02;  // of all instances
+    constexpr double kFewShare = 0.02;  // share of all instances
     const auto own = thingsOf_.find(c.id);
     if (own == thingsOf_.end() || parts_.contains(c.id)) return false;
     const auto share = static_cast<std::size_t>(kFewShare * static_cast<double>(sum_.things.size()));
@@ -125,7 +125,7 @@ class AnomalySearch {
     // An object must leave its own class's usual range in two of its three sides, since parts of it may be hidden.
     constexpr double kOwnSpared = 0.1, kBeyondFactor = 1.3, kBeyondMetres = 0.3;
     constexpr int kSidesBeyond = 2;
-    constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;  // of the other class's range
+    constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;  // within the other class's range
     std::map<std::uint16_t, std::vector<std::size_t>> wellSeen;
     for (const auto& [id, things] : thingsOf_) {
       if (id == 0 || uncounted_.contains(id)) continue;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kHalfWidth = 575, kWholeWidth = 1150;  // pixels: charts that share a row, and charts alone in a row
 constexpr int kBarHeight = 21, kAround = 120;
-constexpr std::size_t kMostClasses = 12;  // of a stacked bar
+constexpr std::size_t kMostClasses = 12;  // the greatest number of classes in a stacked bar
 constexpr const char* kOtherFill = "#8b949e";
 
 double perScan(std::uint64_t points, std::uint64_t scans) {

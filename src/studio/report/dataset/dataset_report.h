@@ -39,7 +39,7 @@ struct DatasetReport {
   bool hashed = false;                   // the SHA-256 of shards was compared, too
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
-  std::vector<PicturedScan> reasonImages;  // of the same scans, if they have reasons
+  std::vector<PicturedScan> reasonImages;  // pictures of the reasons in the same scans, if these have reasons
   ObjectCounts objects;                    // in the samples whose scans were read for figures
   std::string view;                        // the scans in 3D, as scanView() writes them
   std::uint64_t seed = 0;

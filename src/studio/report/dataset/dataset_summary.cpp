@@ -73,7 +73,7 @@ class Summing {
     sum_.labelled = has("label");
     sum_.instanced = has("instance");
     sum_.samples = manifest_.samples.size();
-    std::map<std::string, std::pair<double, double>> times;  // of sequences
+    std::map<std::string, std::pair<double, double>> times;  // first and last time (s) by sequence
     std::map<std::string, std::set<std::string>> splitsOf;
     for (const SampleRecord& sample : manifest_.samples) {
       const std::string name = sequenceOf(sample);

@@ -44,7 +44,7 @@ struct SensorSummary {
   std::uint64_t scansRead = 0;
   std::vector<std::uint64_t> ranges;  // points per step, of the scans that were read
   std::map<std::uint16_t, std::uint64_t> intensities{};
-  ReasonCounts beamsPerReason{};  // of the scans that have reasons
+  ReasonCounts beamsPerReason{};  // reasons of beams in the scans that have reasons
 };
 
 struct SequenceSummary {

@@ -92,7 +92,8 @@ Mat3 levelFromSensor(const Quat& worldFromSensor) {
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor) {
   ScanCounts counts;
-  std::vector<std::uint64_t>* ranges = nullptr;  // of the last point's class, which neighbours mostly share
+  std::vector<std::uint64_t>* ranges =
+      nullptr;  // ranges of the last point's class, which neighbouring points mostly share
   std::uint16_t lastClass = 0;
   std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // id and class
   std::uint64_t lastPair = 0;

@@ -38,8 +38,8 @@ struct SeenSize {
 struct InstanceCounts {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  Box box;        // of its points, in the level frame
-  SeenSize size;  // of its points, in the level frame
+  Box box;        // box of the instance's points, in the level frame
+  SeenSize size;  // size of the instance's points, in the level frame
 };
 
 struct ScanCounts {

@@ -31,7 +31,7 @@ std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontol
 
 // The texts of files that CMake embeds in the program.
 extern const std::string_view kThreeScript;      // three.js
-extern const std::string_view kOrbitScript;      // its OrbitControls
+extern const std::string_view kOrbitScript;      // the OrbitControls of three.js
 extern const std::string_view kScanViewScript;   // scan_view.js
 extern const std::string_view kScanViewStyle;    // scan_view.css
 extern const std::string_view kDatasetTemplate;  // dataset.html

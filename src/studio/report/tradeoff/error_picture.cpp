@@ -19,7 +19,7 @@ constexpr Rgb kFalsePositiveColor{255, 255, 255};
 constexpr Rgb kLabelColor{255, 150, 220};
 
 Rgb errorColor(double error) {
-  constexpr double kDarkest = 0.15;  // of the map: darker colours are not visible on the background
+  constexpr double kDarkest = 0.15;  // position in the colour map: darker colours are not visible on the background
   return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeast) / kLeast) / kDecades);
 }
 

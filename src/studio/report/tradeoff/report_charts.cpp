@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kMostLines = 6, kMostClasses = 30;
 constexpr int kWide = 1160, kHalf = 575;  // pixels: charts alone in a row, and side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSmallStage = 0.03;  // of a scan's time; smaller stages join the rest
+constexpr double kSmallStage = 0.03;  // share of a scan's time; smaller stages are added to the rest
 const std::string kRest = "the rest";
 
 // An error that charts show on a logarithmic axis.
@@ -335,7 +335,7 @@ Chart encodingsChart(const Study& study) {
 }
 
 Chart ringsChart(const Study& study) {
-  constexpr int kSteps = 48;  // of a line
+  constexpr int kSteps = 48;  // number of steps of a line
   Chart chart{
       .name = "rings",
       .title = "Time a scan against rings",

@@ -29,13 +29,13 @@ struct Separation {
 // Patches of one class or, in scans without labels, of one shape.
 struct GroupComparison {
   std::string name;
-  double realShare = 0, simulatedShare = 0;  // of all patches
+  double realShare = 0, simulatedShare = 0;  // share of all patches
   std::vector<Separation> features;          // strongest first; without features that cannot be compared
 };
 
 struct BandComparison {
   std::string name;
-  double realShare = 0, simulatedShare = 0;  // of all patches
+  double realShare = 0, simulatedShare = 0;  // share of all patches
 };
 
 // Medians of intensities, in units of each set's median.
@@ -49,7 +49,7 @@ struct KeyChange {
   std::string_view effect, key;    // an effect of the pipeline, and a key of the effect
   std::string_view figure;         // the figure that suggests the change: a title of kPatchFeatures or kSetFigures
   double real = 0, simulated = 0;  // the figure as shown
-  std::string_view unit;           // of the figure
+  std::string_view unit;           // the unit of the figure
   double now = 0;                  // the key's value
   double next = 0;                 // the value that would make the figures equal if the key alone changed them
   bool isEnd = false;              // `next` is the largest or smallest value that the key allows, which is not enough

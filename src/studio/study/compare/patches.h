@@ -21,7 +21,7 @@ constexpr double kEdge = 1.5;      // m, smallest edge at which mixed pixels are
 struct PatchFeature {
   std::string_view name;   // in JSON
   std::string_view title;  // for people
-  std::string_view unit;   // of shown values, which are the stored values times `factor`
+  std::string_view unit;   // the unit of the shown values, which are the stored values times `factor`
   double factor;
   bool mostlyZero;           // shown as a mean; otherwise as a median
   std::string_view meaning;  // a phrase

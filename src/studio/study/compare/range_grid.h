@@ -21,7 +21,7 @@ struct RangeGrid {
   bool wraps = false;        // the last column adjoins the first
   bool knowsRings = false;   // rows are the sensor's rings; otherwise steps of elevation
   bool knowsMisses = false;  // a pixel without a point is a beam without a return; otherwise it may lie between beams
-  std::vector<std::uint32_t> point;   // of each pixel, row * columns + column: the index in the scan, or kNone
+  std::vector<std::uint32_t> point;   // for each pixel (row * columns + column) the point's index in the scan, or kNone
   std::vector<float> range;           // m, from the origin of the points' frame; NaN without a point
   std::vector<std::uint8_t> returns;  // number of returns of the beam
 

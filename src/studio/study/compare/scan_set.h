@@ -22,7 +22,7 @@ namespace scanmill {
 struct SetFigure {
   std::string_view name;   // in JSON
   std::string_view title;  // for people
-  std::string_view unit;   // of shown values, which are the stored values times `factor`
+  std::string_view unit;   // the unit of the shown values, which are the stored values times `factor`
   double factor;
   std::string_view meaning;
   std::string_view keys;  // the keys of a pipeline that change it
@@ -82,7 +82,7 @@ struct ScanSet {
   std::uint32_t scans = 0;   // scans read
   std::uint64_t stored = 0;  // scans in the set
   std::uint64_t points = 0;  // in the scans read
-  std::uint32_t rows = 0;    // of the last scan's grid: the sensor's rings if they are known
+  std::uint32_t rows = 0;    // rows of the last scan's grid: the sensor's rings if they are known
   bool foundSensor = false;  // the set has a sensor of the requested name
   bool knowsRings = true;    // in all scans
   bool knowsMisses = true;   // in all scans

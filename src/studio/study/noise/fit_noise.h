@@ -33,7 +33,7 @@ struct PatchGroup {
   double high = 0;
   double range = 0;  // m, mean
   std::size_t patches = 0;
-  std::uint64_t points = 0;  // of the measured halves of the patches
+  std::uint64_t points = 0;  // points in the measured halves of the patches
   double sigma = 0;          // m, without the rounding to the step
   double error = 0;          // m, standard error of sigma, by bootstrap over the patches
   double withStep = 0;       // m, the same deviation, with the rounding
@@ -65,8 +65,8 @@ struct NoiseFit {
   double freedom = 0;
   double largestMisfit = 0;  // the largest relative difference between a band and the model
   bool linear = true;        // false: the bands themselves are the model
-  MeasuredShare dropOut;     // of the bands that the fit uses
-  RingErrors rings;          // of patches at ranges and incidences that the fit uses
+  MeasuredShare dropOut;     // drop-out in the bands that the fit uses
+  RingErrors rings;          // errors by ring, from patches at ranges and incidences that the fit uses
 
   double sigmaAt(double range) const;  // m, from the model
   double measuredUpTo() const;         // m, mean range of the last band that the fit uses

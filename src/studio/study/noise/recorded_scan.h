@@ -15,7 +15,7 @@ namespace scanmill {
 struct RecordedScan {
   std::string name;              // the file's name
   std::vector<double> range;     // m along each beam to its first return, from the beam's own origin; NaN: no return
-  std::vector<float> intensity;  // of each beam, zero without a return; empty if the scan has no intensities
+  std::vector<float> intensity;  // intensity of each beam, zero without a return; empty if the scan has no intensities
   Pose scanFromSensor;           // pose of the sensor in the frame of the scan's points, which may be another frame
   std::size_t returns = 0;
 };

@@ -40,7 +40,7 @@ struct PatchView {
   std::vector<std::uint32_t> ring;
   std::vector<double> difference;
   std::vector<Vec3d> slope;
-  std::vector<double> brightness;  // of returns with an intensity
+  std::vector<double> brightness;  // brightness of the returns that have an intensity
   std::vector<std::uint32_t> brightRing;
   std::vector<double> brightRow;
 };
@@ -136,7 +136,7 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
                          const std::vector<FlatPatch>& patches) {
   const BeamImage image(beams);
   const RingSystem none(beams.rings);
-  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};  // of the odd and the even patches
+  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};  // the systems of the odd and of the even patches
   bool lit = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const PatchView view = viewOf(beams, image, scans[patches[p].window.scan], patches[p]);

@@ -52,7 +52,7 @@ struct Repeatability {
   std::string programVersion;
   std::string pipelineName;
   std::string pipelineText;  // as Pipeline::text: with the overrides as comments
-  std::uint64_t seed = 0;    // of the first scan; the other scans have the seeds that follow
+  std::uint64_t seed = 0;    // seed of the first scan; the other scans have the seeds that follow
   std::uint32_t scans = 0;   // from each pose
   double margin = 0;         // m; points farther from the object's box are cropped away
   IcpOptions icp;

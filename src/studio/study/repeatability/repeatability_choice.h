@@ -27,7 +27,7 @@ namespace scanmill {
 
 struct NoiseLevel {
   std::string name;
-  std::vector<std::shared_ptr<const Effects>> effects;  // of each sensor
+  std::vector<std::shared_ptr<const Effects>> effects;  // the effects of each sensor
   bool named = true;                                    // false: the pipeline's own effects
 };
 

@@ -13,10 +13,11 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestInRing = 20;  // points in a usable ring
-constexpr double kNearlyWhole = 0.015;  // of a revolution: columns that cover one to within this make a full revolution
-constexpr double kSpreadWanted = 1;     // m, spread of the distances that is needed to find the beams' origins
-constexpr double kSurely = 3;           // standard errors, from which an offset counts as real
-constexpr double kLeastOffset = 2e-3;   // m
+constexpr double kNearlyWhole =
+    0.015;  // columns that cover a revolution to within this share of it make a full revolution
+constexpr double kSpreadWanted = 1;    // m, spread of the distances that is needed to find the beams' origins
+constexpr double kSurely = 3;          // standard errors, from which an offset counts as real
+constexpr double kLeastOffset = 2e-3;  // m
 
 struct Point {
   Vec3d place;

@@ -19,11 +19,12 @@ struct SensorFit {
   double field = 0;                   // 2 pi: a full revolution
   std::vector<double> elevation;      // per ring
   std::vector<double> azimuthOffset;  // per ring
-  double originOffset = 0;            // of beams from the axis; 0 if the scans do not show that it differs from 0
-  double originHeight = 0;            // of beams; 0 if the scans do not show that it differs from 0
-  std::vector<double> firing;         // s, per ring; empty: the scans have no times
-  double period = 0;                  // s, of a revolution; 0: the scans have no times
-  double nearest = 0, farthest = 0;   // ranges of all points
+  double originOffset =
+      0;  // distance of the beams' origins from the axis (m); 0 if the scans do not show that it differs from 0
+  double originHeight = 0;     // height of the beams' origins (m); 0 if the scans do not show that it differs from 0
+  std::vector<double> firing;  // s, per ring; empty: the scans have no times
+  double period = 0;           // s, of a revolution; 0: the scans have no times
+  double nearest = 0, farthest = 0;  // ranges of all points
   std::uint64_t points = 0;
   double elevationSpread = 0, azimuthSpread = 0;  // medians of the distances of points from their beams (rad)
   std::vector<std::uint32_t> bareRings;           // with too few points: interpolated or extrapolated

@@ -16,8 +16,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSameTime = 0.10;     // of times: two measurements of the same work differ by this much
-constexpr double kSameShare = 1e-5;    // of beams: one in a hundred thousand is not decisive
+constexpr double kSameTime = 0.10;     // share by which two measurements of the same work may differ
+constexpr double kSameShare = 1e-5;    // share of the beams: one in a hundred thousand is not decisive
 constexpr double kLittleGain = 1.5;    // times as fast: a smaller gain is seldom worth an error
 constexpr double kNotableEdges = 3;    // ratio of the errors with and without edges, from which the latter is reported
 constexpr std::size_t kMostNamed = 6;  // settings in one sentence

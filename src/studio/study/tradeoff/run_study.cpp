@@ -144,7 +144,7 @@ class StudyRun {
       setup += at->second.first;
       perFrame += at->second.second * (choice_.repeats + 1);
     }
-    constexpr double kShare = 0.6;         // of the budget, because other settings take longer than the first ones
+    constexpr double kShare = 0.6;  // share of the budget, because other settings take longer than the first ones
     constexpr double kTruthSeconds = 1.5;  // s per frame for truth, edges and distances between clouds, about
     const double left = kShare * budget_ - timer_.seconds() - setup;
     const double fitting = left / (perFrame + kTruthSeconds + 0.15 * static_cast<double>(choice_.settings.size()));

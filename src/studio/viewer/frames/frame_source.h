@@ -28,8 +28,8 @@ struct ViewScan {
   double time = 0;                         // s since the start of the sequence
   std::vector<float> error;                // m, one per point, not negative; NaN: unknown; empty: all unknown
   std::string errorTitle;                  // "distance to the reference (m)", "range error (m)"
-  std::shared_ptr<const BeamTable> beams;  // of the dataset's sensor; null if unknown
-  std::string whyNoError{};                // what NaN in `error` means: "no partner in the reference"; may be empty
+  std::shared_ptr<const BeamTable> beams;  // the table of the dataset's sensor; null if unknown
+  std::string whyNoError{};                // the meaning of NaN in `error`: "no partner in the reference"; may be empty
 };
 
 // An object instance near the sensors, as the sample lists it.
@@ -63,7 +63,7 @@ struct ViewInput {
   std::string sensor{};                 // only the scans of this sensor are shown
   std::filesystem::path ontology{};     // a file like labels/*.yaml that replaces the dataset's own ontology
   std::filesystem::path scene{};        // the scene that was scanned; replaces the scene that the manifest names
-  std::optional<std::uint64_t> seed{};  // of a scene that is viewed without scans
+  std::optional<std::uint64_t> seed{};  // the seed of a scene that is viewed without scans
 };
 
 // A list of frames that are loaded on demand.

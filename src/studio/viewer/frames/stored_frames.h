@@ -55,7 +55,7 @@ class StoredFrames : public FrameSource {
   std::optional<Ontology> ontology_;
   std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // samples in the order of their frames
   mutable std::mutex objectsMutex_;
-  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;  // of samples; the most recently used first
+  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;  // lists of samples; the most recently used first
 };
 
 }  // namespace scanmill

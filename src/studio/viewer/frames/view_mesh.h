@@ -36,7 +36,7 @@ struct ViewMesh {
   std::vector<ViewSurface> surfaces;
   std::vector<std::string> parts;  // "hall: Wall.003": the placed object and the asset's node
   std::vector<std::string> materials;
-  std::vector<float> reflectance;     // of each material
+  std::vector<float> reflectance;     // reflectance of each material
   std::vector<std::string> textures;  // their names in the assets; the first stands for no texture
   // The sources of the classes: "line 12: wall (node: Wall*)", a rule of the scene's file, or "line 30: wall (of the
   // object)". The first two entries are neither: triangles without a class, and those whose object or file has its own.

@@ -141,7 +141,7 @@ struct GlfwWindow::State {
   bool control = false;
   CanvasEvent lastPress;
   double pressedAt = 0;  // s
-  int clicks = 0;        // of the last press
+  int clicks = 0;        // 1 or 2: whether the last press was the second of a double click
 
   ~State() {
     if (window != nullptr) glfwDestroyWindow(window);

@@ -48,7 +48,8 @@ struct Clouds {
   ColorBy colorOf(std::size_t view) const;
   bool hasColor(const ViewScan& scan, const ColorBy& by) const;
   const ShownCloud* inView(std::size_t view) const;  // the first cloud in the view; null: none
-  bool isHidden(const ShownCloud& cloud) const;      // its scan is hidden among those that lie over one another
+  bool isHidden(
+      const ShownCloud& cloud) const;  // true if the cloud's scan is hidden among scans that lie over one another
 
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);

@@ -281,7 +281,7 @@ struct ImageSession::State {
   std::size_t plane = 0;
   ImagePane pane;
   PanelRooms rooms;
-  PixelRect note;  // of the text above the image: the range of values of the colours
+  PixelRect note;  // rectangle of the text above the image: the range of the colours' values
   std::vector<std::string> problems, notices;
   bool playing = false;
   bool legends = true;

@@ -74,7 +74,8 @@ struct Scenery {
 
   // scenery_boxes.cpp: objects that samples list, and instances
   Affine canvasFromBox(const ObjectRecord& object) const;
-  const ObjectView* shownView(const ObjectRecord& object) const;  // of the first scan's sensor; null: none
+  const ObjectView* shownView(
+      const ObjectRecord& object) const;  // the view of the object by the first scan's sensor; null: none
   void placeBoxes();
   // Returns the shown objects that the first scan's sensor sees, with their views, the nearest first, at most 30.
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeen() const;

@@ -27,8 +27,8 @@ enum class ViewLayout {
 };
 
 struct ViewOptions {
-  std::vector<ColorBy> colors{};      // of the views; missing: colorScan() chooses
-  std::optional<ScaleRange> scale{};  // of the views that show numbers; absent: follows from the values
+  std::vector<ColorBy> colors{};      // colours of the views; if one is missing, colorScan() chooses
+  std::optional<ScaleRange> scale{};  // scale of the views that show numbers; absent: follows from the values
   ViewLayout layout = ViewLayout::One;
   CameraChoice camera{};  // for a scene without scans: a named view frames the scene, a target is in its coordinates
   std::string sample{};   // key or index; empty: the middle one, or the first that can be read

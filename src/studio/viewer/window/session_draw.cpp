@@ -23,7 +23,8 @@ void ViewSession::State::flush(bool whole) {
   if (changes.hover || changes.views || changes.items) {
     const bool held = panels.toolkit.hasPointer();
     runPanels();
-    if (held || panels.toolkit.hasPointer()) context.changes.panels = true;  // it highlights what is under the pointer
+    if (held || panels.toolkit.hasPointer())
+      context.changes.panels = true;  // a panel highlights what is under the pointer
     updateHover();
   }
   pointer.lightInstance();
