@@ -56,7 +56,7 @@ class SceneStore {
   // scene would exceed the limit, waits until scenes in use are released; holding a scene while waiting for another
   // thread's enter() therefore deadlocks. Also checks the scene and the sequence, for warnings(). Throws InputError for
   // scenes and methods that cannot be used.
-  [[nodiscard]] std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
+  std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
   // Adds the account of tracing a frame of a sequence. The accounts of all frames of a scene are added up.
   void account(std::size_t sequence, const TraceAccount& account);
