@@ -46,7 +46,7 @@ class Process {
   // has ended. Throws TimeOut, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
   // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut.
-  [[nodiscard]] std::string wait(double seconds);
+  std::string wait(double seconds);
   // Returns the last lines of the child's standard error, at most a dozen, as far as the calls above have read it.
   std::string lastLines() const;
 

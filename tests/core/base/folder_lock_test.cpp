@@ -102,8 +102,9 @@ TEST_F(FolderLockTest, NothingIsWrittenThroughLinks) {
   const std::filesystem::path precious = folder_.write("precious", "precious");
   const auto refused = [&](const std::filesystem::path& named, const char* what) {
     std::string holder;
-    const std::string message = messageOf<ForeignFile>(
-        [&] { FolderLock::tryTake(folder_.path(), folder_.path() / "own/lock", LockKind::Alone, holder); });
+    const std::string message = messageOf<ForeignFile>([&] {
+      static_cast<void>(FolderLock::tryTake(folder_.path(), folder_.path() / "own/lock", LockKind::Alone, holder));
+    });
     EXPECT_THAT(message, AllOf(HasSubstr((folder_.path() / named).string()), HasSubstr(what), HasSubstr("remove it")));
     EXPECT_EQ(readFile(precious), "precious");
     std::filesystem::remove_all(folder_.path() / "own");
