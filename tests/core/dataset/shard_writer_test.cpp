@@ -180,7 +180,7 @@ TEST(ShardWriter, AFullDiskNamesFileAndReason) {
       const FullDisk full(limit);
       const std::string message = messageOf<Error>([&] {
         for (int i = 0; i < 4; ++i) shard.add(plainSample("k-" + std::to_string(i), 700000));
-        shard.finish();
+        static_cast<void>(shard.finish());
       });
       EXPECT_THAT(message, HasSubstr("train-000000.tar")) << limit;
       EXPECT_THAT(message, HasSubstr("File too large")) << limit;
