@@ -162,7 +162,7 @@ class WayCheck {
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
       std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
-      // By the id of the instance that a ray hits first
+      // For each instance id: the number of rays that hit this instance first, and one of these hits.
       std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;
       for (const Vec3d& direction : kDirections) {
         std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;

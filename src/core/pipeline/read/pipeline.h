@@ -51,7 +51,7 @@ struct ShardOptions {
   bool shuffled = false;    // samples are distributed at random over the shards of their split
 };
 
-// What samples contain, in which formats, and how they are distributed over shards.
+// The contents and formats of samples, and their distribution over shards.
 struct Output {
   ScanLayout layout;
   std::vector<ChosenFormat> formats;

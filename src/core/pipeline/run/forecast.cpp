@@ -153,7 +153,7 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
   costs.frameBytes *= mean.bytes;
   costs.timeSpread = mean.timeSpread;
   costs.byteSpread = mean.byteSpread;
-  // With other methods than ray tracing, the time depends more on a scene's size and on where its triangles are.
+  // The time of methods other than ray tracing depends more on a scene's size and on where its triangles are.
   constexpr double kOtherMethods = 2.5;
   if (pipeline.methodName() != "ray_tracing") costs.timeSpread = std::max(costs.timeSpread, kOtherMethods);
 }

@@ -104,8 +104,7 @@ class DatasetRun {
 
   std::size_t open(std::size_t job) {
     const ShardJob& own = jobs_[job];
-    // With ShardChoice::Kind::Any, checking bytes would make each process read the shards that all other processes have
-    // made.
+    // If the bytes were checked with ShardChoice::Kind::Any, each process would read the shards of all other processes.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;

@@ -23,8 +23,8 @@ namespace scanmill {
 
 namespace {
 
-// As long as the program takes less than 1 / kSmallShare of its memory limit, scenes may be loaded beside a first scene
-// whose size is not known yet.
+// Scenes may be loaded beside a first scene, whose size is not known yet, while the program takes less than 1 /
+// kSmallShare of its memory limit.
 constexpr std::uint64_t kSmallShare = 8;
 
 bool memoryIsScarce() {
@@ -130,7 +130,7 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     loading_(own);
     ReadyScene& ready = slot.ready;
     ::malloc_trim(
-        0);  // returns the memory of unloaded scenes to the system; the allocator would keep it for each thread
+        0);  // returns the memory of unloaded scenes to the system, since the allocator would retain it for each thread
     ready.scene = source_.load(sequence);
     ready.method = source_.method(ready.scene);
     if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);

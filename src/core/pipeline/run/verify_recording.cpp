@@ -83,7 +83,7 @@ class RecordingCheck {
   }
 
  private:
-  // What the file of a recorded scan says.
+  // The contents of a recorded scan's file.
   struct Scan {
     std::string file;
     bool missing = false;
