@@ -96,7 +96,7 @@ double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& ex
 
 // Common units besides the metre, in metres.
 constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0};
-// Factor by which a size may be outside of its usual range if other files suggest the unit
+// Factor by which a size may be outside of its usual range if other files suggest the unit.
 constexpr double kTolerance = 3;
 
 std::string nameOf(const FrameGuess& guess) {
@@ -149,7 +149,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
-    // For instance "World"
+    // For instance "World".
     if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =
@@ -325,7 +325,7 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
   constexpr double kMost = 0.8;  // least fraction of the footprint that a plate covers
   constexpr int kLowest = 250;   // maximum height of a plate, in thousandths of the asset's height
-  // Maximum height difference within a plate, with kerbs and pavements, in thousandths of the asset's height
+  // Maximum height difference within a plate, with kerbs and pavements, in thousandths of the asset's height.
   constexpr int kThick = 100;
   constexpr double kAbove = 0.02;  // fraction of the asset's height that is added above the plate
   std::optional<int> level;

@@ -67,7 +67,7 @@ struct SizeRecall {
 struct BeamErrors {
   GroupErrors all;
   std::vector<ErrorGroup> byRange;  // bands of the range (m)
-  // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit
+  // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit.
   std::vector<ErrorGroup> byIncidence;
   std::vector<ErrorGroup> byPlace;      // "interior" and "edges"
   std::vector<ErrorGroup> byClass;      // the classes that occur, sorted by id
@@ -79,7 +79,7 @@ struct BeamErrors {
 struct TrueShot {
   Shot shot;
   ExactHits truth;  // exact hits with the channels kErrorChannels
-  // For each beam 1 if it is near an edge, see edgeBeams(); empty if no beam is near an edge
+  // For each beam 1 if it is near an edge, see edgeBeams(); empty if no beam is near an edge.
   std::vector<std::uint8_t> edges;
   std::vector<float> intensity;  // the noise-free intensity of each beam; empty if intensities are not compared
 };

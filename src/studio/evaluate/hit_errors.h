@@ -23,7 +23,7 @@ struct HitErrors {
   std::uint64_t falsePositives = 0;  // beams that hit only with the tested method
   std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
   std::uint64_t interior = 0;        // beams that are not near an edge
-  // Interior beams that miss with both methods, or hit with the same class and instance
+  // Interior beams that miss with both methods, or hit with the same class and instance.
   std::uint64_t interiorAgree = 0;
   Spread range;             // |tested - reference range| of the beams in bothHit (m)
   Spread rangeSameSurface;  // the same for beams with the same instance and class

@@ -117,7 +117,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   CloudErrorSum clouds;
   Hits hits;
   ResidentGrowth growth;
-  // Durations by sensor, since the sizes of scans differ between sensors
+  // Durations by sensor, since the sizes of scans differ between sensors.
   std::map<std::uint32_t, std::vector<double>> seconds;
   TraceAccount timedAccount;
   TraceAccount otherAccount;  // for scans that are not timed

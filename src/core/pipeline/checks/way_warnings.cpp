@@ -15,7 +15,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint32_t kFrames = 100;  // maximum number of frames in which a sensor's height is checked
-// Maximum number of frames in which sensors are tested for being inside of objects
+// Maximum number of frames in which sensors are tested for being inside of objects.
 constexpr std::uint32_t kFramesInside = 12;
 constexpr double kFarAbove = 50;              // m above the surface; a sensor that is higher causes a warning
 constexpr double kOnGround = 0.05;            // m; a sensor this close to the ground causes a warning

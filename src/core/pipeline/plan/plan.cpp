@@ -57,7 +57,7 @@ void checkRays(const Pipeline& pipeline) {
   }
 }
 
-// Memory of the program, its libraries and its threads' buffers
+// Memory of the program, its libraries and its threads' buffers.
 constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // memory per beam of a beam table
 
@@ -181,7 +181,7 @@ Plan makePlan(Pipeline read, Channels kept) {
   }
   addDrawnChannels(pipeline, channels);
   if (pipeline.output.objects || tellsMovingClasses(pipeline)) channels |= Channel::Instance;
-  // Needed to distinguish mirrors and glass from dark surfaces
+  // Needed to distinguish mirrors and glass from dark surfaces.
   if (pipeline.output.layout.reasons) channels |= Channel::Material;
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();

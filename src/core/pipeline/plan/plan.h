@@ -27,7 +27,7 @@ struct PlannedSensor {
 
 struct Plan {
   Pipeline pipeline;
-  // The method that replaced `method: auto`, and why; nothing if the pipeline names a method
+  // The method that replaced `method: auto`, and why; nothing if the pipeline names a method.
   std::optional<MethodRecord> chosen;
   std::vector<PlannedSensor> sensors;
   Channels channels;  // channels to trace: those that effects, columns, formats and recordings read

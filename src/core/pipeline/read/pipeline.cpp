@@ -155,7 +155,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
 }  // namespace
 
 bool setsIntensity(const Pipeline& pipeline) {
-  // The first sensor decides: either all sensors have an intensity, or none has
+  // The first sensor decides: either all sensors have an intensity, or none has.
   return intensityFullScale(*pipeline.sensors.front().effects) > 0;
 }
 

@@ -30,7 +30,7 @@ struct MountedSensor {
   Value description;  // the keys of the sensor's preset file, overridden by those of the pipeline
   SensorSize size;
   Pose vehicleFromSensor = {};
-  // Never null; all sensors share one list unless the pipeline's list contains `sensor`
+  // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
   std::shared_ptr<const Effects> effects;
 };
 
@@ -78,7 +78,7 @@ struct Pipeline {
   // The word `sensor` in it is not replaced yet. Studies vary this list.
   std::vector<Value> effectItems;
   // Random mounts and effects; then `sensors` has the values of the first frame of the first sequence. Null: mounts and
-  // effects are the same in all frames
+  // effects are the same in all frames.
   std::shared_ptr<const DrawnSensors> drawn;
   Motion motion;
   MethodChoice method;
@@ -86,14 +86,14 @@ struct Pipeline {
   bool splitsBySeed = false;  // sequences are assigned to splits by the seeds of their scenes
   double maxRays = 0;
 
-  // The hits come from this recording instead of from scenes and a method; null: no recording
+  // The hits come from this recording instead of from scenes and a method; null: no recording.
   std::shared_ptr<const Recording> recording;
 
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
   std::uint32_t raysPerBeam(std::size_t sensor) const;  // set by the effect `footprint`; 1 for a recording
-  // Set by the effect `light_paths`; null if the sensor does not have this effect
+  // Set by the effect `light_paths`; null if the sensor does not have this effect.
   const LightPaths* lightPaths(std::size_t sensor) const;
   std::uint32_t mostMet() const;      // maximum number of surfaces that a ray can hit
   std::uint32_t mostReturns() const;  // maximum number of returns of a beam

@@ -43,7 +43,7 @@ struct OpenShard {
             std::unique_ptr<FolderLock> held)
       : claim(std::move(held)), writer(folder, job.file, job.split), part(std::move(begun)), made(job.samples.size()) {}
 
-  // This process's lock on the shard; null if the folder is not shared with other processes
+  // This process's lock on the shard; null if the folder is not shared with other processes.
   std::unique_ptr<FolderLock> claim;
   ShardWriter writer;
   DatasetPart part;

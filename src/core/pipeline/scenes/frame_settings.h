@@ -20,7 +20,7 @@ namespace scanmill {
 struct SensorSetting {
   Pose vehicleFromSensor;
   std::shared_ptr<const Effects> effects;
-  // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit
+  // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit.
   const LightPaths* paths = nullptr;
   std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the own vehicle; null: no own vehicle
 };
@@ -30,7 +30,7 @@ struct FrameSettings {
   std::vector<DrawnValue> draws;  // the random values in these settings
 };
 
-// Hits on the own vehicle, one table per sensor; empty: no own vehicle
+// Hits on the own vehicle, one table per sensor; empty: no own vehicle.
 using VehicleHits = std::vector<std::shared_ptr<const Hits>>;
 
 // Returns the settings with the mounts and effects in Pipeline::sensors. `vehicles`: hits on the own vehicle.
@@ -64,7 +64,7 @@ class DrawnSettings {
   struct Kept {
     std::size_t sequence = 0;
     std::shared_ptr<const VehicleHits> vehicles;
-    // Settings of all frames of the sequence; null if frames have different settings
+    // Settings of all frames of the sequence; null if frames have different settings.
     std::shared_ptr<const FrameSettings> whole;
   };
 

@@ -75,7 +75,7 @@ class ShotSource {
   std::shared_ptr<const FrameSettings> settings_;  // of the first frame of the first sequence
   DrawnSettings drawn_;
   std::mutex mutex_;  // guards drives_
-  // Trajectories that depend on scenes, by index of their sequence
+  // Trajectories that depend on scenes, by index of their sequence.
   std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;
 };
 

@@ -29,7 +29,8 @@ Effects makeEffects(const std::string& yaml) {
   return made;
 }
 
-// Returns the scan that the sensor would make of the patches' planes in an empty world. The patches must not overlap.
+// Returns the scan that the sensor would make of a world that consists only of the patches' planes. The patches must
+// not overlap.
 RecordedScan simulate(const BeamTable& beams, const BeamImage& image, const std::vector<const FlatPatch*>& patches,
                       const Effects& effects, std::uint32_t stream) {
   Shot shot;
@@ -86,11 +87,11 @@ std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::
   const BeamImage image(beams);
   const Effects made = makeEffects(effects);
   const double leastCosine = std::cos(fit.mostIncidence);
-  std::vector<FlatPatch> recorded[2];  // steep, grazing
+  std::vector<FlatPatch> recorded[2];  // patches at steep and at grazing incidence
   std::vector<FlatPatch> simulated[2];
   for (std::uint32_t s = 0; s < scans.size(); ++s) {
     for (std::uint32_t tested = 0; tested < 2; ++tested) {
-      std::vector<const FlatPatch*> own;  // of one colour, which do not overlap
+      std::vector<const FlatPatch*> own;  // patches of one colour, which do not overlap
       for (const FlatPatch& p : patches) {
         if (p.window.scan == s && p.window.tested == tested && fitted(fit, p.range)) own.push_back(&p);
       }
