@@ -149,7 +149,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
-    // For instance "World".
+    // The name "World", for instance, says nothing about the class.
     if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =

@@ -125,7 +125,7 @@ class Writer {
       writeRest(*only, "", yaml);
       return;
     }
-    // (concept, key) -> patterns and their numbers of triangles.
+    // For each concept and key: patterns and their numbers of triangles.
     std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
     std::map<std::string, std::uint64_t> unknown;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws a scan as a picture, without a display. All functions need a device as openOffscreen() does, and throw Error.
+// Draws scans as pictures, without a display. All functions need a device like openOffscreen(), and throw Error.
 
 #include <optional>
 #include <string>
@@ -17,7 +17,8 @@ namespace scanmill {
 
 constexpr int kLeastPictureSide = 64;
 constexpr int kMostPictureSide = 8192;
-constexpr int kMostPicturePixels = 36'000'000;  // 8K; drawing takes about 28 bytes per pixel
+// Maximum of width * height (8K); drawing takes about 28 bytes per pixel.
+constexpr int kMostPicturePixels = 36'000'000;
 
 struct PictureOptions {
   std::optional<ColorBy> colorBy;  // absent: colorScan() chooses
@@ -25,33 +26,33 @@ struct PictureOptions {
   int width = 1600;
   int height = 900;
   double zoom = 1;
-  std::optional<CloseUp> closeUp;  // only points within its ball are drawn; absent: all points
-  double pointSize = 1;            // factor of the usual diameter
-  bool depthEdges = true;          // points behind a nearer surface are darkened (eye-dome lighting)
+  std::optional<CloseUp> closeUp;  // only points in the close-up's ball are drawn; absent: all points
+  double pointSize = 1;            // factor by which points are larger than usual
+  bool depthEdges = true;          // darkens points behind nearer surfaces (eye-dome lighting)
 };
 
-// Draws the scan in perspective or from above, with `title` over it and the number of points and the legend beside it.
-// The picture of an empty scan says that it is empty. Throws InputError if a close-up has no points; the message says
-// where the nearest points are.
+// Draws a scan in perspective or from above, with `title` above it, and the number of points and the legend beside it.
+// If the scan is empty, the picture says so. Throws InputError if no points are within the close-up; the message states
+// where the nearest point is.
 Image drawPicture(Scan scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
-// Draws the scan as drawPicture() does, in the colours of `coloring`. `options.colorBy` and the colours of points
-// outside a close-up are ignored.
+// Draws a scan like drawPicture(), but with the given colours. `options.colorBy` and the colours of points outside of a
+// close-up are ignored.
 Image drawColored(Scan scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
 
-// Draws scans over one another, each in a colour of its own, to show how methods or settings differ. Where points
-// coincide, the one of the first scan is seen.
+// A scan with its name. drawOverlay() draws several scans on top of one another, each in a separate colour, to show the
+// differences between methods or settings. If points coincide, that of the first scan is visible.
 struct NamedScan {
   std::string name;
   Scan scan;
 };
-Rgb overlayColor(std::size_t scan);  // counted from 0
+Rgb overlayColor(std::size_t scan);  // returns the colour of the scan with this index
 Image drawOverlay(const std::vector<NamedScan>& scans, const PictureOptions& options, const std::string& title);
 
-// Draws the scan as a range image: a row per ring, the highest beams on top, and a pixel per beam, see
-// makeRangeStrip(). Pixels are enlarged by a whole factor until the image is readable. If two points fall on one pixel,
-// the nearer is shown. Throws InputError if the scan is not organised and lacks ring or column, or is too large for a
-// picture.
+// Draws a scan as a range image with one row per ring, the highest beams at the top, and one pixel per beam, see
+// makeRangeStrip(). Pixels are enlarged by an integer factor until the image is readable. If several points are in the
+// same pixel, the nearest is shown. Throws InputError if the scan is too large for a picture, or if it is not organised
+// and has no columns ring and column.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title, StripOrder order = StripOrder::Sensor);
 

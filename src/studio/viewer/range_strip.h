@@ -1,7 +1,6 @@
 #pragma once
 
-// The range image of a scan (rings x columns), with the pixel of each point and the point at each pixel; it is linked
-// with the 3D view.
+// The range image of a scan (rings x columns), and the mapping between its pixels and the points in the 3D view.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,36 +18,39 @@ namespace scanmill {
 constexpr std::uint32_t kNoPoint = 0xFFFFFFFFu;
 
 enum class StripOrder {
-  Outward,  // like a photograph: straight ahead, or the middle of the field of view, in the middle, left on the left;
-            // each ring is shifted by whole columns so that upright things are upright in the image
-  Sensor,   // the first column on the left, no ring shifted
+  Outward,  // like a photograph: the middle shows straight ahead, or the middle of the field of view, and the left side
+            // shows the left; each ring is shifted by an integer number of columns, so that vertical things are
+            // vertical in the image
+  Sensor,   // the first column is on the left; no ring is shifted
 };
 
 struct RangeStrip {
-  Image image;                         // a row per ring, the highest beams on top
-  std::vector<std::uint32_t> pointAt;  // per pixel, index of the point; kNoPoint if none is shown
-  std::vector<std::uint32_t> pixelOf;  // per point, row * width + column, even if that pixel shows another point
-  bool ringsRise = false;              // ring 0 is the lowest beam, in the last row
+  Image image;                         // one row per ring, with the highest beams at the top
+  std::vector<std::uint32_t> pointAt;  // for each pixel, the index of the point that it shows; kNoPoint: none
+  std::vector<std::uint32_t> pixelOf;  // for each point, row * width + column, even if the pixel shows another point
+  bool ringsRise = false;              // true: ring 0 is the lowest beam and is in the last row
   StripOrder order = StripOrder::Sensor;
-  bool fullTurn = false;    // in the order Outward: straight ahead is in the middle
-  std::size_t columns = 0;  // of the sensor; the image is wider if rings of less than a revolution are shifted
+  bool fullTurn = false;  // true in the order Outward if the middle shows straight ahead
+  // Number of the sensor's columns; the image may be wider, if rings of less than a revolution are shifted.
+  std::size_t columns = 0;
 
-  // Returns the column and the row of a point.
+  // Returns the column and the row of a point in the image.
   std::pair<int, int> place(std::size_t point) const {
     const auto width = static_cast<std::uint32_t>(image.width);
     return {static_cast<int>(pixelOf[point] % width), static_cast<int>(pixelOf[point] / width)};
   }
 };
 
-// Draws the range image of a scan. `colors`: one per point. `shown`: one per point, or empty for all; points that are
-// not shown are skipped. If several points fall on one pixel, the nearest is shown. Throws InputError if the scan is
-// not organised and lacks ring or column, or is too large for a picture. A scan whose columns do not follow the azimuth
-// is laid out in the order Sensor. In both orders each beam has a pixel of its own. `beams`: the table of the scan's
-// sensor; null if unknown.
+// Draws the range image of a scan, with a separate pixel for each beam. `colors`: one per point. `shown`: for each
+// point, whether it is drawn; empty: all are. If several points are in the same pixel, the nearest is drawn. `beams`:
+// beam table of the sensor; null if unknown. If azimuths do not increase or decrease with the column, the order is
+// Sensor. Throws InputError if the scan is too large for a picture, or if it is not organised and has no columns ring
+// and column.
 RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
                           StripOrder order = StripOrder::Sensor, const BeamTable* beams = nullptr);
 
-// Returns "128 rings x 1024 columns, looking outward, straight ahead in the middle".
+// Returns a description of the image, such as "128 rings x 1024 columns, looking outward, straight ahead in the
+// middle".
 std::string describeStrip(const RangeStrip& strip, StripOrder wanted);
 
 }  // namespace scanmill

@@ -18,7 +18,8 @@ Projected ViewCamera::project(const Vec3d& point) const {
 }
 
 ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp) {
-  constexpr double kStandOff = 4;  // distance in radii of the ball: little foreshortening, 29 degrees across
+  constexpr double kStandOff = 4;  // distance from the centre, as a multiple of the ball's radius; gives little
+                                   // perspective and an angle of 29 degrees
   constexpr double kFilled = 0.97;
   OrbitCamera turned = presetCamera(view);
   if (closeUp) {
@@ -28,7 +29,7 @@ ViewCamera makeCamera(View view, int width, int height, double zoom, const std::
   }
   ViewCamera camera = turned.camera(width, height);
   if (closeUp) {
-    // The tangents from the eye to the ball touch the picture's edges.
+    // The ball's outline touches the edges of the picture.
     camera.focal = kFilled * std::min(width, height) / 2 * std::sqrt(kStandOff * kStandOff - 1);
     camera.nearest = closeUp->within;
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// The camera of a picture of a scan.
+// The camera for a picture of a scan.
 
 #include <array>
 #include <optional>
@@ -11,8 +11,8 @@
 namespace scanmill {
 
 enum class View {
-  Driver,  // from the sensor's origin, straight ahead
-  Above,   // straight down, x to the right and y up, without perspective
+  Driver,  // from the sensor's origin, looking straight ahead
+  Above,   // looking straight down, x to the right and y up, without perspective
   Chase,   // from behind and above the sensor
 };
 constexpr std::array<std::string_view, 3> kViewNames{"driver", "above", "chase"};
@@ -21,10 +21,10 @@ struct Projected {
   double x = 0;      // pixels from the left edge
   double y = 0;      // pixels from the upper edge
   double depth = 0;  // m along the line of sight
-  double scale = 0;  // pixels per metre at that depth
+  double scale = 0;  // pixels per metre at this depth
 };
 
-// The part of a scan to look at: the ball of radius `within` about `at`. Metres, sensor frame.
+// The part of a scan to show: a ball with centre `at` and radius `within` (m, sensor frame).
 struct CloseUp {
   Vec3d at;
   double within = 1;
@@ -32,26 +32,26 @@ struct CloseUp {
   bool holds(const Vec3d& point) const { return length(point - at) <= within; }
 };
 
-// A pinhole, or an orthographic camera. Points are in the sensor frame: x forward, y left, z up, metres.
+// A pinhole or orthographic camera. Points are in the sensor frame (m): x forward, y left, z up.
 struct ViewCamera {
   bool orthographic = false;
   Vec3d eye;
   Vec3d right{0, -1, 0};
   Vec3d down{0, 0, -1};
   Vec3d forward{1, 0, 0};
-  double focal = 1;    // pixels; orthographic: pixels per metre
+  double focal = 1;    // pixels; for orthographic cameras, pixels per metre
   double centerX = 0;  // pixels
   double centerY = 0;
 
-  double nearest = 0.5;  // m; nearer points are not seen
+  double nearest = 0.5;  // m; nearer points are not drawn
 
-  // Projects a point. x, y and scale are meaningless if the depth is below `nearest`.
+  // Projects a point. If its depth is less than `nearest`, x, y and scale are meaningless.
   Projected project(const Vec3d& point) const;
 };
 
-// Returns the camera for a picture of width x height pixels; `zoom` makes everything that many times larger. With a
-// close-up the camera keeps the view's direction, but is placed where the ball just fits into the picture; the
-// perspective is the same for a ball of any size.
+// Returns the camera for a picture of width x height pixels. `zoom` enlarges everything by this factor. With a
+// close-up, the camera looks in the direction of `view`, but is placed so that the ball just fits into the picture. The
+// perspective is the same for balls of all sizes.
 ViewCamera makeCamera(View view, int width, int height, double zoom, const std::optional<CloseUp>& closeUp = {});
 
 }  // namespace scanmill

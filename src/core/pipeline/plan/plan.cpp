@@ -181,7 +181,7 @@ Plan makePlan(Pipeline read, Channels kept) {
   }
   addDrawnChannels(pipeline, channels);
   if (pipeline.output.objects || tellsMovingClasses(pipeline)) channels |= Channel::Instance;
-  // Needed to distinguish mirrors and glass from dark surfaces.
+  // The material is needed to distinguish mirrors and glass from dark surfaces.
   if (pipeline.output.layout.reasons) channels |= Channel::Material;
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();

@@ -13,7 +13,7 @@ double mostSampleBytes(const Plan& plan) {
   constexpr double kObjects = 1000;       // assumed maximum number of objects near the sensors
   constexpr double kObject = 700;         // bytes of an object's entry without what the sensors see of the object
   constexpr double kView = 450;           // bytes of one sensor's view in an object's entry
-  // m added to twice the range, for noise and for the vehicle's motion during a revolution.
+  // Length (m) that is added to twice the range, for noise and for the vehicle's motion during a revolution.
   constexpr double kReserve = 10;
   const Pipeline& pipeline = plan.pipeline;
   const auto sensors = static_cast<double>(plan.sensors.size());

@@ -277,7 +277,7 @@ class StudyRun {
       if (scans.size() == kMostScans) break;
       tracer->trace(t.shot, plan_.channels, hits);
       const ShotSetup setup = setupOf(source_, scene_, *tracer, t.shot.sensor);
-      // First without timing, to allocate the buffers that later calls reuse.
+      // The first call is not timed: it allocates the buffers that later calls reuse.
       senseShot(setup, t.shot, hits, returns, scan);
       effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
       scans.push_back(scan);
