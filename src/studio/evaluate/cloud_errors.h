@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// If both clouds are empty, all values are zero. If only one cloud is empty, there are no distances, and `unmatched` is
-// the number of points in the other cloud.
+// Statistics of the distances between two point clouds. If both clouds are empty, all values are zero. If only one
+// cloud is empty, there are no distances, and `unmatched` is the number of points in the other cloud.
 struct CloudErrors {
   Spread to;             // from each true point to the nearest tested point (m)
   Spread from;           // from each tested point to the nearest true point (m)

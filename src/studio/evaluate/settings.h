@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// A setting as text.
+// A method with its options, as texts.
 struct Setting {
   std::string name;     // such as "depth_camera resolution=512 sampling=nearest"; only the method's name if all options
                         // have their defaults

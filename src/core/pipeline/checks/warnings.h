@@ -39,7 +39,7 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
 // Warns of drives that are asked to turn in a town without junctions, and of recorded drives that are implausible.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Warns of each sensor most of whose rays hit its own vehicle. `blocked`: the result of ShotSource::blockedShares().
+// Warns of each sensor most of whose rays hit the ego vehicle. `blocked`: the result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 }  // namespace scanmill

@@ -39,7 +39,7 @@ struct Plan {
   // Throws InputError if the method renders no passes that could be saved. Also throws for `method: auto` if it may
   // choose such a method.
   void requirePasses() const;
-  // Throws InputError if beams may fire several rays, if there is an own vehicle, or if mounts are random. In these
+  // Throws InputError if beams may fire several rays, if there is an ego vehicle, or if mounts are random. In these
   // cases hits and passes cannot be saved: recordings hold the scene alone, with one ray per beam.
   void requireOneRay() const;
 
@@ -66,7 +66,7 @@ Plan makePlan(Pipeline pipeline, Channels kept = {});
 Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
 
 // Returns lines that say what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its
-// rays that hit the own vehicle; empty if there is no own vehicle.
+// rays that hit the ego vehicle; empty if there is no ego vehicle.
 std::vector<std::string> modelled(const Plan& plan, std::span<const double> blocked);
 
 }  // namespace scanmill

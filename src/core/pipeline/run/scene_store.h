@@ -93,7 +93,7 @@ class SceneStore {
                                       // index identifies the scene
   mutable std::mutex mutex_;
   std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by the scene's index in sceneOf_
-  std::vector<Told> told_;                              // by sequence
+  std::vector<Told> told_;                              // indexed by sequence
   std::map<std::size_t, std::uint64_t> expected_;       // number of frames still expected for each scene
   std::uint64_t uses_ = 0;
   std::uint64_t largest_ = 0;  // size of the largest scene so far in bytes, including what its method has built

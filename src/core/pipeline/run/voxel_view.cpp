@@ -77,7 +77,7 @@ void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, do
 }
 
 // Returns the length of each beam's axis (m): the distance to its hit, or the maximum range. The length is 0 if the
-// beam is unresolved, or if it has no hit because the own vehicle blocks it.
+// beam is unresolved, or if it has no hit because the ego vehicle blocks it.
 std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
   std::vector<double> lengths(hits.size());
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {

@@ -22,7 +22,7 @@ struct SensorSetting {
   std::shared_ptr<const Effects> effects;
   // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit.
   const LightPaths* paths = nullptr;
-  std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the own vehicle; null: no own vehicle
+  std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the ego vehicle; null: no ego vehicle
 };
 
 struct FrameSettings {
@@ -30,10 +30,10 @@ struct FrameSettings {
   std::vector<DrawnValue> draws;  // the random values in these settings
 };
 
-// Hits on the own vehicle, one table per sensor; empty: no own vehicle.
+// Hits on the ego vehicle, one table per sensor; empty: no ego vehicle.
 using VehicleHits = std::vector<std::shared_ptr<const Hits>>;
 
-// Returns the settings with the mounts and effects in Pipeline::sensors. `vehicles`: hits on the own vehicle.
+// Returns the settings with the mounts and effects in Pipeline::sensors. `vehicles`: hits on the ego vehicle.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles);
 
 // The settings of a pipeline with random mounts or effects. Caches the settings of the most recently used sequences.
@@ -41,7 +41,7 @@ FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles);
 class DrawnSettings {
  public:
   // Returns the settings of a frame. `first`: the result of settingsOf(). traceVehicles(mounts) returns the sensors'
-  // hits on the own vehicle for these mounts.
+  // hits on the ego vehicle for these mounts.
   template <class TraceVehicles>
   std::shared_ptr<const FrameSettings> of(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame,
                                           const FrameSettings& first, const TraceVehicles& traceVehicles) {

@@ -63,7 +63,7 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
   Scene scene;
   scene.name = pipeline_.sequences[sequence].scene;
   scene.seed = pipeline_.sequences[sequence].sceneSeed;
-  scene.procedural = true;  // not known; if it were false, there would be a warning about several seeds
+  scene.procedural = true;  // a recording does not state this; with false, a warning about several seeds would appear
   scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
   scene.materials = recording.materials[recording.sequences[sequence].materials];
   const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();

@@ -31,7 +31,7 @@ struct Frame {
 // most recently used sequences; the caches do not change results. Safe to call from several threads.
 class ShotSource {
  public:
-  // Reads the own vehicle, if there is one, and traces each sensor's rays to it. The plan must outlive this object.
+  // Reads the ego vehicle, if there is one, and traces each sensor's rays to it. The plan must outlive this object.
   // Throws InputError.
   explicit ShotSource(const Plan& plan);
   explicit ShotSource(Plan&&) = delete;
@@ -59,8 +59,8 @@ class ShotSource {
   // Returns the settings and the shots of a frame. Throws InputError for the same reasons as settings() and drive().
   Frame frame(std::size_t sequence, std::uint32_t number);
 
-  // Returns for each sensor the fraction of its rays that hit the own vehicle, with the mounts of the first frame;
-  // empty if there is no own vehicle.
+  // Returns for each sensor the fraction of its rays that hit the ego vehicle, with the mounts of the first frame;
+  // empty if there is no ego vehicle.
   std::vector<double> blockedShares() const;
 
  private:
@@ -71,8 +71,8 @@ class ShotSource {
 
   const Plan& plan_;
   const Pipeline& pipeline_;
-  std::shared_ptr<const Scene> vehicle_;           // null: no own vehicle
-  std::shared_ptr<const FrameSettings> settings_;  // of the first frame of the first sequence
+  std::shared_ptr<const Scene> vehicle_;           // null: no ego vehicle
+  std::shared_ptr<const FrameSettings> settings_;  // settings of the first frame of the first sequence
   DrawnSettings drawn_;
   std::mutex mutex_;  // guards drives_
   // Trajectories that depend on scenes, by index of their sequence.

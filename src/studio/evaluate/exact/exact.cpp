@@ -54,7 +54,7 @@ struct ExactWorld {
 };
 
 struct Found {
-  double range;            // m
+  double range;            // distance of the hit along the beam (m)
   std::uint32_t placed;    // index into World::placed
   std::uint32_t triangle;  // index in its block
 };

@@ -28,7 +28,7 @@ constexpr std::size_t kTelling = 100;        // least number of windows in a gro
 constexpr double kTenth = -1.2815515655;     // 10 % quantile of the standard normal distribution
 constexpr double kMostNoise = 2.3263478740;  // 99 % quantile of the standard normal distribution
 
-// A beam of a window.
+// One beam of a patch's window, with its position in the window and its measured range.
 struct Cell {
   std::uint32_t row = 0;
   std::uint32_t column = 0;

@@ -103,11 +103,12 @@ struct Study {
   // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
   std::vector<std::string> refused;
   std::vector<RingFit> rings;
-  // The time to show a scan on the screen by number of rings, measured with the first setting, see
-  // StudyOptions::showScan. `setting` is empty. Nothing if it was not measured.
+  // The time to show a scan on the screen, depending on the number of rings (`setting` is empty). Measured with the
+  // first setting by StudyOptions::showScan; absent if it was not measured.
   std::optional<RingFit> showing;
-  std::vector<std::string> left;       // lines about measurements that were omitted for lack of time
-  std::vector<ErrorPicture> pictures;  // their `png` is not stored in the JSON, but in files beside it
+  std::vector<std::string> left;  // lines about measurements that were omitted for lack of time
+  // Lists the pictures; their contents are not stored in the JSON, but in files beside it.
+  std::vector<ErrorPicture> pictures;
 
   // Returns the costs and errors of all settings that were measured, in the order of `settings`.
   std::vector<Candidate> candidates() const;
