@@ -27,7 +27,7 @@ class Simulator {
 
   // Returns one scan per sensor, equal to those that `scanmill generate` makes with this pipeline for the frame number
   // `frame`, but with the vehicle at this pose. The frame number determines the noise. The vehicle stands still during
-  // the scan; moving objects are at their places of the time `time` (s since the drive began).
+  // the scan; moving objects are at their positions at `time` (s since the drive began).
   std::vector<SimulatedScan> scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const;
 
   const Plan& plan() const { return plan_; }

@@ -24,7 +24,7 @@ struct ComputeContext;  // the state that a device shares with its buffers and p
 // The wording of errors of a device and of its buffers and programs. A message is "<cannot>: <reason>; <instead>".
 struct ComputeErrorWords {
   std::string cannot;   // such as "particles cannot fly by OpenGL"
-  std::string instead;  // such as "'backend: cpu' does without it"
+  std::string instead;  // such as "'backend: cpu' does without it", the advice in messages
 };
 
 class ComputeDevice {

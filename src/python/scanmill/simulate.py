@@ -29,7 +29,7 @@ def load_scene(path: Path, seed: int = 1, labels: str | None = None, moving: boo
     """Returns a scene by the path of its file, or by the name of a scene that comes with the program, such as "town".
 
     `seed` determines the procedural parts of the scene. `labels` replaces the scene's ontology (a file, or a name such
-    as "semantic_kitti"). With moving=False, moving objects stay at their places of the time 0 s, so that all methods
+    as "semantic_kitti"). With moving=False, moving objects stay at their positions at time 0 s, so that all methods
     can trace the scene. Nothing is read before the first scan.
     """
     return Scene(path, seed, labels, moving)

@@ -54,8 +54,8 @@ struct Chart {
   std::string title{};
   std::string note{};  // text below the title: what is shown, from which data
   ChartAxis x{}, y{};
-  // A vertical bar stands on the x axis at the name with index point.x. If the y axis has names, bars are horizontal,
-  // and each starts at the name with index point.y.
+  // The series of the chart. A vertical bar is drawn at the name with index point.x on the x axis. If the y axis has
+  // names, bars are horizontal and are drawn at the name with index point.y.
   std::vector<ChartSeries> series{};
   bool stacked = false;  // stacks bars that have the same name; only for linear axes
   int width = 860;       // pixels

@@ -355,7 +355,7 @@ class SvgDrawing {
         }
       }
     }
-    // Place the labels of series with labelsFirst first, then those of emphasised series, then the others.
+    // Place the labels of labelsFirst series first, then the labels of emphasised series, then all other labels.
     for (const int rank : {0, 1, 2}) {
       for (const ChartSeries& s : chart_.series) {
         if (rank == (s.labelsFirst ? 0 : s.emphasised ? 1 : 2)) labels(s);

@@ -285,8 +285,8 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
-  // Names of objects often contain the words of these concepts, for what the objects are made of or used for: sandstone
-  // walls, water towers, floor lamps.
+  // Names of objects often contain the words of these concepts for another reason: stone or sand as material, water and
+  // floor as use, as in water towers and floor lamps.
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();

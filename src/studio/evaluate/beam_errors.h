@@ -57,9 +57,9 @@ struct SizeRecall {
   std::string name;
   double low = 0, high = 0;       // m, ends of the size range; the upper end is excluded
   std::uint64_t things = 0;       // number of instances of this size
-  std::uint64_t thingsFound = 0;  // number of these instances that a beam of the tested method hits too
+  std::uint64_t thingsFound = 0;  // number of instances of this size that a beam of the tested method hits too
   std::uint64_t beams = 0;        // number of beams whose true hit is on an instance of this size
-  std::uint64_t beamsFound = 0;   // number of these beams whose tested hit is on the same instance
+  std::uint64_t beamsFound = 0;   // number of beams counted in `beams` whose tested hit is on the same instance
 };
 
 // The errors of all beams, and of groups of beams. A beam is grouped by its true hit; if it has none, by its tested

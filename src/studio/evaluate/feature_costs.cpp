@@ -240,7 +240,7 @@ class Features {
 
   const Pipeline& pipeline_;
   Variant whole_;
-  Variant again_;  // the same as whole_; shows how much the times of equal frames differ
+  Variant again_;  // a second copy of whole_, which shows by how much measured times of equal frames differ
   std::vector<Variant> variants_;
 };
 

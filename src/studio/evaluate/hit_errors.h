@@ -26,8 +26,8 @@ struct HitErrors {
   // Interior beams that miss with both methods, or hit with the same class and instance.
   std::uint64_t interiorAgree = 0;
   Spread range;             // |tested - reference range| of the beams in bothHit (m)
-  Spread rangeSameSurface;  // the same for beams with the same instance and class
-  Spread rangeInterior;     // the same for interior beams in bothHit
+  Spread rangeSameSurface;  // |tested - reference range| of beams in bothHit with the same instance and class (m)
+  Spread rangeInterior;     // |tested - reference range| of interior beams in bothHit (m)
 };
 
 // Compares hits, which must have the channels Range, Instance and Semantic. `edges`: for each beam 1 if it is near an

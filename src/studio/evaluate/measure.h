@@ -24,7 +24,7 @@ struct Cost {
   double fastest = 0;
   double slowest = 0;
   std::map<std::string, double> stages;  // s per scan, as the method reports it, summed over its threads
-  std::uint64_t memoryBytes = 0;         // as the method reports it
+  std::uint64_t memoryBytes = 0;         // bytes of memory that the method reports
   std::uint64_t residentBytes = 0;       // growth of the process's resident memory; 0 if it did not grow
 
   double beamsPerSecond(std::uint64_t beamsPerScan) const {

@@ -20,7 +20,7 @@ struct PassPlane {
   // Returns the value of a pixel as text, such as "depth: 12.34 m" or "semantic: car (6)"; empty outside of the image.
   std::function<std::string(int column, int row)> value;
   std::string note;  // the range of values that the colours show; may be empty
-  Legend legend;     // for classes, materials and fractions; otherwise empty
+  Legend legend;     // names and colours of classes or materials, or the scale of fractions; empty for other planes
 };
 
 // Reads all planes of an EXR file of render passes or hits; the file is not needed afterwards. Depth is coloured on a

@@ -18,7 +18,7 @@ constexpr double kWider = 1.1;
 constexpr double kDriving = 0.5;   // m/s; the heading of slower vehicles is not checked
 constexpr double kAhead = 0.7071;  // cosine of 45 degrees: the largest angle between the velocity and the box's x axis
 constexpr std::size_t kMostHeadings = 5;
-// Times when velocities are checked (s); a vehicle may stand at first and drive later.
+// Times at which velocities are checked (s). A vehicle may stand still at first and drive later.
 constexpr double kTimes[] = {0, 1, 3, 10};
 
 bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {

@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Checks a sequence in its scene, with all objects at their places of the time 0 s. Warns of sensors below the scene's
+// Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors below the scene's
 // surfaces, far above them or beyond their range, of sensors inside of objects, of paths through walls and of paths
 // that leave the ground. Gives each kind of warning at most once per sensor. Moving objects are not checked.
 std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);

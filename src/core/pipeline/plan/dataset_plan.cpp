@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Makes the plan of the pipeline that the manifest holds as text. `file`: the path that is assumed for the pipeline;
-// paths in the text are relative to its folder.
+// Makes the plan of the pipeline whose text is in the manifest. `file`: the path that is assumed for the pipeline;
+// relative paths in the text start at the folder of `file`.
 Plan planAt(const Manifest& manifest, const fs::path& file) {
   Plan plan = makePlan(readPipelineText(manifest.pipelineText, file));
   if (plan.pipeline.method.automatic && manifest.chosen) return chosenAgain(plan, *manifest.chosen);

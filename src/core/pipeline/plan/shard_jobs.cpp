@@ -24,7 +24,7 @@ namespace scanmill {
 
 namespace {
 
-// Adds a YAML value's contents to a hash, but not the file and line where the value stands.
+// Adds a YAML value's contents to a hash, without its file and line number.
 void addValue(const Value& value, const std::function<void(std::string_view)>& add) {
   add(fmt::format("{}", static_cast<int>(value.kind)));
   add(value.text);

@@ -29,7 +29,7 @@ class DrawnSensors {
   struct Written {
     Value effects;              // the pipeline's key `effects`; Null: no effects
     std::vector<Value> mounts;  // one per sensor
-    // The sensors' own keys, one map per sensor; the key `effects` may hold distributions.
+    // One map of keys per sensor. The key `effects` may contain distributions.
     std::vector<Value> descriptions;
   };
 

@@ -7,7 +7,7 @@
 //   scenes:
 //     - scene: ../scenes/street.yaml
 //       seeds: [1, 2, 3]             # one sequence for each seed; default [1]
-//       moving: true                 # false: moving objects stay at their places of the time 0 s
+//       moving: true                 # false: moving objects stay at their positions at time 0 s
 //       without: [car, 17]           # classes, object names or instance ids to remove from the scene
 //       trajectories: [...]          # default: the pipeline's key `trajectories`
 //   trajectories:                    # see sensors/trajectory.h

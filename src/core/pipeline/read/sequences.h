@@ -18,14 +18,14 @@ namespace scanmill {
 
 // One scene with one procedural seed, driven along one trajectory. All its frames belong to the same split.
 struct Sequence {
-  std::string scene;  // keyPart() of the scene file's name without its suffix
+  std::string scene;  // the scene file's name without its suffix, in the form of keyPart()
   std::filesystem::path sceneFile;
   std::uint64_t sceneSeed = 1;
   std::shared_ptr<const Trajectory> trajectory;  // null if the shots come from a recording
   std::string trajectoryName;
   std::uint32_t frames = 0;
   std::string split;
-  bool moving = true;               // false: objects stay at their places of the time 0 s
+  bool moving = true;               // false: objects stay at their positions at time 0 s
   std::vector<Value> without = {};  // classes, names or ids of objects to remove from the scene, see scene/without.h
 
   bool sameScene(const Sequence& other) const;

@@ -27,7 +27,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kStartSeconds = 0.1;  // s, for reading the pipeline and finishing the dataset
-// Height above the vehicle's origin (m). Lower sensors are taken to be mounted at the origin, which is on the ground.
+// Height above the vehicle's origin (m). The origin is on the ground; lower sensors count as mounted at the origin.
 constexpr double kLowMount = 0.5;
 
 // Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which

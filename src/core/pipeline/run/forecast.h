@@ -29,7 +29,7 @@ struct Forecast {
 // The costs of a pipeline's scenes and frames on this machine.
 struct SampleCosts {
   int threads = 0;                 // number of threads that work at a time
-  int cores = 0;                   // number of cores that these threads run on
+  int cores = 0;                   // number of processor cores that the threads run on
   double sceneSeconds = 0;         // processor time to set up a scene (s), averaged over the pipeline's scenes
   double slowestSceneSeconds = 0;  // wall time to set up the slowest scene with all threads (s)
   double frameSeconds = 0;         // time that one thread takes for a frame while all threads work (s)

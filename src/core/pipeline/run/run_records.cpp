@@ -22,7 +22,7 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
 }
 
 // Counts the points of each class and the different instances of a scan. Consecutive points mostly have the same class
-// and instance, so such a group of points is counted in one step.
+// and instance, so a group of points with the same class and instance is counted in one step.
 void countPoints(const Scan& scan, ScanRecord& record) {
   std::vector<std::uint64_t> perClass;
   std::vector<std::uint32_t> instances;

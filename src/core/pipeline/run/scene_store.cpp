@@ -129,8 +129,8 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const Sequence& own = pipeline.sequences[sequence];
     loading_(own);
     ReadyScene& ready = slot.ready;
-    ::malloc_trim(
-        0);  // returns the memory of unloaded scenes to the system, since the allocator would retain it for each thread
+    // Returns the memory of unloaded scenes to the system, since the allocator would retain it for each thread.
+    ::malloc_trim(0);
     ready.scene = source_.load(sequence);
     ready.method = source_.method(ready.scene);
     if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);

@@ -105,8 +105,8 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
 std::vector<Affine> gridFromSteps(const Shot& shot) {
   const Pose& front = shot.worldFromSensor.front();
   const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
-  std::vector<Affine> gridFromStep;  // positions are subtracted first, since they may be far from the world's origin
-                                     // and would lose precision
+  std::vector<Affine> gridFromStep;  // one transform per pose; translations are subtracted before rotation, since large
+                                     // world coordinates lose precision
   for (const Pose& pose : shot.worldFromSensor) {
     gridFromStep.push_back(
         {frontFromWorld * toMatrix(pose.rotation), frontFromWorld * (pose.translation - front.translation)});

@@ -25,11 +25,12 @@ constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
 constexpr double kHalfLength = 2;  // half of a vehicle's length (m)
 constexpr double kStep = 4;        // length of an arc (m); a path consists of such arcs
 constexpr double kTightest = 6;    // minimum radius of an arc (m)
-constexpr double kFromEdge = 2;    // m from the vehicle's middle to the edge of the road on its side
+// m from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
+constexpr double kFromEdge = 2;
 // If the edge is at least this far away (m), the surface counts as an open place, not as a road.
 constexpr double kOpen = 12;
 constexpr double kWishLasts = 24;     // m of path after which a vehicle in an open place chooses again whether to turn
-constexpr double kTurns = 0.4;        // probability of turning at such a choice
+constexpr double kTurns = 0.4;        // probability that a vehicle in an open place chooses to turn
 constexpr int kLook = 12;             // m that are tested beyond the end of an arc
 constexpr int kStarts = 24;           // maximum number of starting points
 constexpr int kMostTurnsBack = 2000;  // maximum number of backtracking steps of a search
@@ -54,8 +55,8 @@ class FreeSurface {
   FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
       : probe_(probe), classes_(std::move(classes)) {}
 
-  // Returns the height of the surface at a place (m). Returns nothing if the surface there is more than 1.5 m above or
-  // below the cell of the place or of another class, or if something is less than kClear above it.
+  // Returns the height of the surface at a place (m). Returns nothing if there is no surface of the given classes at
+  // most about 1.5 m above or below the place, or if something is less than kClear above the surface.
   std::optional<double> height(const Vec3d& place) const {
     const auto cell = [](double d) { return static_cast<std::int64_t>(std::floor(d / kCell)); };
     const auto layer = static_cast<std::int64_t>(std::floor(place.z));

@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the surfaces of a scene on which vehicles stand.
+// Finds the ground of a scene: the surfaces on which vehicles can stand.
 
 #include <vector>
 

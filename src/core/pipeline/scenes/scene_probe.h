@@ -26,7 +26,7 @@ class SceneProbe {
   };
 
   // Traces rays with `method` if `entry` says that it is exact, otherwise with a reference method that this object
-  // creates. Objects are at their places of the time 0 s. The scene and the method must outlive this object.
+  // creates. Objects are at their positions at time 0 s. The scene and the method must outlive this object.
   explicit SceneProbe(const Scene& scene, const Method* method = nullptr, const MethodEntry* entry = nullptr);
 
   const Scene& scene() const { return scene_; }

@@ -13,7 +13,7 @@ namespace scanmill {
 
 // Measures ShareBound::found for each of the scene's bounds: the fraction of hits that have one of the bound's classes.
 // The hits are those of a sensor with 64 rings and a range of 100 m, at poses along the polyline `lane` (world frame,
-// m), 1.73 m above it. Objects are at their places of the time 0 s.
+// m), 1.73 m above it. Objects are at their positions at time 0 s.
 void measureShares(Scene& scene, const std::vector<Vec3d>& lane);
 
 // Reads a scene file like readScene(). If its town bounds the shares of classes among the hits, varies the number of

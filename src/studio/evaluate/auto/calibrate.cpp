@@ -117,7 +117,7 @@ class Calibrator {
   }
 
   // Excludes methods that ignore motion if objects of the scene move. The other methods are measured with all objects
-  // at their places of the time 0 s.
+  // at their positions at time 0 s.
   static void refuseStill(Calibration& calibration) {
     for (CalibratedSetting& row : calibration.settings) {
       const MethodEntry& entry = *row.setting.choice.entry;

@@ -39,9 +39,10 @@ struct DatasetReport {
   bool hashed = false;                   // true: the SHA-256 of shards were compared
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
-  std::vector<PicturedScan> reasonImages;  // reasons of the same scans, if the dataset has them
-  ObjectCounts objects;                    // counts over the samples whose scans were read for figures
-  std::string view;                        // JSON of the scans for the 3D view, see scanView()
+  // Images of the reasons of the pictured scans; empty if the dataset has no reasons.
+  std::vector<PicturedScan> reasonImages;
+  ObjectCounts objects;  // counts over the samples whose scans were read for figures
+  std::string view;      // JSON of the scans for the 3D view, see scanView()
   std::uint64_t seed = 0;
 };
 

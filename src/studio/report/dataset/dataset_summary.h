@@ -32,8 +32,9 @@ struct ClassSummary {
   std::vector<std::uint64_t> ranges{};  // number of points in each step of DatasetSummary::steps
   // Number of instances with points of the class. The same id in several scans of a sequence is one instance.
   std::uint64_t objects = 0;
-  std::uint64_t views = 0;  // number of pairs of such an instance and a scan that shows it
-  double medianPoints = 0;  // median number of points of the class over these pairs
+  // Number of (instance, scan) pairs in which the scan shows points of the class on the instance.
+  std::uint64_t views = 0;
+  double medianPoints = 0;  // median number of points of the class over all (instance, scan) pairs
   std::uint64_t pointsWithoutId = 0;
 };
 
@@ -74,7 +75,7 @@ struct ThingSummary {
   // The scan with the largest number of the object's points:
   std::string bestSample{}, bestSensor{};
   std::uint64_t bestPoints = 0;
-  Box bestBox{};  // bounding box of the object's points in this scan's level frame
+  Box bestBox{};  // bounding box of the object's points in the level frame of bestSample
 };
 
 // Least number of an object's points in a scan that shows the object well.

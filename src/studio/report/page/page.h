@@ -37,7 +37,7 @@ std::string fillPage(std::string_view body, Json values, const PageExtras& extra
 
 // Returns a chart in the form that templates need; null if it has no points.
 Json chartValues(const Chart& chart);
-// Returns several charts in this form, as an object with their names as keys.
+// Returns several charts as an object {chart's name: chartValues(chart)}.
 Json chartValues(const std::vector<Chart>& charts);
 
 // Quotes a word for a shell command, if necessary. `quote`: quotes it in any case.

@@ -36,7 +36,7 @@ struct PatchGroup {
   std::uint64_t points = 0;  // points in the measured halves of the patches
   double sigma = 0;          // m, after removing the effect of the step
   double error = 0;          // standard error of sigma (m), by bootstrap over the patches
-  double withStep = 0;       // the same deviation including the effect of the step (m)
+  double withStep = 0;       // standard deviation of the ranges, including the effect of rounding to the step (m)
   double planeSigma = 0;     // deviation from planes (m), which includes ring offsets, curvature and motion
   double unevenness = 0;     // spread of the patches' variances / spread for patches of equal noise
   MeasuredShare dropOut;
@@ -46,7 +46,7 @@ struct PatchGroup {
 struct NoiseFit {
   std::vector<std::string> files;  // file names without folders
   std::size_t patches = 0;         // number of patches that the fit uses
-  std::uint64_t points = 0;        // number of points in these patches
+  std::uint64_t points = 0;        // number of points in the patches that the fit uses
   std::uint64_t returns = 0;       // number of returns of all beams
   std::uint64_t beams = 0;
   double step = 0;                     // step to which the sensor rounds ranges (m); 0 if none was found

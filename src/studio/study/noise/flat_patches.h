@@ -58,7 +58,7 @@ struct FlatPatch {
   double planeFreedom = 0;
   std::vector<double> residuals;  // m, from the lines, divided by sqrt(1 - leverage) so that all have equal variance
   std::uint32_t enclosed = 0;     // number of measured beams whose neighbours have returns on the plane
-  std::uint32_t holes = 0;        // number of these beams that have no return
+  std::uint32_t holes = 0;        // number of enclosed beams that have no return
 };
 
 // Arranges the beams of a table as an image, in which each ring is shifted by its azimuth offset. Neighbours in the

@@ -16,7 +16,7 @@ namespace scanmill {
 struct ResidualSpread {
   std::vector<double> residuals;  // m, deviations from lines, see FlatPatch::residuals
   double deviation = 0;       // typical standard deviation (m), see commonDeviation(); includes the rounding of ranges
-  double planeDeviation = 0;  // the same for deviations from planes (m)
+  double planeDeviation = 0;  // typical standard deviation of the ranges from the patches' planes (m)
 };
 
 // Recorded and simulated patches, either at steep or at grazing incidence.

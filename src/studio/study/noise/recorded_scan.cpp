@@ -89,7 +89,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
                                         scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
   }
   std::vector<BeamPoint> points;
-  // Beams with a point; if returns are not numbered, the first in the file counts.
+  // True for beams of which a point has been found. If returns are not numbered, a beam's first point in the file
+  // counts.
   std::vector<bool> taken(beams.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);

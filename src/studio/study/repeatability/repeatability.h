@@ -41,7 +41,8 @@ struct RepeatedPlace {
 
 struct RepeatedView {
   std::size_t method = 0;  // index in Repeatability::methods
-  // Such as "small_box front": scene, seed if there are several, trajectory, and sensor if there are several.
+  // The view's name, such as "small_box front". It consists of the scene, the seed and the sensor if there are several,
+  // and the trajectory.
   std::string name;
   std::string sensor;  // such as "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;

@@ -57,8 +57,8 @@ const std::array<Need, 4> kNeeds{{
     {.name = "speed at any price", .limits = ""},
 }};
 
-// The sentences of the advice. A sentence is used in advice of its kind if its fact is present; sentences keep this
-// order.
+// A sentence of the advice, which is written in advice of the kind `kind` if `fact` is among the facts of a setting.
+// Sentences are written in the order of kSentences.
 struct Sentence {
   const char* kind;
   const char* fact;

@@ -108,7 +108,7 @@ void describe(Archive& a, StudyScene& s) {
   a("key", s.key)("triangles", s.triangles)("frames", s.frames);
 }
 
-// `png` is not part of the JSON; it is stored in a file beside it.
+// The contents of the picture are not part of the JSON; they are stored in a file beside it.
 template <class Archive>
 void describe(Archive& a, ErrorPicture& p) {
   a("setting", p.setting)("title", p.title);

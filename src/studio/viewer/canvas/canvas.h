@@ -62,8 +62,9 @@ struct ItemLook {
   bool round = false;       // draws points as discs instead of squares
 };
 
-// The overlay is drawn on top of the views: the triangles of panels and their text. The colours of each triangle are
-// multiplied by those of an image. Later triangles are on top of earlier ones.
+// A corner of a triangle of the overlay. The overlay is drawn on top of the views: the triangles of panels and their
+// text. The colours of each triangle are multiplied by the colours of an image. Later triangles are on top of earlier
+// ones.
 struct OverlayVertex {
   float x = 0;  // pixels of the canvas
   float y = 0;

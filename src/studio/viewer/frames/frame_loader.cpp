@@ -245,7 +245,7 @@ std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) 
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   while (!s.meshShows(scene)) {
-    if (!s.meshMissing()) {  // otherwise, wait until another thread's mesh is loaded
+    if (!s.meshMissing()) {  // if another thread's mesh is missing, it is loaded first
       s.wantedMesh = scene;
       s.work.notify_all();
     }

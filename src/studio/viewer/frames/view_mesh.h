@@ -62,7 +62,7 @@ constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 // kMostViewTriangles triangles, returns a mesh without triangles whose `problem` states this.
 ViewMesh makeViewMesh(const Scene& scene);
 
-// Reads a scene without its textures and builds its mesh. Moving objects are at their places of the time `time` (s
+// Reads a scene without its textures and builds its mesh. Moving objects are at their positions at `time` (s
 // since the drive began). `ontology`: file that replaces the scene's ontology; empty: none. If the scene cannot be
 // read, does not throw but sets `problem`.
 ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time = 0,

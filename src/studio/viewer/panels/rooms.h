@@ -33,8 +33,8 @@ struct PanelRooms {
 
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs);
 
-// Returns the height (pixels) at which a range image is drawn on a canvas of the given size: a multiple of the image's
-// number of rows, if such a height fits.
+// Returns the height (pixels) at which a range image of `imageHeight` rows is drawn on a canvas of the given size. It
+// is a multiple of imageHeight if such a height fits.
 int stripHeight(int imageHeight, int width, int height);
 
 // Divides `body` into a grid of exactly `parts` equal rectangles with gaps of `gap` pixels; each rectangle has at least

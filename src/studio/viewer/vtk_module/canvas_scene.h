@@ -34,7 +34,7 @@ class CanvasScene {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  // These functions are described at Canvas.
+  // These functions have the same effects as the functions of Canvas with the same names.
   void resize(int width, int height);
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
