@@ -1,6 +1,6 @@
 #pragma once
 
-// Turns scans into numpy arrays, which take over the memory of the columns: nothing is copied.
+// Converts scans to numpy arrays. The arrays take over the memory of the scan's columns, so that nothing is copied.
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -22,8 +22,9 @@ pybind11::array_t<T> arrayOf(std::vector<T>&& values, const std::vector<pybind11
   return pybind11::array_t<T>(shape, data, owner);
 }
 
-// Returns `xyz`, float32 of the shape (points, 3), and each column of the scan under its name and in its own type, of
-// the shape (points,). In an organised scan the shapes are (planes * rings, columns, 3) and (planes * rings, columns).
+// Returns a dictionary of arrays: "xyz", float32 of the shape (points, 3), and each column of the scan by its name, of
+// the column's type and the shape (points,). If the scan is organised, the shapes are (planes * rings, columns, 3) and
+// (planes * rings, columns).
 inline pybind11::dict arraysOf(Scan&& scan) {
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
   std::vector<pybind11::ssize_t> shape;

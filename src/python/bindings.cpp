@@ -1,5 +1,5 @@
 // The extension module scanmill._core: datasets and simulation as numpy arrays. Users call the functions in
-// scanmill/*.py, whose docstrings give shapes and units; _core.pyi has the types.
+// scanmill/*.py, whose docstrings state shapes and units. The types are in _core.pyi.
 
 #include <dlfcn.h>
 #include <pybind11/pybind11.h>
@@ -31,8 +31,8 @@ namespace scanmill {
 
 namespace {
 
-// Sets SCANMILL_RESOURCES to the folder `share` beside this module, which comes with the package, unless it is set
-// already.
+// Sets the environment variable SCANMILL_RESOURCES to the package's folder `share` beside this module, unless the
+// variable is already set.
 void findResources() {
   Dl_info here{};
   if (::dladdr(reinterpret_cast<const void*>(&findResources), &here) == 0 || here.dli_fname == nullptr) return;
@@ -52,7 +52,8 @@ py::array_t<double> matricesOf(const std::vector<Pose>& poses) {
   return arrayOf(std::move(values), {static_cast<py::ssize_t>(poses.size()), 4, 4});
 }
 
-// Returns the beam table of a dataset's sensor as arrays of rings x columns, which include beams that miss.
+// Returns the beam table of a dataset's sensor as arrays of the shape rings x columns, with all beams, even those
+// without returns.
 py::object beamsOf(const ScanStore& store, const std::string& sensor, double time) {
   const std::shared_ptr<const BeamTable> table = store.beams(sensor, time);
   if (table == nullptr || table->direction.empty()) {
@@ -73,7 +74,7 @@ py::object beamsOf(const ScanStore& store, const std::string& sensor, double tim
   return beams;
 }
 
-// Returns the manifest without its samples; record() returns these one by one.
+// Returns the manifest as JSON without its samples; recordOf() finds the record of each sample.
 std::optional<std::string> manifestOf(const ScanStore& store) {
   if (store.manifest() == nullptr) return {};
   Manifest head = *store.manifest();
@@ -91,8 +92,8 @@ const SampleRecord* recordOf(const ScanStore& store, std::size_t sample) {
   return found == all.end() ? nullptr : &*found;
 }
 
-// Adds missing columns as empty arrays. A dense scan without points has no columns; with empty ones, programs need no
-// special case for it.
+// Adds missing columns as empty arrays. A dense scan without points has no columns; with empty arrays instead, callers
+// need no special case.
 void addEmptyColumns(const std::vector<std::string>& names, py::dict& arrays) {
   for (const std::string& name : names) {
     const std::size_t index = columnIndex(name);
@@ -112,7 +113,7 @@ py::dict readScan(const ScanStore& store, std::size_t sample, const std::string&
     if (columns) {
       std::vector<std::string> there =
           scan.size() == 0 && store.manifest() != nullptr ? store.manifest()->columns : columnNames(scan);
-      there.erase(there.begin(), there.begin() + 3);  // x, y, z
+      there.erase(there.begin(), there.begin() + 3);  // removes x, y and z, which come first
       for (const std::string& name : *columns) {
         if (std::find(there.begin(), there.end(), name) != there.end()) continue;
         throw InputError({store.path().string()}, "the scan of " + store.keys().at(sample) + " has no column '" + name +

@@ -1,10 +1,10 @@
-"""Builds wheels of the package by CMake (PEP 517), with nothing but the standard library.
+"""Builds wheels of the package with CMake (PEP 517), using only Python's standard library.
 
-`pip install .` calls build_wheel(); `pip install -e .` is not supported. What the extension needs besides Python is what
-`scripts/setup` installs. An existing build is used again where the environment variable SCANMILL_BUILD names its folder.
+`pip install .` calls build_wheel(); `pip install -e .` is not supported. `scripts/setup` installs the libraries that
+the extension needs. If the environment variable SCANMILL_BUILD names a build folder, that build is used.
 
-With SCANMILL_BUNDLE=1 the wheel has the program and all libraries, for machines without a compiler, root or Debian:
-`scripts/packages` makes it so. What is heavy and seldom needed stays out (LEFT_OUT).
+With SCANMILL_BUNDLE=1 the wheel contains the program and all libraries, for machines without a compiler, root or
+Debian; `scripts/packages` uses this. Large libraries that are seldom needed are left out (LEFT_OUT).
 """
 
 import base64
@@ -40,12 +40,12 @@ def metadata():
 def tag():
     interpreter = "cp" + sysconfig.get_config_var("py_version_nodot")
     platform = sysconfig.get_platform().replace("-", "_").replace(".", "_")
-    if bundled():  # pip refuses it where glibc is older
+    if bundled():  # pip then refuses the wheel on systems with an older glibc
         platform = platform.replace("linux", "manylinux_" + os.confstr("CS_GNU_LIBC_VERSION").split()[1].replace(".", "_"))
     return f"{interpreter}-{interpreter}-{platform}"
 
 
-# Modules that a bundled wheel lacks: images other than PNG and JPEG (OpenImageIO brings 200 MB of codecs), heights (GDAL).
+# Plug-ins that a bundled wheel leaves out: images except PNG and JPEG (OpenImageIO has 200 MB of codecs), rasters (GDAL).
 LEFT_OUT = ("libscanmill_images.so", "libscanmill_rasters.so")
 
 
@@ -54,7 +54,7 @@ def bundled():
 
 
 def bundle(build, package):
-    """Brings the program and what it and the extension link into the package."""
+    """Copies the program into the package, with all libraries that the program and the extension are linked to."""
     if not (build / "scanmill").exists():
         sys.exit(f"error: SCANMILL_BUNDLE wants a build with the program: name one by SCANMILL_BUILD ({build} has none)")
     (package / "bin").mkdir()
@@ -67,7 +67,7 @@ def bundle(build, package):
 
 
 def check_interpreter(build):
-    """Stops where the build's extension is for another Python than the one that shall import it."""
+    """Exits with a message if the build's extension is for another version of Python than the one that is running."""
     cache = (build / "CMakeCache.txt").read_text()
     found = re.search(r"^PYTHON_MODULE_EXTENSION:\w+=(.*)$", cache, re.MULTILINE)
     wanted = sysconfig.get_config_var("EXT_SUFFIX")
@@ -81,7 +81,7 @@ def check_interpreter(build):
 
 
 def built():
-    """The folder into which CMake has installed the package."""
+    """Builds the package and returns the folder into which CMake has installed it."""
     build = Path(os.environ.get("SCANMILL_BUILD", ROOT / "build" / "python"))
     if not (build / "CMakeCache.txt").exists():
         options = ["-DCMAKE_BUILD_TYPE=Release", "-DSCANMILL_STUDIO=OFF", "-DSCANMILL_TESTS=OFF", "-DSCANMILL_PYTHON=ON",
@@ -115,7 +115,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
         for where, data in [(n, p.read_bytes()) for n, p in files.items()] + [(n, t.encode()) for n, t in texts.items()]:
             digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
             record.append(f"{where},sha256={digest},{len(data)}")
-            entry = zipfile.ZipInfo(where, (1980, 1, 1, 0, 0, 0))  # the same wheel whenever it is made
+            entry = zipfile.ZipInfo(where, (1980, 1, 1, 0, 0, 0))  # a constant time makes the wheel reproducible
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o100755 if where in files and os.access(files[where], os.X_OK) else 0o100644) << 16
             wheel.writestr(entry, data)

@@ -1,6 +1,6 @@
 #pragma once
 
-// One scene with its sensors and its method, for scans from any pose.
+// A scene with its sensors and a method: makes scans from any pose.
 
 #include <cstdint>
 #include <filesystem>
@@ -16,18 +16,18 @@ namespace scanmill {
 
 struct SimulatedScan {
   Scan scan;
-  std::vector<Pose> worldFromSensor;  // one per step of the revolution
+  std::vector<Pose> worldFromSensor;  // sensor pose at each step of the revolution
 };
 
-// Safe to use from several threads.
+// Makes scans of one scene. Safe to use from several threads.
 class Simulator {
  public:
-  // `pipeline`: the text of a pipeline with one sequence; its relative paths start at `folder`. Throws InputError.
+  // `pipeline`: text of a pipeline with one sequence. Relative paths in the text start at `folder`. Throws InputError.
   Simulator(const std::string& pipeline, const std::filesystem::path& folder);
 
-  // Returns one scan per sensor, as `scanmill generate` makes them with this pipeline if the vehicle is at this pose:
-  // the same `frame` has the same noise. The vehicle stands still during the scan; objects of the scene are where they
-  // are at `time` (s since the drive began).
+  // Returns one scan per sensor, equal to those that `scanmill generate` makes with this pipeline for the frame number
+  // `frame`, but with the vehicle at this pose. The frame number determines the noise. The vehicle stands still during
+  // the scan; moving objects are at their positions at `time` (s since the drive began).
   std::vector<SimulatedScan> scan(const Pose& worldFromVehicle, double time, std::uint32_t frame) const;
 
   const Plan& plan() const { return plan_; }
@@ -35,7 +35,7 @@ class Simulator {
 
  private:
   Plan plan_;
-  mutable ShotSource source_;  // safe to call from any thread
+  mutable ShotSource source_;  // its functions may be called from any thread
   Scene scene_;
   std::unique_ptr<Method> method_;
 };

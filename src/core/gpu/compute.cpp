@@ -20,7 +20,7 @@ struct ComputeContext {
     throw Error(fmt::format("{}: {}; {}", words.cannot, why, words.instead));
   }
 
-  // Runs the work, and rethrows its errors as Error in the device's words.
+  // Calls `work` and returns its result. Converts exceptions of the plug-in to Error with the wording of `words`.
   template <class Work>
   decltype(auto) told(const Work& work) const {
     try {
@@ -124,7 +124,7 @@ ComputeBuffer::~ComputeBuffer() {
 
 void ComputeBuffer::reserve(std::uint64_t bytes) {
   if (bytes <= bytes_) return;
-  bytes_ = 0;  // the size is unknown if resizing fails
+  bytes_ = 0;  // size unknown until resizing has succeeded
   context_->told([&] { context_->backend->resize(number_, bytes); });
   bytes_ = bytes;
 }
@@ -151,8 +151,8 @@ void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
 }
 
 std::span<const std::byte> ComputeReadback::wait() {
-  constexpr double kSpin = 1e-3;  // s, during which the device is queried again without a pause
-  constexpr double kMost = 120;   // s, longest wait
+  constexpr double kSpin = 1e-3;  // s, during which the device is queried without pauses
+  constexpr double kMost = 120;   // s, after which waiting ends with an error
   constexpr auto kPause = std::chrono::microseconds(50);
   const std::scoped_lock lock(asking_);
   const WallTimer waiting;
@@ -255,7 +255,8 @@ void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable:
 }
 
 std::string glslConstant(const char* name, float value) {
-  // Not a `const float`: some compilers do not accept the call as a constant.
+  // This is a macro and not a `const float`, since some shader compilers do not accept the call as a constant
+  // expression.
   return fmt::format("#define {} uintBitsToFloat({:#x}u)\n", name, std::bit_cast<std::uint32_t>(value));
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Runs compute shaders of OpenGL 4.3, without an X server. The OpenGL code is in a plug-in (gpu/compute_interface.h)
-// that is loaded with the first device.
+// Runs compute shaders of OpenGL 4.3, without an X server. All calls of OpenGL are in a plug-in
+// (gpu/compute_interface.h), which is loaded when the first device is opened.
 
 #include <condition_variable>
 #include <cstddef>
@@ -20,32 +20,32 @@
 
 namespace scanmill {
 
-struct ComputeContext;  // what a device's buffers and programs share
+struct ComputeContext;  // the state that a device shares with its buffers and programs
 
-// The wording of errors of a device, its buffers and its programs: "<cannot>: <why>; <instead>".
+// The wording of errors of a device and of its buffers and programs. A message is "<cannot>: <reason>; <instead>".
 struct ComputeErrorWords {
-  std::string cannot;   // "particles cannot fly by OpenGL"
-  std::string instead;  // "'backend: cpu' does without it"
+  std::string cannot;   // such as "particles cannot fly by OpenGL"
+  std::string instead;  // such as "'backend: cpu' does without it", the advice in messages
 };
 
 class ComputeDevice {
  public:
-  // Opens the device that namedDevice() names (gpu/device.h). Throws Error if the machine has no OpenGL 4.3 with EGL,
-  // or the plug-in cannot be loaded.
+  // Opens the device that namedDevice() returns (gpu/device.h). Throws Error if the machine has no OpenGL 4.3 with EGL,
+  // or if the plug-in cannot be loaded.
   explicit ComputeDevice(ComputeErrorWords words);
 
-  const std::string& name() const;        // "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string driver() const;             // "4.5 (Core Profile) Mesa 22.3.6"
-  std::string nameAndPlace() const;       // adds where software runs: "llvmpipe (...), on the processor"
-  bool software() const;                  // the device is the processor
-  std::uint64_t mostBufferBytes() const;  // the largest buffer that a program may read and write
-  std::uint64_t mostTableTexels() const;  // the largest table, which a program only reads
+  const std::string& name() const;        // such as "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string driver() const;             // such as "4.5 (Core Profile) Mesa 22.3.6"
+  std::string nameAndPlace() const;       // name(), and for software ", on the processor"
+  bool software() const;                  // true: a software rasteriser that runs on the processor
+  std::uint64_t mostBufferBytes() const;  // maximum size of a buffer that a program reads and writes
+  std::uint64_t mostTableTexels() const;  // maximum number of texels of a table, which a program only reads
   // Waits until all requested work is done.
   void finish();
-  // Runs work that makes several calls of this device, its buffers and programs. All of it runs on the device's own
-  // thread, so that the caller waits for that thread once.
+  // Calls `work`, which makes several calls of this device, its buffers and programs, on the thread that makes all
+  // calls of OpenGL. This saves waiting for that thread at each call.
   void atOnce(const std::function<void()>& work) const;
-  // Throws an Error worded by ComputeErrorWords.
+  // Throws an Error with the wording of ComputeErrorWords. `why`: the reason in its message.
   [[noreturn]] void fail(const std::string& why) const;
 
  private:
@@ -55,24 +55,25 @@ class ComputeDevice {
   std::shared_ptr<ComputeContext> context_;
 };
 
-// A device that SCANMILL_GL_DEVICE may name (gpu/device.h).
+// A device that the environment variable SCANMILL_GL_DEVICE can select (gpu/device.h).
 struct FoundDevice {
-  std::string name;    // value of the variable that selects it
-  std::string driver;  // as ComputeDevice::name(); the reason if the device cannot compute
+  std::string name;    // value of the variable that selects this device
+  std::string driver;  // device name as in ComputeDevice::name(); why not, if the device cannot compute
   bool usable = false;
-  bool software = false;  // the device is the processor
+  bool software = false;  // true: runs on the processor
 };
 
-// Returns the seconds that devices spent on each program (by its name) and on copies to the processor ("read back")
-// since the last call, by the devices' own clocks. The first call starts the clocks and returns nothing.
+// Returns the seconds that devices have spent since the last call, measured by the devices' own clocks: on each program
+// (by its name) and on copies to the processor ("read back"). The first call starts the measurement and returns
+// nothing.
 StageSeconds takeDeviceSeconds();
 
-// Returns the devices in the order in which they are tried. Opens each of them briefly. Throws Error if OpenGL cannot
-// be loaded.
+// Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if
+// OpenGL cannot be loaded.
 std::vector<FoundDevice> findDevices();
 
-// Memory of a device. Buffers and programs may outlive the ComputeDevice. Calls may come from any thread, but not at
-// the same time.
+// A buffer in a device's memory. Buffers and programs may outlive the ComputeDevice. Calls may come from any thread,
+// but not at the same time.
 class ComputeBuffer {
  public:
   explicit ComputeBuffer(const ComputeDevice& device);
@@ -80,11 +81,11 @@ class ComputeBuffer {
   ComputeBuffer(const ComputeBuffer&) = delete;
   ComputeBuffer& operator=(const ComputeBuffer&) = delete;
 
-  // Makes the buffer at least this large. Its contents are lost if it grows.
+  // Makes the buffer at least this large. If it grows, its contents are lost.
   void reserve(std::uint64_t bytes);
   std::uint64_t bytes() const { return bytes_; }
 
-  // A piece of the buffer, which starts at `offset` (bytes), and the memory that it is copied from or to.
+  // A part of the buffer that starts at `offset` (bytes), and the host memory to copy from (Source) or to (Target).
   struct Source {
     std::uint64_t offset;
     std::span<const std::byte> bytes;
@@ -96,7 +97,7 @@ class ComputeBuffer {
   void write(std::span<const Source> pieces);
   void read(std::span<const Target> pieces) const;
 
-  // Makes the buffer at least as large as the array, and uploads the array to its start.
+  // Uploads an array to the start of the buffer, after growing the buffer if it is too small.
   template <class T>
   void hold(std::span<const T> array) {
     reserve(array.size_bytes());
@@ -112,8 +113,8 @@ class ComputeBuffer {
   std::uint64_t bytes_ = 0;
 };
 
-// Host memory to which a device copies a buffer while later programs already run. It stays mapped (OpenGL 4.4,
-// ARB_buffer_storage); if the driver does not support that, start() waits for the copy.
+// Host memory into which a device copies a buffer while later programs already run. The memory stays mapped (OpenGL
+// 4.4, ARB_buffer_storage); if the driver does not support this, start() waits for the copy.
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);
@@ -121,22 +122,24 @@ class ComputeReadback {
   ComputeReadback(const ComputeReadback&) = delete;
   ComputeReadback& operator=(const ComputeReadback&) = delete;
 
-  // Requests a copy of the first bytes of a buffer, as they are after all programs that were run before. Later programs
-  // may write to the buffer.
+  // Requests a copy of the first `bytes` bytes of a buffer, with the results of all programs that were run before.
+  // Programs that are run later may already write to the buffer.
   void start(const ComputeBuffer& buffer, std::uint64_t bytes);
-  // Waits for the copy, which is valid until the next start(). Meanwhile other threads may use the device, or wait too.
+  // Waits for the copy and returns it; it is valid until the next start(). Other threads may use the device, or wait
+  // too, at the same time.
   std::span<const std::byte> wait();
 
  private:
   std::shared_ptr<ComputeContext> context_;
   std::uint32_t number_ = 0;
   std::uint64_t bytes_ = 0;
-  std::mutex asking_;                // only one of the waiting threads queries the device
-  const std::byte* copy_ = nullptr;  // null: not complete yet
+  std::mutex asking_;                // held by the waiting thread that queries the device
+  const std::byte* copy_ = nullptr;  // null: the copy is not complete yet
 };
 
-// A buffer that a program only reads, with texelFetch() of a usamplerBuffer (Uint16 ...) or a samplerBuffer
-// (Float32x4). It is for scattered access: llvmpipe reads it a tenth to a fifth faster than a storage buffer.
+// A buffer that a program only reads: with texelFetch() of a usamplerBuffer (Uint16, Uint32, Uint32x4) or a
+// samplerBuffer (Float32x4). For scattered access this is faster than a storage buffer, by a tenth to a fifth on
+// llvmpipe.
 struct ComputeTable {
   enum class Texel { Uint16, Uint32, Uint32x4, Float32x4 };
   const ComputeBuffer* buffer;
@@ -145,29 +148,31 @@ struct ComputeTable {
 
 std::uint64_t texelBytes(ComputeTable::Texel texel);
 
-// Returns the size that a table can have on the device (bytes), at most `most`.
+// Returns the maximum size of a table on the device (bytes), but not more than `most`.
 std::uint64_t mostTableBytes(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t most);
 
-// Throws Error, worded by ComputeErrorWords, if `bytes` exceed mostTableBytes(): "the <what> take 3.0 MiB, of which a
-// table on <device> holds 2.0 MiB<mend>".
+// Throws Error if `bytes` exceeds mostTableBytes(). The message is worded by ComputeErrorWords, with the reason "the
+// <what> take 3.0 MiB, of which a table on <device> holds 2.0 MiB<mend>".
 void checkTable(const ComputeDevice& device, ComputeTable::Texel texel, std::uint64_t bytes, std::uint64_t most,
                 const std::string& what, const std::string& mend = "");
 
-// Uploads an array into the buffer of a table, after checkTable().
+// Calls checkTable() for an array, then uploads the array into a table's buffer.
 void holdTable(const ComputeDevice& device, ComputeBuffer& buffer, ComputeTable::Texel texel,
                std::span<const std::byte> array, std::uint64_t most, const std::string& what,
                const std::string& mend = "");
 
-// Returns a line of GLSL that defines a constant with exactly this value, however the shader's compiler reads decimals.
+// Returns a line of GLSL that defines a constant with exactly this value. The value is given by its bits, since shader
+// compilers may round decimals differently.
 std::string glslConstant(const char* name, float value);
 std::string glslConstant(const char* name, std::uint32_t value);
 
-// A pool of readbacks, for as many pieces of work as may be in flight.
+// A pool of readbacks, which threads lease.
 class ComputeReadbacks {
  public:
   ComputeReadbacks(const ComputeDevice& device, std::size_t count);
 
-  // Exclusive use of one readback while the lease lives. The constructor waits until a readback is free.
+  // Exclusive use of one readback of the pool, from construction to destruction. The constructor waits until a readback
+  // is free.
   class Lease {
    public:
     explicit Lease(ComputeReadbacks& all);
@@ -192,16 +197,17 @@ std::string computeShaderText(std::string_view text);
 
 class ComputeProgram {
  public:
-  // `text` is GLSL 4.30 without the version line and main(). It defines `void invoke(uint i)`, and declares storage
-  // buffers (std430) of bindings 0, 1, 2 ..., samplers of bindings 0, 1, 2 ... for tables, and, if it has parameters, a
-  // uniform block (std140) of binding 0. Throws Error with the compiler's message.
+  // Compiles a program. `text`: GLSL 4.30 without the version line and main(). It must define `void invoke(uint i)`,
+  // and declare its storage buffers (std430) with bindings 0, 1, 2 ..., the samplers of its tables with bindings 0, 1,
+  // 2 ... and its parameters, if any, as a uniform block (std140) with binding 0. Throws Error with the compiler's
+  // message.
   ComputeProgram(const ComputeDevice& device, const std::string& name, const std::string& text);
   ~ComputeProgram();
   ComputeProgram(const ComputeProgram&) = delete;
   ComputeProgram& operator=(const ComputeProgram&) = delete;
 
-  // Calls invoke(0) to invoke(invocations - 1) in any order; `invocations` is less than 2^32. What they write is
-  // visible to the next run and to read().
+  // Calls invoke(i) for i from 0 to invocations - 1, in any order; `invocations` must be less than 2^32. The data that
+  // these calls write is visible to the next run() and to read().
   void run(std::uint64_t invocations, std::initializer_list<const ComputeBuffer*> buffers,
            std::span<const std::byte> parameters = {}, std::initializer_list<ComputeTable> tables = {});
 

@@ -22,55 +22,56 @@ constexpr std::int32_t kFirstInvocation = 0;  // location of a shader's uniform:
 constexpr std::int32_t kEndInvocation = 1;    // location of a shader's uniform: one after the last invocation
 
 struct ComputeLimits {
-  std::uint64_t bufferBytes = 0;     // the largest buffer that a program reads or writes
-  std::uint64_t tableTexels = 0;     // the largest table
-  std::uint64_t parameterBytes = 0;  // the most parameters of a program
-  std::uint32_t buffers = 0;         // number of buffers that a program reads or writes
-  std::uint32_t tables = 0;          // number of tables that a program reads
+  std::uint64_t bufferBytes = 0;     // maximum bytes of a buffer that a program reads or writes
+  std::uint64_t tableTexels = 0;     // maximum texels of a table
+  std::uint64_t parameterBytes = 0;  // maximum bytes of a program's parameters
+  std::uint32_t buffers = 0;         // maximum number of buffers that a program reads or writes
+  std::uint32_t tables = 0;          // maximum number of tables that a program reads
 };
 
-// One run of a program. Programs and buffers are identified by numbers that the backend assigns, never 0.
+// One run of a program. Programs and buffers are identified by numbers that the backend assigns; 0 is not used.
 struct ComputeRun {
   struct Table {
     std::uint32_t buffer;
     ComputeTable::Texel texel;
   };
   std::uint32_t program = 0;
-  std::span<const std::uint32_t> buffers;  // number k becomes the storage buffer of binding k
-  std::span<const Table> tables;           // number k becomes the buffer texture of binding k
-  std::span<const std::byte> parameters;   // the uniform block of binding 0, laid out by std140
+  std::span<const std::uint32_t> buffers;  // buffers[k] becomes the storage buffer with binding k
+  std::span<const Table> tables;           // tables[k] becomes the buffer texture with binding k
+  std::span<const std::byte> parameters;   // contents of the uniform block with binding 0, in std140 layout
   std::uint64_t invocations = 0;           // less than 2^32
 };
 
-// A device with a context of its own. Calls may come from any thread, but not at the same time. They throw
+// A device with its own OpenGL context. Calls may come from any thread, but not at the same time. They throw
 // std::bad_alloc if the device's memory is exhausted, and std::runtime_error for other errors.
 class ComputeBackend {
  public:
   virtual ~ComputeBackend() = default;
   virtual std::string name() const = 0;
   virtual std::string driver() const = 0;
-  virtual bool software() const = 0;  // the device is the processor
+  virtual bool software() const = 0;  // true: runs on the processor
   virtual ComputeLimits limits() const = 0;
-  // `text`: a whole compute shader, as computeShaderText() returns it.
+  // `text`: GLSL with the restrictions that ComputeProgram states.
   virtual std::uint32_t makeProgram(const std::string& name, const std::string& text) = 0;
   virtual std::uint32_t makeBuffer() = 0;
   virtual void dropProgram(std::uint32_t program) noexcept = 0;
   virtual void dropBuffer(std::uint32_t buffer) noexcept = 0;
-  // Gives the buffer this size; its contents are then undefined.
+  // Gives the buffer this size (bytes). Its contents are undefined afterwards.
   virtual void resize(std::uint32_t buffer, std::uint64_t bytes) = 0;
   virtual void write(std::uint32_t buffer, std::span<const ComputeBuffer::Source> pieces) = 0;
   virtual void read(std::uint32_t buffer, std::span<const ComputeBuffer::Target> pieces) = 0;
-  // Creates host memory to which the device copies, and returns its number: see ComputeReadback.
+  // Creates host memory into which the device copies (see ComputeReadback), and returns its number.
   virtual std::uint32_t makeReadback() = 0;
   virtual void dropReadback(std::uint32_t readback) noexcept = 0;
   virtual void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) = 0;
-  // Returns the copy, or null while it is not complete.
+  // Returns the readback's copy; null if it is not complete yet.
   virtual const std::byte* copied(std::uint32_t readback) = 0;
-  // Runs invoke() for 0 to invocations - 1. What it writes is visible to later runs and reads.
+  // Calls the program's invoke() for 0 to invocations - 1. The data that it writes is visible to later runs and reads.
   virtual void run(const ComputeRun& run) = 0;
   // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Runs work that makes several of these calls, without a change of threads between them.
+  // Calls `work`, which makes several calls of this backend, on the OpenGL thread, so that threads are not switched at
+  // each call.
   virtual void atOnce(const std::function<void()>& work) = 0;
 };
 
@@ -79,11 +80,12 @@ class ComputeModule {
   static constexpr ModuleFile kFile{"libscanmill_gpu.so", "nothing can be computed by OpenGL",
                                     "install GLEW and EGL (on Debian the packages libglew-dev and libegl-dev)"};
   virtual ~ComputeModule() = default;
-  // `device`: as namedDevice() returns it. Throws NoDevice, and std::invalid_argument if no device has that name.
+  // Opens a device. `device`: the result of namedDevice(). Throws NoDevice if no device is suitable, and
+  // std::invalid_argument if no device has this name.
   virtual std::unique_ptr<ComputeBackend> open(const std::string& device) const = 0;
-  // Returns the names that namedDevice() may give, in the order in which open() tries the devices.
+  // Returns the names of all devices, as namedDevice() can return them, in the order in which open() tries them.
   virtual std::vector<std::string> devices() const = 0;
-  // See takeDeviceSeconds().
+  // Returns the seconds spent on devices, see takeDeviceSeconds().
   virtual StageSeconds takeSeconds() const = 0;
 };
 

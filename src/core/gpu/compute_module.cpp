@@ -1,5 +1,5 @@
-// The plug-in libscanmill_gpu.so: compute shaders on an OpenGL context of its own, behind the interface of
-// gpu/compute_interface.h. Its only dependency on VTK is VTK's GLEW.
+// The plug-in libscanmill_gpu.so: runs compute shaders in an OpenGL context that it creates, with the interface of
+// gpu/compute_interface.h. The only part of VTK that it needs is VTK's GLEW.
 
 #include <fmt/format.h>
 #include <vtk_glew.h>
@@ -42,7 +42,7 @@ std::string textOf(GLenum name, const char* unknown) {
   return text != nullptr ? text : unknown;
 }
 
-// True for Mesa's software rasterisers, and for that of Windows when it is used through Mesa.
+// True for Mesa's software rasterisers and for the software rasteriser of Windows, which Mesa can use.
 bool isSoftware(std::string_view renderer) {
   return std::ranges::any_of(
       std::initializer_list<std::string_view>{"llvmpipe", "softpipe", "SWR", "swrast", "Software", "Basic Render"},
@@ -55,8 +55,8 @@ std::uint64_t limitOf(GLenum name) {
   return static_cast<std::uint64_t>(std::max<GLint64>(value, 0));
 }
 
-// Returns the number of groups in one dispatch. Mesa's llvmpipe gives each of its threads one contiguous part of a
-// dispatch, however long that takes: small dispatches of similar elements keep all threads busy.
+// Returns the number of work groups per dispatch. Mesa's llvmpipe gives each of its threads one contiguous part of a
+// dispatch in advance, so only small dispatches keep all threads busy until the end.
 std::uint64_t groupsAtOnce(bool software) {
   GLint most = 0;
   glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &most);
@@ -97,7 +97,7 @@ class BufferTexture {
   GLuint name_ = 0;
 };
 
-// Host memory to which the device copies.
+// Host memory into which the device copies a buffer.
 class MappedCopy {
  public:
   MappedCopy() = default;
@@ -122,7 +122,7 @@ class MappedCopy {
     checkGl("a buffer cannot be copied");
   }
 
-  // Returns the copy; null while it is not complete.
+  // Returns the copy; null if it is not complete yet.
   const std::byte* copied() {
     if (fence_ == nullptr) return memory_ != nullptr ? memory_ : held_.data();
     const GLenum state = glClientWaitSync(fence_, 0, 0);
@@ -163,13 +163,14 @@ class MappedCopy {
   std::size_t bytes_ = 0;
   const std::byte* memory_ = nullptr;
   GLsync fence_ = nullptr;
-  std::vector<std::byte> held_;  // the copy if buffers cannot stay mapped
+  std::vector<std::byte> held_;  // holds the copy if the driver does not support persistent mapping
 };
 
-// Measures how long the device works, by its own clock. The context must be current in all calls.
+// Measures the time that the device spends on calls, by the device's own clock. The context must be current in all
+// calls.
 class DeviceClock {
  public:
-  // The device's seconds for the calls between begin() and end() count for `stage`.
+  // Adds the device's time for the OpenGL calls between begin() and end() to the stage that end() is given.
   void begin() {
     if (!running) return;
     std::array<GLuint, 2> queries{};
@@ -184,8 +185,8 @@ class DeviceClock {
     open_ = {};
     collect(kMostPending);
   }
-  // Adds up the oldest measurements until at most `most` are pending, and waits for the device if they are not
-  // complete.
+  // Adds the oldest measurements to `seconds` until at most `most` are pending. Waits for the device if a measurement
+  // is not complete.
   void collect(std::size_t most) {
     while (pending_.size() > most) {
       const Pending& first = pending_.front();
@@ -197,7 +198,7 @@ class DeviceClock {
     }
   }
 
-  // Shared by all devices, and used only on the thread that makes all OpenGL calls.
+  // shared by all devices; used only on the OpenGL thread.
   static inline bool running = false;
   static inline StageSeconds seconds;
 
@@ -211,7 +212,7 @@ class DeviceClock {
   std::deque<Pending> pending_;
 };
 
-// A context and its objects, which are created and used while it is current.
+// An OpenGL context and its objects, which may be used only while the context is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     findFunctions();
@@ -222,7 +223,7 @@ struct ContextState {
   ContextState(const ContextState&) = delete;
   ContextState& operator=(const ContextState&) = delete;
 
-  static inline std::vector<ContextState*> all;  // used only on the OpenGL thread
+  static inline std::vector<ContextState*> all;  // all contexts of the process; used only on the OpenGL thread
 
   EglContext context;
   std::map<std::uint32_t, std::unique_ptr<GlProgram>> programs;
@@ -230,7 +231,7 @@ struct ContextState {
   std::map<std::uint32_t, std::unique_ptr<MappedCopy>> readbacks;
   std::uint32_t lastNumber = 0;
   std::unique_ptr<GlBuffer> parameters;
-  std::vector<std::unique_ptr<BufferTexture>> textures;  // by binding
+  std::vector<std::unique_ptr<BufferTexture>> textures;  // indexed by binding
   DeviceClock clock;
 };
 
@@ -324,7 +325,7 @@ class GlCompute final : public ComputeBackend {
 
   void atOnce(const std::function<void()>& work) override { thread_->run(work); }
 
-  // Asks for device memory: programs, not the processor, do most of the reading and writing.
+  // The usage hint asks for device memory, since programs access buffers more often than the processor does.
   void resize(std::uint32_t buffer, std::uint64_t bytes) override {
     withContext([&](ContextState& state) {
       state.buffers.at(buffer)->fill(nullptr, bytes, GL_DYNAMIC_COPY);
@@ -392,7 +393,7 @@ class GlCompute final : public ComputeBackend {
   }
 
  private:
-  // Runs the work on the OpenGL thread, with the context current.
+  // Makes the context current on the OpenGL thread, and calls `work` with it there.
   template <class Work>
   void withContext(const Work& work) {
     thread_->run([&] {
@@ -415,7 +416,7 @@ class GlCompute final : public ComputeBackend {
   std::string driver_;
   bool software_ = false;
   ComputeLimits limits_;
-  std::uint64_t groups_ = 0;  // in one dispatch
+  std::uint64_t groups_ = 0;  // maximum number of work groups per dispatch
 };
 
 class GlComputeModule final : public ComputeModule {

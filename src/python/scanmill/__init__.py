@@ -8,8 +8,8 @@
     scene = scanmill.load_scene("town", seed=3)
     scan = scene.scan(scanmill.sensor("os1_128"), pose={"position": [0, 0, 2]})
 
-scanmill.augment changes samples at random, scanmill.torch has datasets and batches for PyTorch. What is wrong with a
-file or an argument raises InputError, a ValueError; work that failed raises Error, a RuntimeError.
+The module scanmill.augment changes samples at random; scanmill.torch has datasets and batches for PyTorch. Errors in
+files and arguments raise InputError, a ValueError. Other failures raise Error, a RuntimeError.
 """
 
 from ._libraries import load_missing as _load_missing

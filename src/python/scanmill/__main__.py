@@ -1,4 +1,4 @@
-"""`python -m scanmill`: the program, where the package has it."""
+"""Runs the program with `python -m scanmill`, if the package contains the program."""
 
 from scanmill.program import main
 

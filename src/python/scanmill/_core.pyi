@@ -1,4 +1,4 @@
-"""Types of the extension module. The package's own modules have the documentation of what they return."""
+"""Types of the extension module. The docstrings of the package's Python modules describe the returned values."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -21,7 +21,7 @@ class Store:
     @property
     def manifest(self) -> str | None: ...
     @property
-    def splits(self) -> list[str]: ...  # of each sample; empty where no manifest tells
+    def splits(self) -> list[str]: ...  # one per sample; empty if there is no manifest
     def record(self, sample: int) -> str | None: ...
     def scans(self, sample: int) -> list[tuple[str, str]]: ...
     def read(
@@ -36,7 +36,7 @@ class Simulator:
     @property
     def sensors(self) -> list[str]: ...
     @property
-    def sizes(self) -> list[tuple[int, int]]: ...  # rings and columns of each sensor
+    def sizes(self) -> list[tuple[int, int]]: ...  # number of rings and of columns for each sensor
     @property
     def classes(self) -> str: ...
     def scan(

@@ -1,4 +1,5 @@
-"""Loads libraries that a wheel brings for systems that lack them. The system's own goes first: graphics drivers link them, too."""
+"""Loads libraries of a wheel that the system lacks. The system's libraries come first, since graphics drivers use them
+too."""
 
 import ctypes
 from pathlib import Path
@@ -11,7 +12,7 @@ def load_missing():
             ctypes.CDLL(folder.name)
         except OSError:
             missing.append(folder / folder.name)
-    # One may need another: again and again until nothing more can be loaded.
+    # A library may need another one of them, so repeat until no further library can be loaded.
     while missing:
         left = []
         for library in missing:
@@ -20,5 +21,5 @@ def load_missing():
             except OSError:
                 left.append(library)
         if len(left) == len(missing):
-            return  # what needs them says so
+            return  # the extension reports missing libraries when it is imported
         missing = left

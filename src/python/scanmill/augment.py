@@ -1,15 +1,15 @@
-"""Augmentation: random changes of samples that keep points, boxes and poses in agreement.
+"""Augmentation: random changes of samples that keep points, boxes and poses consistent.
 
-A sample is a dictionary, such as ScanDataset gives and Scan.arrays() returns, with any of
+A sample is a dictionary, as returned by ScanDataset and Scan.arrays(). It may contain
   xyz                           float32 (N, 3), m; and columns of the points under their names, (N,)
-  boxes                         (M, 7): x, y, z, length, width, height, yaw; and figures of the boxes under names that
-                                begin with `box_`, (M, ...), of which `box_velocity` (M, 3) is a vector
-  world_from_sensor             float64 (4, 4), which is kept such that points stay where they are in the world
-and texts, which are left alone. Transforms take a sample and a generator of random numbers, and return another sample;
-neither the one that they were given nor its arrays change. Points are dense: use scan.dense() before.
+  boxes                         (M, 7): x, y, z, length, width, height, yaw; and values of the boxes under names that
+                                begin with `box_`, (M, ...); of these, `box_velocity` (M, 3) is a vector
+  world_from_sensor             float64 (4, 4), which is changed such that points keep their position in the world
+and texts, which are not changed. A transform takes a sample and a random generator, and returns a new sample; it does
+not modify the given sample or its arrays. Points must be dense: call scan.dense() before.
 
-What says where the noise-free point lay (range_true, azimuth) moves along with flips, turns and scales; noise that is
-added here leaves it alone. ring and column stay those of the beam.
+The columns range_true and azimuth describe the noise-free point: flips, turns and scales change them, but noise that is
+added here does not. The columns ring and column always describe the beam and are not changed.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ VECTORS = ("velocity", "flow")  # columns NAME_x, NAME_y, NAME_z
 
 
 def generator(seed: int, index: Index, epoch: int = 0, position: int = 0) -> np.random.Generator:
-    """Random numbers with an address: the same for the same four figures, whoever asks, and whenever.
+    """Returns a random generator that depends only on the four arguments, so that results can be reproduced.
 
-    `index` is the number of a sample, or its key; `position` tells several uses for one sample apart.
+    `index` is the index or the key of a sample; `position` distinguishes several uses for the same sample.
     """
     if isinstance(index, str):
         index = int.from_bytes(hashlib.blake2b(index.encode(), digest_size=8).digest(), "little")
@@ -41,14 +41,14 @@ def generator(seed: int, index: Index, epoch: int = 0, position: int = 0) -> np.
 
 
 class Compose:
-    """Transforms one after the other.
+    """Applies several transforms one after the other.
 
-    compose(sample, index, epoch) gives the same for the same seed, index and epoch, whichever worker calls it. Each
-    transform has random numbers of its own, so that taking one out does not change what the others before it do.
+    The result of compose(sample, index, epoch) depends only on the seed, index and epoch, whichever worker calls it.
+    Each transform has separate random numbers, so that removing a transform does not change the earlier ones.
     """
 
     def __init__(self, transforms: Sequence[Transform], seed: int = 0) -> None:
-        """`seed` is 0 or more."""
+        """`seed` must be 0 or more."""
         self.transforms = list(transforms)
         self.seed = seed
 
@@ -75,7 +75,7 @@ class Flip:
 
 
 class Turn:
-    """Turns about the vertical axis of the sensor by an angle between two (rad), each as likely as any other."""
+    """Rotates about the vertical axis of the sensor by a random angle (rad), uniform between two limits."""
 
     def __init__(self, low: float = -np.pi, high: float = np.pi) -> None:
         self.low, self.high = _interval("Turn", low, high)
@@ -87,7 +87,7 @@ class Turn:
 
 
 class Scale:
-    """Makes everything larger by one factor between two, boxes, velocities and ranges included."""
+    """Scales points, boxes, velocities and ranges by a random factor, uniform between two limits."""
 
     def __init__(self, low: float = 0.95, high: float = 1.05) -> None:
         self.low, self.high = _interval("Scale", low, high)
@@ -99,9 +99,9 @@ class Scale:
 
 
 class Jitter:
-    """Moves each coordinate of each point by normal noise of a standard deviation `sigma`, at most by `clip` (m).
+    """Adds normal noise with the standard deviation `sigma` to each coordinate of each point, limited to `clip` (m).
 
-    Boxes stay; points may come to lie outside by up to `clip` along each axis.
+    Boxes are not changed, so points may be outside of their box by up to `clip` along each axis.
     """
 
     def __init__(self, sigma: float = 0.01, clip: float = 0.05) -> None:
@@ -116,7 +116,7 @@ class Jitter:
 
 
 class DropPoints:
-    """Leaves out points at random: a share between 0 and `most` of them, another one for each sample."""
+    """Removes a random fraction of the points, different for each sample: uniform between 0 and `most`."""
 
     def __init__(self, most: float = 0.2) -> None:
         self.most = _share("most", most)
@@ -128,11 +128,11 @@ class DropPoints:
 
 
 class RingErrors:
-    """Fixed errors of each laser, as of a unit that is badly calibrated: all points of a ring are farther by one length
-    and higher by one angle, which are normal with the standard deviations `range_sigma` (m) and `elevation_sigma`
-    (rad).
+    """Adds constant errors to each laser, like those of a badly calibrated sensor. All points of a ring get the same
+    additional range and the same additional elevation, which are normally distributed with the standard deviations
+    `range_sigma` (m) and `elevation_sigma` (rad).
 
-    Wants the column `ring`, and an orientation in which z is the sensor's axis. Boxes stay.
+    Needs the column `ring`; the z axis must be the sensor's axis. Boxes are not changed.
     """
 
     def __init__(self, range_sigma: float = 0.02, elevation_sigma: float = 0.0) -> None:
@@ -145,7 +145,7 @@ class RingErrors:
         if "ring" not in sample:
             raise InputError("RingErrors needs the column `ring`")
         ring = np.asarray(sample["ring"], np.int64)
-        # A row for each ring, so that a ring's errors do not depend on which rings have points.
+        # One row for each ring, so that a ring's errors do not depend on which rings have points.
         errors = rng.normal(size=(int(ring.max(initial=0)) + 1, 2)) * [self.range_sigma, self.elevation_sigma]
         farther, higher = errors[ring].T
         x, y, z = xyz.astype(np.float64).T
@@ -153,7 +153,7 @@ class RingErrors:
         distance = np.hypot(flat, z)
         longer = np.maximum(distance + farther, 0)
         elevation = np.arctan2(z, flat) + higher
-        # Of a point on the axis the azimuth does not matter.
+        # For a point on the axis, any azimuth is right.
         out = longer * np.cos(elevation) / np.where(flat > 0, flat, 1)
         moved = np.column_stack([x * out, y * out, longer * np.sin(elevation)])
         return {**sample, "xyz": moved.astype(xyz.dtype)}
@@ -179,7 +179,7 @@ def _xyz(sample: Sample) -> NDArray[Any]:
 
 
 def _of_points(name: str, values: Any, count: int) -> bool:
-    """Whether an entry of a sample is a figure of its `count` points."""
+    """True if an entry of a sample has one value for each of its `count` points."""
     if name.startswith("box") or name == "world_from_sensor" or not isinstance(values, np.ndarray) or values.ndim == 0:
         return False
     if len(values) != count:
@@ -188,14 +188,16 @@ def _of_points(name: str, values: Any, count: int) -> bool:
 
 
 def _turned(angles: NDArray[Any], rotation: NDArray[np.float64]) -> NDArray[Any]:
-    """Angles (rad, from x towards y) of directions that a matrix turns or mirrors, in their type."""
+    """Returns the angles (rad, from x towards y) after a rotation or reflection of their directions, in the given
+    type."""
     own = np.asarray(angles, np.float64)
     x, y = rotation[:2, :2] @ np.stack([np.cos(own), np.sin(own)])
     return np.arctan2(y, x).astype(angles.dtype)
 
 
 def _moved(sample: Sample, rotation: NDArray[np.float64], scale: float = 1.0) -> Sample:
-    """The sample after all points p become scale * rotation * p; the matrix (3, 3) turns or mirrors and keeps z."""
+    """Returns the sample with all points p replaced by scale * rotation * p. `rotation` (3, 3) rotates or reflects x
+    and y."""
     xyz = _xyz(sample)
     matrix = scale * rotation
     out = {**sample, "xyz": (xyz.astype(np.float64) @ matrix.T).astype(xyz.dtype)}

@@ -1,4 +1,4 @@
-"""Arrays of different lengths in one."""
+"""Combines arrays of different lengths to one array."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ from ._core import InputError
 
 
 def pad_batch(arrays: Sequence[NDArray[Any]], fill: float = 0) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Arrays (N_i, ...) as one of (B, Nmax, ...), and a mask bool (B, Nmax) that says which entries are theirs.
+    """Returns B arrays (N_i, ...) as one array (B, Nmax, ...), and a bool mask (B, Nmax) that is True for their
+    entries.
 
-    `fill` stands behind the end of the shorter ones. Raises InputError for an empty list, and where the arrays differ
-    in more than their lengths.
+    Shorter arrays are padded with `fill` at the end. Raises InputError for an empty list, and if the arrays differ in
+    their type or in other dimensions than their length.
     """
     if not len(arrays):
         raise InputError("a batch has at least one array")

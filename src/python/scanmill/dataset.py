@@ -24,36 +24,36 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 def open_dataset(path: Path) -> Dataset:
-    """Open a dataset's folder, a shard (.tar) or the file of one scan (.pcd, .drc, .csv).
+    """Opens the folder of a dataset, a shard (.tar) or the file of one scan (.pcd, .drc, .csv).
 
-    Nothing is decoded yet. Raises InputError where the path is none of these, or the manifest is damaged.
+    Decodes no scans yet. Raises InputError if the path is none of these, or if the manifest is damaged.
     """
     return Dataset(Store(os.fspath(path)))
 
 
 def decode(name: str, data: bytes) -> Scan:
-    """Decode a member of a shard, such as KEY.top.ray_tracing.pcd, by its name's suffix; what a WebDataset's map needs.
+    """Decodes a member of a shard, such as KEY.top.ray_tracing.pcd; the suffix of `name` determines the format.
 
-    Raises InputError for another suffix and for damaged bytes.
+    Can be used in the map() of a WebDataset. Raises InputError for an unknown suffix and for damaged bytes.
     """
     return Scan(decode_arrays(name, data))
 
 
 class Dataset(Sequence["Sample"]):
-    """Samples in the manifest's order, or some of them: dataset[0], dataset["town-s1-drive-000004"], a loop.
+    """The samples of a dataset, or some of them, in the manifest's order: dataset[0], dataset["town-s1-drive-000004"].
 
-    It pickles by its path, so that workers of a loader open it themselves; threads can share one.
+    Pickling stores only the path, so that workers of a loader open the dataset themselves. Threads can share a Dataset.
     """
 
     def __init__(self, store: Store, numbers: NDArray[np.int64] | None = None) -> None:
-        """`numbers` are indices of the store's samples; all where it is None."""
+        """`numbers`: indices of samples in the store; None: all samples."""
         self.store = store
         self._numbers = numbers
         self._column_starts: dict[str, NDArray[Any] | None] = {}
 
     @cached_property
     def keys(self) -> list[str]:
-        """The keys of the samples."""
+        """The keys of the samples, in their order."""
         keys = self.store.keys
         return keys if self._numbers is None else [keys[i] for i in self._numbers]
 
@@ -67,31 +67,31 @@ class Dataset(Sequence["Sample"]):
 
     @property
     def whole(self) -> bool:
-        """Whether this has all samples that its path has."""
+        """True if this object contains all samples of its path."""
         return self._numbers is None
 
     @cached_property
     def manifest(self) -> dict[str, Any] | None:
-        """The manifest without its samples (docs/manifest.schema.json); None where there is none."""
+        """The manifest without its samples (docs/manifest.schema.json); None if there is no manifest."""
         text = self.store.manifest
         return None if text is None else json.loads(text)
 
     @cached_property
     def ontology(self) -> Ontology | None:
-        """The classes of the labels; None where no manifest tells."""
+        """The classes of the labels; None if there is no manifest."""
         return None if self.manifest is None else Ontology(self.manifest["ontology"])
 
     @cached_property
     def sensors(self) -> dict[str, dict[str, Any]]:
-        """What the manifest says of each sensor (lengths in m, angles in rad), by its name; without a manifest the
-        names in the first sample alone."""
+        """The manifest's description of each sensor (lengths in m, angles in rad), by name. Without a manifest: the
+        names of the sensors in the first sample, with empty descriptions."""
         if self.manifest is not None:
             return {sensor["name"]: sensor for sensor in self.manifest["sensors"]}
         return {name: {} for name in (self[0].sensors if len(self) else [])}
 
     @cached_property
     def sequences(self) -> dict[str, list[str]]:
-        """The keys of the frames of each sequence, in their order; sequences are named by the keys."""
+        """The keys of the frames of each sequence, in the order of frames, by the name of the sequence."""
         sequences: dict[str, list[str]] = {}
         for key in self.keys:
             sequences.setdefault(_parts_of_key(key)[0], []).append(key)
@@ -99,7 +99,7 @@ class Dataset(Sequence["Sample"]):
 
     @cached_property
     def splits(self) -> dict[str, list[str]]:
-        """The keys of each split (train, val, test); empty where no manifest tells."""
+        """The keys of the samples in each split (train, val, test); empty if there is no manifest."""
         splits: dict[str, list[str]] = {}
         if self.manifest is None:
             return splits
@@ -110,7 +110,7 @@ class Dataset(Sequence["Sample"]):
         return splits
 
     def split(self, name: str) -> Dataset:
-        """The samples of one split. Raises InputError where there is none of this name."""
+        """Returns the samples of one split. Raises InputError if there is no split of this name."""
         if name not in self.splits:
             raise InputError(f"{self.path} has no split '{name}'{advice(name, self.splits)}")
         selected = self.select(self.splits[name])
@@ -118,30 +118,30 @@ class Dataset(Sequence["Sample"]):
         return selected
 
     def sequence(self, name: str) -> Dataset:
-        """The frames of one sequence. Raises InputError where there is none of this name."""
+        """Returns the frames of one sequence. Raises InputError if there is no sequence of this name."""
         if name not in self.sequences:
             raise InputError(f"{self.path} has no sequence '{name}'{advice(name, self.sequences)}")
         return self.select(self.sequences[name])
 
     def select(self, which: Sequence[str | int]) -> Dataset:
-        """The samples of these keys or indices, in their order."""
+        """Returns the samples with these keys or indices, in the given order."""
         own = self._numbers
         places = np.array([self._place(w) for w in which], np.int64)
         selected = Dataset(self.store, places if own is None else own[places])
         selected.keys = [self.keys[i] for i in places]
-        for name in ("manifest", "ontology", "sensors"):  # what is of the whole dataset need not be parsed again
+        for name in ("manifest", "ontology", "sensors"):  # these are the same and need not be parsed again
             if name in self.__dict__:
                 selected.__dict__[name] = self.__dict__[name]
         selected._column_starts = self._column_starts
         return selected
 
     def beams(self, sensor: str, time: float = 0.0) -> dict[str, Any]:
-        """The beams of a sensor in its frame: `rings`, `columns`, `direction` float64 (rings, columns, 3), unit
-        vectors; `time` float32 (rings, columns), s since the start of the revolution; and where they do not start at
-        the sensor's origin `origin` float32 (rings, columns, 3), m.
+        """Returns the beams of a sensor in its frame: `rings` and `columns` (their numbers), `direction` float64
+        (rings, columns, 3), unit vectors, and `time` float32 (rings, columns), s since the start of the revolution. If
+        beams do not start at the sensor's origin, also returns their `origin` float32 (rings, columns, 3), m.
 
-        `time` (s since the start of the sequence) matters to sensors whose pattern goes on from revolution to
-        revolution. Raises InputError where no manifest tells.
+        `time` (s since the start of the sequence) matters only for sensors whose scan pattern differs from revolution
+        to revolution. Raises InputError if there is no manifest.
         """
         return self.store.beams(sensor, time)
 
@@ -152,9 +152,9 @@ class Dataset(Sequence["Sample"]):
         return key in self._places
 
     def __getitem__(self, which: Any) -> Any:
-        """The sample of a key or an index, from the end where negative; a Dataset of a slice.
+        """Returns the sample with this key or index (negative: counted from the end); a Dataset for a slice.
 
-        Raises InputError for an unknown key and IndexError for an index beyond the end.
+        Raises InputError for an unknown key, and IndexError for an index that is out of range.
         """
         if isinstance(which, slice):
             return self.select(range(*which.indices(len(self))))
@@ -185,26 +185,27 @@ class Dataset(Sequence["Sample"]):
         return place
 
     def _starts_of_columns(self, sensor: str) -> NDArray[Any] | None:
-        """When the columns of a sensor fire, in s since the start of the revolution, (columns,)."""
+        """Returns when each column of a sensor fires, in s since the start of the revolution, (columns,); None if
+        unknown."""
         if sensor not in self._column_starts:
             try:
                 self._column_starts[sensor] = self.beams(sensor)["time"].min(axis=0)
-            except InputError:  # the table is too large to be filled in; scans can be read all the same
+            except InputError:  # the beam table is too large; scans can be read without it
                 self._column_starts[sensor] = None
         return self._column_starts[sensor]
 
 
 class Sample:
-    """What the sensors see in one frame. Scans are decoded when they are asked for.
+    """The scans of all sensors in one frame. A scan is decoded when it is requested.
 
     Attributes:
-      key              of the sample: SEQUENCE-FRAME
-      index            in the dataset that it was taken from
-      sequence, frame  of the key: a name, and a number from 0; "" and None of a file that is not part of a dataset
+      key              SEQUENCE-FRAME
+      index            index in the dataset from which this sample was taken
+      sequence, frame  parts of the key: a name, and a number starting at 0; "" and None for a file outside of datasets
     """
 
     def __init__(self, dataset: Dataset, index: int, number: int) -> None:
-        """`number` is the index in the dataset's store."""
+        """`number`: index of the sample in the dataset's store."""
         self.dataset = dataset
         self.index = index
         self._number = number
@@ -213,43 +214,44 @@ class Sample:
 
     @cached_property
     def record(self) -> dict[str, Any] | None:
-        """Poses and counts of the scans, as the member KEY.json has them; None where there is no manifest."""
+        """Poses and counts of the scans, as in the member KEY.json; None if there is no manifest."""
         text = self.dataset.store.record(self._number)
         return None if text is None else json.loads(text)
 
     @property
     def split(self) -> str:
-        """The split; "" where no manifest tells."""
+        """The name of the split; "" if there is no manifest."""
         return "" if self.record is None else self.record["split"]
 
     @property
     def time(self) -> float:
-        """When the first scan starts, in s since the start of the sequence; 0 where no manifest tells."""
+        """When the first scan starts, in s since the start of the sequence; 0 if there is no manifest."""
         return 0.0 if self.record is None else self.record["time"]
 
     @cached_property
     def draws(self) -> dict[str, Any]:
-        """What was drawn at random for this sample, by the key in the pipeline or the scene's file, as
-        "effects.1.weather.rate_mm_h": numbers as float, all else as YAML text. Empty where nothing was."""
+        """The random values of this sample, by their key in the pipeline or the scene file, such as
+        "effects.1.weather.rate_mm_h": numbers as float, other values as YAML text. Empty if nothing is random."""
         drawn = {} if self.record is None else self.record.get("draws", {})
         return {key: _number_or_text(value) for key, value in drawn.items()}
 
     @cached_property
     def sensors(self) -> list[str]:
-        """The names of the sensors that have a scan."""
+        """The names of the sensors that have a scan in this sample."""
         return list(dict.fromkeys(sensor for sensor, _ in self.dataset.store.scans(self._number)))
 
     @property
     def poses(self) -> dict[str, NDArray[np.float64]]:
-        """world_from_sensor by sensor, float64 (P, 4, 4): at the start of the revolution, and where the sensor moves at
-        its end besides. Empty where no manifest tells."""
+        """The poses world_from_sensor of each sensor, float64 (P, 4, 4): at the start of the revolution and, if the
+        sensor moves, also at its end. Empty if there is no manifest."""
         scans = [] if self.record is None else self.record["scans"]
         return {scan["sensor"]: _poses_of(scan) for scan in reversed(scans)}
 
     def scan(self, sensor: str | None = None, columns: Sequence[str] | None = None) -> Scan:
-        """Read the scan of a sensor (the first one where it is None), with all its columns or those named.
+        """Reads the scan of a sensor (None: the first sensor). `columns`: names of the columns to read; None: all
+        columns.
 
-        Raises InputError for an unknown sensor or column, and where the scan's bytes are damaged.
+        Raises InputError for an unknown sensor or column, and if the scan's bytes are damaged.
         """
         if isinstance(columns, str):
             raise InputError(f"columns are a list of names, not '{columns}'")
@@ -276,8 +278,8 @@ class Sample:
         )
 
     def objects(self, sensor: str | None = None) -> Objects | None:
-        """The things that the range of a sensor reaches (the first one's where it is None), with their boxes; None
-        where the dataset lists no objects (`output.objects`). Raises InputError for an unknown sensor."""
+        """Returns the objects within the range of a sensor (None: the first sensor), with their boxes. Returns None if
+        the dataset has no object lists (`output.objects`). Raises InputError for an unknown sensor."""
         listed = self.object_list()
         if listed is None:
             return None
@@ -287,9 +289,9 @@ class Sample:
         return Objects(listed, name, self.poses[name][0])
 
     def voxels(self, sensor: str | None = None) -> dict[str, NDArray[Any]] | None:
-        """What stands in the voxels about a sensor (the first one where it is None), in the frame of its points, and what
-        its scan has of them: `label` uint16 (X, Y, Z), 0 where it is empty; `input`, `invalid` and `unseen` bool likewise;
-        `low` float64 (3,) in m, the corner with the least coordinates; `size` float64 () in m. None where the dataset
+        """Returns the labelled voxels around a sensor (None: the first sensor), in the frame of its points: `label`
+        uint16 (X, Y, Z), 0 for empty voxels; `input`, `invalid` and `unseen`, bool (X, Y, Z); `low` float64 (3,), the
+        corner with the least coordinates (m); `size` float64 (), the edge of a voxel (m). Returns None if the dataset
         has no voxels (`output.voxels`). Raises InputError for an unknown sensor."""
         archive = self.dataset.store.voxels(self._number, sensor or "")
         if archive is None:
@@ -298,8 +300,8 @@ class Sample:
             return {name: arrays[name] for name in arrays.files}
 
     def object_list(self) -> list[dict[str, Any]] | None:
-        """All things near any of the sensors, as KEY.objects.json lists them (docs/objects.schema.json); None where the
-        dataset lists no objects."""
+        """Returns all objects near any of the sensors, as listed in KEY.objects.json (docs/objects.schema.json); None
+        if the dataset has no object lists."""
         text = self.dataset.store.objects(self._number)
         return None if text is None else json.loads(text)["objects"]
 

@@ -1,7 +1,7 @@
 """Poses as matrices, and boxes.
 
-A matrix a_from_b of (4, 4), float64, turns points of the frame b into points of the frame a. Frames are right-handed
-with x forward, y left, z up. Lengths are metres, angles radians; quaternions are w, x, y, z.
+A matrix a_from_b (4, 4), float64, transforms points from the frame b to the frame a. Frames are right-handed with x
+forward, y left, z up. Lengths are in metres, angles in radians; quaternions are w, x, y, z.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ from .words import require_known
 
 Pose = Union[ArrayLike, Mapping[str, Any]]
 
-# Angles, in the order of their rotations, and the axes from the first of which to the second they turn.
+# Angles, in the order in which they are applied. A positive angle rotates the first axis towards the second.
 TURNS = {"yaw_deg": (0, 1), "pitch_deg": (2, 0), "roll_deg": (1, 2)}
 POSE_KEYS = ("position", *TURNS, "rotation")
 
-# How far a matrix that a user gives may be from a rotation: single precision passes, a scale of 1.001 does not.
+# Tolerance for matrices of users: rotations in single precision are accepted, a scale of 1.001 is not.
 ROTATION_TOLERANCE = 1e-5
 
 
 def matrix_of(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
-    """Matrices (..., 4, 4) of quaternions (..., 4) of any length, and translations (..., 3) in m."""
+    """Returns matrices (..., 4, 4) for quaternions (..., 4), which need not be normalised, and translations (..., 3) in
+    m."""
     q = np.asarray(rotation, np.float64)
     q = q / np.linalg.norm(q, axis=-1, keepdims=True)
     w, x, y, z = np.moveaxis(q, -1, 0)
@@ -46,9 +47,9 @@ def matrix_of(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64
 
 
 def quaternion_of(matrix: ArrayLike) -> NDArray[np.float64]:
-    """The unit quaternion (4,) of the rotation of one matrix, (3, 3) or (4, 4)."""
+    """Returns the unit quaternion (4,) of the rotation in one matrix, (3, 3) or (4, 4)."""
     m = np.asarray(matrix, np.float64)[:3, :3]
-    # Row k is 4 q[k] q; the row of the largest component loses no digits.
+    # Row k is 4 q[k] q. The row with the largest q[k] has the smallest rounding errors.
     rows = np.array(
         [
             [1 + m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
@@ -62,10 +63,10 @@ def quaternion_of(matrix: ArrayLike) -> NDArray[np.float64]:
 
 
 def pose_matrix(pose: Pose) -> NDArray[np.float64]:
-    """The matrix (4, 4) of a pose: such a matrix, or a map as pipelines have it.
+    """Returns the matrix (4, 4) of a pose, which is either a matrix or a map as in pipelines.
 
-    The map has any of `position` [x, y, z] (m), `yaw_deg`, `pitch_deg`, `roll_deg`, and in place of these angles
-    `rotation` [w, x, y, z]. A positive pitch looks down. Raises InputError for what is no pose.
+    The map may have `position` [x, y, z] (m), and either `yaw_deg`, `pitch_deg` and `roll_deg` or `rotation` [w, x, y,
+    z]. With a positive pitch, x points down. Raises InputError if `pose` is not a pose.
     """
     if isinstance(pose, Mapping):
         return _matrix_of_map(pose)
@@ -85,7 +86,7 @@ def pose_matrix(pose: Pose) -> NDArray[np.float64]:
 
 
 def _numbers(pose: Mapping[str, Any], key: str, default: list[float]) -> NDArray[np.float64]:
-    """What the map has under a key, as many finite numbers as `default`."""
+    """Returns the numbers under a key of the map, which must be finite and as many as in `default`."""
     try:
         values = np.asarray(pose.get(key, default), np.float64)
     except (TypeError, ValueError):
@@ -119,8 +120,8 @@ def _matrix_of_map(pose: Mapping[str, Any]) -> NDArray[np.float64]:
 
 
 def between(first: ArrayLike, last: ArrayLike, share: ArrayLike) -> NDArray[np.float64]:
-    """Poses (..., 4, 4) between two of (4, 4), for shares (...) of the way: rotations turn evenly by the shorter way,
-    translations lie on a straight line."""
+    """Returns poses (..., 4, 4) between two poses (4, 4), at the fractions `share` (...) from 0 to 1: rotations are
+    interpolated at constant speed by the shorter way, translations along a straight line."""
     first, last = np.asarray(first, np.float64), np.asarray(last, np.float64)
     t = np.asarray(share, np.float64)[..., np.newaxis]
     a, b = quaternion_of(first), quaternion_of(last)
@@ -128,22 +129,24 @@ def between(first: ArrayLike, last: ArrayLike, share: ArrayLike) -> NDArray[np.f
     if cosine < 0:
         b, cosine = -b, -cosine
     rotation = (1 - t) * a + t * b
-    if cosine < 1 - 1e-8:  # nearer rotations divide by nearly 0, and the straight line is as good
+    if cosine < 1 - 1e-8:  # for smaller angles, linear interpolation is exact enough
         angle = np.arccos(cosine)
         rotation = (np.sin((1 - t) * angle) * a + np.sin(t * angle) * b) / np.sin(angle)
     return matrix_of(rotation, first[:3, 3] + (last[:3, 3] - first[:3, 3]) * t)
 
 
 def transformed(matrix: ArrayLike, xyz: NDArray[Any]) -> NDArray[np.float64]:
-    """Points (..., 3) by one matrix (4, 4), or by one each (..., 4, 4), in float64."""
+    """Returns points (..., 3), transformed by one matrix (4, 4) or by one matrix for each point (..., 4, 4), as
+    float64."""
     m = np.asarray(matrix, np.float64)
     return np.einsum("...ij,...j->...i", m[..., :3, :3], np.asarray(xyz, np.float64)) + m[..., :3, 3]
 
 
 def points_in_box(xyz: NDArray[Any], box: ArrayLike, margin: float = 0.0) -> NDArray[np.bool_]:
-    """Which of the points (..., 3) lie in a box [x, y, z, length, width, height, yaw] of their frame, as bool (...).
+    """Returns which of the points (..., 3) are in a box [x, y, z, length, width, height, yaw] of the same frame, bool
+    (...).
 
-    `margin` (m) is added on all sides. Misses, which are NaN, lie in no box.
+    `margin` (m) extends the box on all sides. Misses, which are NaN, are in no box.
     """
     x, y, z, length, width, height, yaw = np.asarray(box, np.float64)
     ahead, left, up = np.moveaxis(np.asarray(xyz, np.float64) - [x, y, z], -1, 0)

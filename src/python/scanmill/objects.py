@@ -1,4 +1,4 @@
-"""The things near a sensor, with their boxes."""
+"""The objects near a sensor, with their boxes."""
 
 from __future__ import annotations
 
@@ -22,33 +22,34 @@ def _yaws(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 class Objects:
-    """The M things that the range of one sensor reaches, those without a point too.
+    """The M objects within the range of one sensor, including objects without points.
 
-    Boxes are exact: of the geometry, not of the points. Attributes, in the frame in which the scan's points lie:
-      sensor           whose view this is
+    Boxes enclose the exact geometry, not only the points. Attributes, in the frame of the scan's points:
+      sensor           name of the sensor
       ids              uint32 (M,), as in the column `instance`; the same in all frames of a sequence
-      class_ids        uint16 (M,), of the ontology
+      class_ids        uint16 (M,), ids in the ontology
       class_names      M strings
-      names            M strings, of the objects in the scene
-      moves            bool (M,): at any time of the sequence
-      heading_known    bool (M,); False: the box's x is its longer side, and front and back are not told apart
-      sensor_from_box  float64 (M, 4, 4): the box when the beams pass over it, which fits the scan's points
+      names            M strings, names of the objects in the scene
+      moves            bool (M,): the object moves at some time of the sequence
+      heading_known    bool (M,); False: x is the longer side of the box, and its front may be on either end
+      sensor_from_box  float64 (M, 4, 4): pose of the box when the beams pass over it, which matches the scan's points
       centers          float64 (M, 3), m
       sizes            float64 (M, 3): length along the box's x, width along y, height along z, m
-      yaws             float64 (M,): where the box's x points, rad from x towards y
+      yaws             float64 (M,): direction of the box's x axis, rad from x towards y
       velocities       float64 (M, 3): over ground, along the sensor's axes at the start of the revolution, m/s
-      points           int64 (M,), of the scan, with all effects
-      beams            int64 (M,): those whose axes meet the thing before anything else
-      beams_alone      int64 (M,): those that would if nothing else were there
-      visibility       float64 (M,): beams / beams_alone, NaN where no beam would meet the thing
-      truncation       float64 (M,): part of the box, by solid angle, outside the sensor's field or range
-      nearest_range    float64 (M,), m, noise-free, of the nearest of these beams; NaN where there is none
-      world_from_box   float64 (M, 4, 4): the box at the sample's time
+      points           int64 (M,): number of points in the scan, after all effects
+      beams            int64 (M,): number of beams whose axis hits the object first
+      beams_alone      int64 (M,): number of beams whose axis would hit the object if nothing occluded it
+      visibility       float64 (M,): beams / beams_alone; NaN if beams_alone is 0
+      truncation       float64 (M,): fraction of the box (solid angle) outside of the sensor's field of view or range
+      nearest_range    float64 (M,): least noise-free range of the beams counted in `beams`, m; NaN if there are none
+      world_from_box   float64 (M, 4, 4): pose of the box at the sample's time
       world_velocities float64 (M, 3): over ground, along the world's axes, m/s
     """
 
     def __init__(self, listed: Sequence[Mapping[str, Any]], sensor: str, world_from_sensor: ArrayLike) -> None:
-        """From the list `objects` of KEY.objects.json, and the sensor's pose (4, 4) at the start of the revolution."""
+        """`listed`: the list `objects` of KEY.objects.json. `world_from_sensor`: the sensor's pose (4, 4) at the start
+        of the revolution."""
         seen = [(o, v) for o in listed for v in o["views"] if v["sensor"] == sensor]
         objects, views = [o for o, _ in seen], [v for _, v in seen]
 
@@ -75,7 +76,7 @@ class Objects:
         self.nearest_range: NDArray[np.float64] = figures(views, "nearest_range", np.float64)
         self.world_from_box = _matrices([o["world_from_box"] for o in objects])
         self.world_velocities: NDArray[np.float64] = figures(objects, "velocity", np.float64, 3)
-        # Of a row vector: (sensor_from_world v)^T = v^T world_from_sensor.
+        # Velocities are row vectors: (sensor_from_world v)^T = v^T world_from_sensor.
         self.velocities: NDArray[np.float64] = self.world_velocities @ np.asarray(world_from_sensor)[:3, :3]
 
     def __len__(self) -> int:
@@ -85,16 +86,17 @@ class Objects:
         return f"<Objects of {self.sensor}: {len(self)}, {int((self.points > 0).sum())} with points>"
 
     def boxes(self) -> NDArray[np.float32]:
-        """Boxes as detectors take them, in the frame of the points: x, y, z of the middle, length, width, height (m)
-        and yaw (rad), float32 (M, 7). Of a sensor that is tilted they leave out the tilt; `sensor_from_box` has it."""
+        """Returns boxes in the form that detectors use, in the frame of the points: x, y, z of the centre, length,
+        width, height (m) and yaw (rad), float32 (M, 7). If the sensor is tilted, they ignore the tilt;
+        `sensor_from_box` has it."""
         return np.column_stack([self.centers, self.sizes, self.yaws]).astype(np.float32)
 
     def world_boxes(self) -> NDArray[np.float64]:
-        """The same in the world's frame at the sample's time, float64 (M, 7)."""
+        """Returns the boxes in this form in the world's frame at the sample's time, float64 (M, 7)."""
         return np.column_stack([self.world_from_box[:, :3, 3], self.sizes, _yaws(self.world_from_box)])
 
     def select(self, which: ArrayLike) -> Objects:
-        """Those that a mask (M,) or indices choose."""
+        """Returns the objects that a mask (M,) or a list of indices selects."""
         rows = chosen(which, len(self))
         other = Objects.__new__(Objects)
         for name, values in self.__dict__.items():

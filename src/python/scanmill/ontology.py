@@ -1,4 +1,4 @@
-"""Classes of a dataset or a scene, and tables to look labels up in."""
+"""The classes of a dataset or a scene, and look-up tables for labels."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from numpy.typing import NDArray
 from ._core import InputError
 from .words import advice
 
-# One train id: the name of a class, or names of classes that share it.
+# The classes of one train id: the name of a class, or names of several classes.
 Group = Union[str, Sequence[str]]
 
-LABELS = 65536  # values that a label may have
+LABELS = 65536  # number of values that a label can have
 
 
 class Ontology:
-    """The classes that labels stand for. Class 0 is always "unlabeled".
+    """The classes of labels. Class 0 is always "unlabeled".
 
     Attributes, with K classes in the order of the ontology:
-      name    of the ontology
+      name    name of the ontology
       ids     uint16 (K,), as in the column `label`
       names   K strings
       colors  uint8 (K, 3): red, green, blue
-      things  bool (K,): whether the class is countable, so that its objects have instance ids
+      things  bool (K,): True if objects of the class are countable and have instance ids
     """
 
     def __init__(self, classes: Mapping[str, Any]) -> None:
-        """From the part `ontology` of a manifest."""
+        """`classes`: the value of the key `ontology` in a manifest."""
         self.name: str = classes["name"]
         listed = classes["classes"]
         self.ids: NDArray[np.uint16] = np.array([c["id"] for c in listed], np.uint16)
@@ -50,25 +50,25 @@ class Ontology:
         return f"<Ontology {self.name}: {len(self)} classes>"
 
     def id_of(self, name: str) -> int:
-        """The id of the class with this name or alias. Raises InputError, with the nearest name, where there is
-        none."""
+        """Returns the id of the class with this name or alias. Raises InputError, which suggests a similar name, if
+        there is no such class."""
         if name not in self._ids:
             raise InputError(f"the ontology {self.name} has no class '{name}'{advice(name, self.names)}")
         return self._ids[name]
 
     def name_of(self, class_id: int) -> str:
-        """The name of the class with this id. Raises InputError where there is none."""
+        """Returns the name of the class with this id. Raises InputError if there is no such class."""
         if int(class_id) not in self._names:
             raise InputError(f"the ontology {self.name} has no class {class_id}")
         return self._names[int(class_id)]
 
     def train_ids(self, groups: Sequence[Group] | None = None, ignore: int = 255) -> NDArray[Any]:
-        """A table (65536,) from labels to train ids, so that table[scan.label] are the classes that a network learns.
+        """Returns a table (65536,) from labels to train ids: table[scan.label] are the classes that a network learns.
 
-        Train ids count from 0 in the order of `groups`: names (or aliases) of classes, or lists of names that become
-        one. Without `groups`, all classes but "unlabeled" in the order of the ontology. All other labels become
-        `ignore`. The table is uint8 where `ignore` is below 256, else uint16. Raises InputError for an unknown name,
-        one that is given twice, and for train ids that reach `ignore`.
+        Train ids start at 0, in the order of `groups`: each group is the name (or alias) of a class, or a list of
+        names. The default is one group for each class except "unlabeled", in the order of the ontology. Labels in no
+        group get the train id `ignore`. The table is uint8 if `ignore` is below 256, otherwise uint16. Raises
+        InputError for an unknown name, for a name that is given twice, and if there are more groups than `ignore`.
         """
         wanted = [name for name, i in zip(self.names, self.ids) if i != 0] if groups is None else list(groups)
         if not len(wanted) <= ignore < LABELS:
@@ -85,7 +85,7 @@ class Ontology:
         return table
 
     def palette(self) -> NDArray[np.uint8]:
-        """A table (65536, 3) from labels to red, green, blue; black where there is no class."""
+        """Returns a table (65536, 3) from labels to red, green, blue; black for labels without a class."""
         table = np.zeros((LABELS, 3), np.uint8)
         table[self.ids] = self.colors
         return table

@@ -1,4 +1,4 @@
-"""The command `scanmill` of a wheel that has the program and its libraries."""
+"""The command `scanmill` of a wheel that contains the program and its libraries."""
 
 import os
 import subprocess
@@ -13,7 +13,7 @@ def main():
     if not program.exists():
         sys.exit("error: this package has no program: a wheel made by scripts/packages has")
     os.environ.setdefault("SCANMILL_RESOURCES", str(PACKAGE / "share"))
-    # Libraries that this system lacks.
+    # The folder with libraries that this system lacks; empty if it has all.
     path = subprocess.run(["sh", PACKAGE / "lib" / "fallback" / "path"], capture_output=True, text=True, check=True).stdout.strip()
     if path:
         os.environ["LD_LIBRARY_PATH"] = path

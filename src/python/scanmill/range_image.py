@@ -1,9 +1,10 @@
-"""Range images: points as images of the sensor's rings and columns, and back.
+"""Range images: points as images with the sensor's rings and columns, and back.
 
-The sensor's own ring and column say exactly where a point belongs, whatever the noise and the offsets of the beams: no
-projection is needed, and none of the holes and collisions that one makes. Row r is ring r and column c the one that
-fires as number c; see `top_down` and `clockwise` of the manifest's sensor for which way is up and left. Points without
-ring and column, as of other programs, are projected by their angles.
+The columns `ring` and `column` give the exact pixel of each point, whatever its noise and the offset of its beam.
+Unlike a projection, this causes no holes and no collisions. Row r is ring r, and column c is the column that fires as
+number c, starting at 0; `top_down` and `clockwise` of the sensor in the manifest tell which row is the top one, and in
+which direction azimuths change. Points without these columns, for instance from other programs, are projected by their
+angles.
 
 Functions take a Scan, or a dictionary of arrays such as a sample of ScanDataset.
 """
@@ -31,21 +32,22 @@ def _dense_arrays(points: Points) -> dict[str, Any]:
 
 
 class Projection:
-    """Which point lies in which pixel.
+    """The assignment of points to pixels.
 
-    Attributes, of H x W pixels and N points of the scan without its misses (scan.dense()):
-      index  int64 (H, W): the point that the pixel shows, -1 where there is none
-      pixel  int64 (N,): row * W + column of the pixel that the point lies in, whether or not that shows it; -1 where it
-             lies in none
+    Attributes, with H x W pixels and the N points of the scan without misses (scan.dense()):
+      index  int64 (H, W): index of the point that the pixel shows; -1 if it shows none
+      pixel  int64 (N,): pixel of each point, row * W + column, even if the pixel shows another point; -1 if the point
+             is outside of the image
     """
 
     def __init__(self, pixel: NDArray[np.int64], shape: tuple[int, int], order: NDArray[np.int64]) -> None:
-        """`order` holds indices of points; of those in one pixel the first in this order is shown."""
+        """`order`: indices of points. If several points are in a pixel, the one that comes first in this order is
+        shown."""
         self.pixel = pixel
         shown = order[pixel[order] >= 0]
         index = np.full(shape[0] * shape[1], -1, np.int64)
         index[pixel[shown]] = shown
-        if np.count_nonzero(index >= 0) < len(shown):  # some share a pixel: numpy may keep any
+        if np.count_nonzero(index >= 0) < len(shown):  # if points share a pixel, the assignment above keeps any of them
             pixels, first = np.unique(pixel[shown], return_index=True)
             index[pixels] = shown[first]
         self.index: NDArray[np.int64] = index.reshape(shape)
@@ -56,17 +58,19 @@ class Projection:
         return self.index >= 0
 
     def image(self, values: NDArray[Any], fill: float = 0) -> NDArray[Any]:
-        """An image (H, W, ...) of values of the points (N, ...), in their type; `fill` where there is no point."""
+        """Returns an image (H, W, ...) of values of the points (N, ...), of the same type; `fill` for pixels without a
+        point."""
         if not len(values):
             return np.full((*self.index.shape, *values.shape[1:]), fill, values.dtype)
-        out = values.take(self.index, axis=0)  # where there is no point, the last one's for now
+        out = values.take(self.index, axis=0)  # pixels without a point (index -1) get the value of the last point, for now
         out[~self.mask] = fill
         return out
 
     def points(self, image: NDArray[Any], fill: float = 0) -> NDArray[Any]:
-        """The inverse: for each point (N, ...) what an image (H, W, ...) has in its pixel; `fill` for points in none.
+        """The inverse of image(): returns for each point (N, ...) the value of an image (H, W, ...) in its pixel;
+        `fill` for points outside of the image.
 
-        Points that share a pixel with a shown one get its value too.
+        Points that share a pixel with the shown point get the same value.
         """
         out = np.full((len(self.pixel), *image.shape[2:]), fill, image.dtype)
         inside = self.pixel >= 0
@@ -75,11 +79,11 @@ class Projection:
 
 
 def beam_projection(points: Points, rings: int = 0, columns: int = 0, return_: int = 1) -> Projection:
-    """Pixels by the columns `ring` and `column`: exact.
+    """Assigns points to pixels by the columns `ring` and `column`, which is exact.
 
-    `rings` x `columns` are the sensor's; a Scan of a dataset knows them. `return_` chooses which return of a beam is
-    shown: 1 the nearest. Raises InputError where points have no ring and column, where these do not fit into the image,
-    and for another return of points without the column `return`.
+    `rings` and `columns` are the sensor's numbers; they can be omitted for a Scan of a dataset. `return_` is the number
+    of the return that is shown for each beam: 1 is the nearest. Raises InputError if points have no ring and column, if
+    these are outside of the image, or if `return_` is not 1 and points have no column `return`.
     """
     if isinstance(points, Scan):
         rings, columns = rings or points.rings, columns or points.columns
@@ -100,11 +104,12 @@ def beam_projection(points: Points, rings: int = 0, columns: int = 0, return_: i
 
 
 def spherical_projection(points: Points, rings: int, columns: int, elevation: tuple[float, float]) -> Projection:
-    """Pixels by the angles of the points as seen from the sensor's origin, `rings` rows and `columns` columns.
+    """Assigns points to pixels by their angles as seen from the sensor's origin, with `rings` rows and `columns`
+    columns.
 
-    `elevation` are the lowest and the highest angle (rad), of the image's lower and upper edge; points beyond lie in no
-    pixel. Columns go from the azimuth pi at the left to -pi at the right, so that the middle looks along x and left is
-    left. Of several points in a pixel the nearest is shown.
+    `elevation` is the lowest and the highest angle (rad), which are the lower and upper edge of the image; points
+    beyond are in no pixel. Columns go from the azimuth pi on the left to -pi on the right, so that the middle column is
+    the direction of x. If several points are in a pixel, the nearest is shown.
     """
     low, high = elevation
     if not (low < high and rings > 0 and columns > 0):
@@ -128,10 +133,10 @@ def range_image(
     return_: int = 1,
     fill: float = 0,
 ) -> NDArray[np.float32]:
-    """An image float32 (k, rings, columns) of k channels: "x", "y", "z", "range" (m) and names of columns.
+    """Returns an image float32 (k, rings, columns) of k channels: "x", "y", "z", "range" (m) or names of columns.
 
-    `fill` stands where a beam has no return. See beam_projection() for the rest, and use it for labels: its image()
-    keeps their type.
+    Pixels without a return get the value `fill`. The other arguments are those of beam_projection(). For labels, use
+    the image() of a beam_projection() instead, which keeps their type.
     """
     if isinstance(channels, str):
         raise InputError(f"channels are a list of names, not '{channels}'")

@@ -1,4 +1,4 @@
-"""Samples as the dictionaries of arrays that transforms and loaders work on."""
+"""Converts samples to dictionaries of arrays, which transforms and loaders use."""
 
 from __future__ import annotations
 
@@ -18,14 +18,15 @@ class SampleReader:
 
     key, sensor        texts
     xyz                float32 (N, 3), m, without misses; and the columns, (N,)
-    world_from_sensor  float64 (4, 4), the pose at the start of the revolution; not of files without one
-    target             int64 (N,), labels by the table of train ids, where that is given
-    and where boxes are asked for, those that the sensor's range reaches:
+    world_from_sensor  float64 (4, 4), the pose at the start of the revolution; absent if the file has no pose
+    target             int64 (N,), train ids of the labels; only if `train_ids` is given
+    and, if `boxes` is given, the boxes of objects within the sensor's range:
     boxes              float32 (M, 7): x, y, z, length, width, height (m), yaw (rad) in the frame of the points
-    box_class          uint16 (M,), class ids of the ontology; box_instance uint32 (M,), as in the column `instance`
-    box_label          int64 (M,), indices into the list of classes, where boxes are asked for by such a list
-    box_velocity       float32 (M, 3), over ground, along the sensor's axes, m/s
-    box_points         int64 (M,), of the scan; box_visibility float32 (M,), 0 to 1, NaN where no beam would meet it
+    box_class          uint16 (M,), class ids in the ontology; box_instance uint32 (M,), as in the column `instance`
+    box_label          int64 (M,), indices in the list `boxes`; only if `boxes` is a list of class names
+    box_velocity       float32 (M, 3), relative to the ground, along the sensor's axes, m/s
+    box_points         int64 (M,), number of points in the scan
+    box_visibility     float32 (M,), 0 to 1; NaN if no beam would hit the object even without occlusion
     """
 
     def __init__(
@@ -38,11 +39,11 @@ class SampleReader:
         min_points: int = 0,
         transform: Callable[[dict[str, Any], Any, int], dict[str, Any]] | None = None,
     ) -> None:
-        """`sensor` and `columns` are as of Sample.scan(); the column `label` is read besides where train ids need it.
+        """`sensor` and `columns`: see Sample.scan(); the column `label` is also read if train ids need it.
 
-        `train_ids` is a table as Ontology.train_ids() makes it. `boxes` is True for all, or names of classes. Boxes of
-        things with fewer than `min_points` points are left out. `transform(sample, key, epoch)` makes another sample,
-        as augment.Compose does.
+        `train_ids`: a table returned by Ontology.train_ids(). `boxes`: True for boxes of all classes, or a list of
+        class names. Objects with fewer than `min_points` points are left out. `transform`: a function such as
+        augment.Compose; transform(sample, key, epoch) returns the changed sample.
         """
         if isinstance(columns, str) or isinstance(boxes, str):
             raise InputError("columns and boxes are lists of names")
@@ -54,8 +55,8 @@ class SampleReader:
         self.transform = transform
 
     def __call__(self, sample: Sample, epoch: int = 0) -> dict[str, Any]:
-        """The dictionary of one sample. Raises InputError as Sample.scan() does, and where boxes are asked for and the
-        dataset lists no objects."""
+        """Returns the dictionary of one sample. Raises InputError for the same reasons as Sample.scan(), and if `boxes`
+        is given but the dataset has no object lists."""
         columns = self.columns
         if columns is not None and self.train_ids is not None and "label" not in columns:
             columns = [*columns, "label"]
@@ -93,7 +94,7 @@ class SampleReader:
 
 
 def _indices_of(names: Sequence[str], ontology: Ontology | None) -> NDArray[np.int64]:
-    """A table (65536,) from class ids to indices into a list of names; -1 for others."""
+    """Returns a table (65536,) from class ids to indices in a list of class names; -1 for other classes."""
     if ontology is None:
         raise InputError("no manifest tells the classes")
     table = np.full(65536, -1, np.int64)

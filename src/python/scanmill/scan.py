@@ -1,4 +1,4 @@
-"""One scan: what a sensor reports in one revolution."""
+"""One scan: the points that a sensor reports in one revolution."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ AXES = ("x", "y", "z")
 
 
 def channel(arrays: Mapping[str, Any], name: str) -> NDArray[Any]:
-    """A figure of each point: "x", "y", "z" or "range" (m, from the sensor's origin) of `xyz`, or a column.
+    """Returns one value for each point: "x", "y", "z" or "range" (m, from the sensor's origin) of `xyz`, or a column.
 
-    Raises InputError, with the nearest name, where there is no such figure.
+    Raises InputError, which suggests a similar name, if there is no such value.
     """
     if name in AXES:
         return arrays["xyz"][..., AXES.index(name)]
@@ -31,7 +31,7 @@ def channel(arrays: Mapping[str, Any], name: str) -> NDArray[Any]:
 
 
 def stacked(arrays: Mapping[str, Any], channels: Sequence[str]) -> NDArray[np.float32]:
-    """Figures of each point side by side, float32 (..., k); see channel()."""
+    """Returns the values of several channels of each point, float32 (..., k); see channel()."""
     if isinstance(channels, str):
         raise InputError(f"channels are a list of names, not '{channels}'")
     shape = arrays["xyz"].shape[:-1]
@@ -42,7 +42,7 @@ def stacked(arrays: Mapping[str, Any], channels: Sequence[str]) -> NDArray[np.fl
 
 
 def chosen(which: ArrayLike, count: int) -> NDArray[np.int64]:
-    """The indices of `count` entries that a mask (count,) or a list of indices, empty ones too, choose."""
+    """Returns the indices, of `count` entries, that a mask (count,) or a list of indices selects; both may be empty."""
     wanted = np.asarray(which)
     return np.arange(count)[wanted if wanted.size else wanted.astype(np.int64)]
 
@@ -50,22 +50,22 @@ def chosen(which: ArrayLike, count: int) -> NDArray[np.int64]:
 class Scan:
     """The points of one revolution.
 
-    A dense scan has its N points in the order of firing, and shapes below are (N,). An organised one is an image of
-    (planes * rings, columns) with NaN positions where a beam has no return; plane n holds the (n + 1)th return of each
-    beam.
+    A dense scan has N points in the order of firing; each column has the shape (N,). An organised scan is an image of
+    the shape (planes * rings, columns), with NaN positions for beams without a return; plane n has the (n + 1)th return
+    of each beam.
 
-    Columns are attributes and items: scan.label, scan["label"]; `return` is an item alone, since Python has the word
-    for itself. docs/keys.md lists them with their units.
+    Columns are available as attributes and items: scan.label, scan["label"]; `return` only as an item, since it is a
+    Python keyword. docs/keys.md lists the columns with their units.
 
-    Attributes besides:
+    Further attributes:
       xyz                float32 (..., 3) in m, in the sensor's frame: x forward, y left, z up
-      names              the names of the columns
-      sensor, method     empty where the file does not tell
+      names              names of the columns
+      sensor, method     empty if unknown
       start_time         s since the start of the sequence, when column 0 fires
-      world_from_sensor  float64 (4, 4), the pose at the start of the revolution; None where the file does not tell
-      poses              float64 (P, 4, 4): that pose, and where the sensor moves the one at the revolution's end; None
-                         likewise
-      rings, columns     of the sensor; 0 where unknown
+      world_from_sensor  float64 (4, 4), the pose at the start of the revolution; None if unknown
+      poses              float64 (P, 4, 4): this pose and, if the sensor moves, the pose at the end of the revolution;
+                         None if unknown
+      rings, columns     numbers of the sensor's rings and columns; 0 if unknown
     """
 
     def __init__(
@@ -81,8 +81,8 @@ class Scan:
         rings: int = 0,
         columns: int = 0,
     ) -> None:
-        """`arrays` holds `xyz` and the columns. `column_starts` (C,) are the times (s) since the start of the
-        revolution at which the columns fire."""
+        """`arrays`: `xyz` and the columns. `column_starts` (C,): the time at which each column fires (s since the start
+        of the revolution)."""
         self._arrays: dict[str, NDArray[Any]] = dict(arrays)
         self.sensor = sensor
         self.method = method
@@ -115,7 +115,7 @@ class Scan:
         return None if self.poses is None else self.poses[0]
 
     def __len__(self) -> int:
-        """How many points there are; misses of an organised scan do not count."""
+        """Returns the number of points, without the misses of an organised scan."""
         return int(np.isfinite(self.xyz[..., 0]).sum()) if self.organised else len(self.xyz)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
@@ -140,20 +140,21 @@ class Scan:
         return f"<Scan {self.sensor}: {shape}, {', '.join(self.names)}>"
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """`xyz` and the columns in a new dictionary; the arrays are not copied."""
+        """Returns `xyz` and the columns in a new dictionary; the arrays are not copied."""
         return dict(self._arrays)
 
     def points(self, channels: Sequence[str] = ("x", "y", "z", "intensity")) -> NDArray[np.float32]:
-        """Figures of each point side by side, float32 (N, k) with N = len(scan); misses are left out.
+        """Returns the values of several channels of each point, float32 (N, k) with N = len(scan), without misses.
 
         Channels are "x", "y", "z", "range" and names of columns. Instance ids above 2^24 are rounded by float32.
         """
         return stacked(self.dense().arrays(), channels)
 
     def dense(self) -> Scan:
-        """The scan without misses, with points in the order of the image; a dense scan itself.
+        """Returns the scan without misses, with points in the order of the image. Returns a dense scan unchanged.
 
-        `ring`, `column` and, where there are several planes, `return` follow from the place in the image.
+        The columns `ring`, `column` and, if there are several planes, `return` are computed from the position in the
+        image.
         """
         if not self.organised:
             return self
@@ -167,18 +168,20 @@ class Scan:
         return self._with({name: values[hit] for name, values in {**self._arrays, **places}.items()})
 
     def select(self, which: ArrayLike) -> Scan:
-        """The points of a dense scan that a mask (N,) or indices choose. Raises InputError for an organised scan."""
+        """Returns the points of a dense scan that a mask (N,) or indices select. Raises InputError for an organised
+        scan."""
         if self.organised:
             raise InputError("points of an organised scan cannot be selected: use scan.dense().select(...)")
         points = chosen(which, len(self.xyz))
         return self._with({name: values[points] for name, values in self._arrays.items()})
 
     def world_xyz(self) -> NDArray[np.float64]:
-        """The points in the world's frame, float64 (..., 3) in m.
+        """Returns the points in the world's frame, float64 (..., 3) in m.
 
-        Points of a sensor that moves during its revolution are in its frame at the time of their own column, unless the
-        dataset is deskewed; the sensor is taken to have moved evenly from its first pose to its last. Raises InputError
-        where the pose is not known, or where this needs the column `column` or `time` and the scan has neither.
+        If the sensor moves during the revolution and the dataset is not deskewed, each point is in the sensor's frame
+        at the time of its column. The motion from the first to the last pose is assumed to be uniform. Raises
+        InputError if the pose is not known, or if the scan has neither of the columns `column` and `time`, one of which
+        is then needed.
         """
         if self.poses is None:
             raise InputError("where the sensor stood is not known: a single file has no pose")

@@ -1,4 +1,4 @@
-"""Shards of datasets, and how the readers of a distributed loader share them."""
+"""The shards of datasets, and their distribution over the readers of a loader."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from ._core import InputError, Store
 from .dataset import Dataset, Path, Sample
 from .words import require_known
 
-# Files of shards; or a dataset or some of its samples; or the folder of one.
+# A dataset or some of its samples, the folder of a dataset, a shard's file, or a list of shards' files.
 Source = Union[Dataset, Path, Sequence[Path]]
 
 
 def share(sizes: Sequence[int], readers: int, reader: int) -> list[tuple[int, int, int]]:
-    """The part of one of several readers of lists with `sizes` samples, as (list, first, last + 1).
+    """Returns the part of one reader, as a list of (list, first, last + 1). `sizes`: number of samples in each list.
 
-    All samples are shared out as evenly as they can be, each reader's one after the other; together the readers take
-    every sample once. Raises InputError unless 0 <= reader < readers.
+    All samples are divided as evenly as possible into consecutive parts, one for each reader. Each sample is in exactly
+    one part. Raises InputError unless 0 <= reader < readers.
     """
     if not 0 <= reader < readers:
         raise InputError(f"reader {reader} is not one of {readers}")
@@ -38,14 +38,14 @@ def share(sizes: Sequence[int], readers: int, reader: int) -> list[tuple[int, in
 
 
 class Shards:
-    """The shards of a dataset, or a list of files, and the samples in them.
+    """The shards of a dataset or a list of shard files, with their samples.
 
-    Of files that belong to a dataset the folder is opened, once, which tells poses and classes; others are read by
-    themselves.
+    If a file belongs to a dataset, the dataset's folder is opened (once), since it has the poses and classes. Other
+    files are opened as single shards.
     """
 
     def __init__(self, source: Source, split: str | None = None) -> None:
-        """`split` chooses shards of a dataset. Raises InputError where there are none."""
+        """`split` selects shards of a dataset. Raises InputError if there are no shards."""
         self._datasets: dict[str, Dataset] = {}
         self._keys: dict[int, list[str]] = {}
         if isinstance(source, (str, os.PathLike)):
@@ -65,7 +65,8 @@ class Shards:
         return len(self.files)
 
     def keys(self, shard: int) -> list[str]:
-        """The keys of a shard's samples, in the shard's order. Raises InputError where it cannot be read."""
+        """Returns the keys of a shard's samples, in the shard's order. Raises InputError if the shard cannot be
+        read."""
         if shard not in self._keys:
             own, file = self.dataset(shard), self.files[shard]
             self._keys[shard] = own.keys if own.path == file else [key for key in _keys_in(file) if key in own]
@@ -75,7 +76,7 @@ class Shards:
         return self.dataset(shard)[key]
 
     def dataset(self, shard: int) -> Dataset:
-        """The dataset that the shard is part of, or the shard by itself."""
+        """Returns the dataset to which the shard belongs; if there is none, the shard as a dataset."""
         file = self.files[shard]
         if file not in self._datasets:
             folder = os.path.dirname(os.path.dirname(os.path.abspath(file)))
@@ -90,12 +91,13 @@ class Shards:
 
 
 class Reading:
-    """The samples that one reader sees in one epoch, in its order."""
+    """The samples that one reader reads in one epoch, in the order in which it reads them."""
 
     def __init__(self, shards: Shards, *, readers: int = 1, reader: int = 0, shuffle: int = 0, rng: Any = None) -> None:
-        """`shuffle` is the number of samples that wait to be drawn from, 0 for the shards' order; it costs no memory,
-        since they are read when they are drawn. `rng` is a function of a number that gives generators: of the order of
-        shards, the same for all readers (0), and of the order of this reader's samples (1 + reader)."""
+        """`shuffle`: number of samples in the buffer from which samples are taken at random; 0: the shards' order. The
+        buffer needs little memory, since samples are read only when they are taken. `rng(k)` returns a random
+        generator: k = 0 for the order of shards, the same for all readers; k = 1 + reader for the order of this
+        reader's samples."""
         self.shards = shards
         self.readers, self.reader = readers, reader
         self.shuffle, self.rng = shuffle, rng
@@ -121,7 +123,7 @@ class Reading:
 
 
 def _shuffled(items: Iterator[Any], size: int, rng: np.random.Generator) -> Iterator[Any]:
-    """The items in another order: each is drawn at random from `size` that wait."""
+    """Yields the items in random order: each is taken at random from a buffer of `size` items."""
     waiting: list[Any] = []
     for item in items:
         waiting.append(item)
@@ -143,7 +145,7 @@ def _keys_in(file: str) -> list[str]:
 
 
 def _files_of(dataset: Dataset, split: str | None) -> list[str]:
-    """The shards that a dataset's samples may lie in."""
+    """Returns the files of all shards that may contain samples of the dataset."""
     if dataset.manifest is None or not os.path.isdir(dataset.path):
         raise InputError(f"{dataset.path} is no dataset's folder: give files of shards as a list")
     listed = dataset.manifest["shards"]

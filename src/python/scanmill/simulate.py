@@ -1,4 +1,4 @@
-"""Scans of a scene, without files: from a notebook, or wherever a program wants to look next."""
+"""Scans scenes without writing files, for notebooks and for programs that choose the next pose themselves."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ Sensor = Union[str, Mapping[str, Any]]
 Method = Union[str, Mapping[str, Any]]
 Effects = Union[str, Sequence[Union[str, Mapping[str, Any]]], None]
 
-MOST_SIMULATORS = 4  # that a scene keeps; each holds the geometry and the method's structures
+MOST_SIMULATORS = 4  # maximum number cached by a scene; each contains the geometry and the method's data
 
 
 def load_scene(path: Path, seed: int = 1, labels: str | None = None, moving: bool = True) -> Scene:
-    """A scene by its file, or by the name of one of the program's, such as "town".
+    """Returns a scene by the path of its file, or by the name of a scene that comes with the program, such as "town".
 
-    `seed` chooses what is procedural in it, `labels` an ontology in place of the scene's own (a file, or a name such as
-    "semantic_kitti"). moving=False: things that move stand where they are at first, so that every method can trace the
-    scene. Nothing is read before the first scan.
+    `seed` determines the procedural parts of the scene. `labels` replaces the scene's ontology (a file, or a name such
+    as "semantic_kitti"). With moving=False, moving objects stay at their positions at time 0 s, so that all methods
+    can trace the scene. Nothing is read before the first scan.
     """
     return Scene(path, seed, labels, moving)
 
@@ -41,11 +41,11 @@ def sensor(
     mount: Mapping[str, Any] | None = None,
     **overrides: Any,
 ) -> dict[str, Any]:
-    """A sensor as pipelines describe it (docs/keys.md, Sensor).
+    """Returns the description of a sensor for Scene.scan() and pipelines (docs/keys.md, Sensor).
 
-    `preset` is a sensor's file, the name of one of the program's ("os1_128"), or a map of keys that needs no preset.
-    `mount` is a pose on the vehicle: a map with position (m), yaw_deg and so on. `overrides` replace keys of the
-    preset: sensor("vlp_16", columns=450). A wrong key is refused by the first scan.
+    `preset` is a sensor file, the name of a preset that comes with the program ("os1_128"), or a map with all keys of a
+    sensor. `mount` is the pose on the vehicle: a map with position (m), yaw_deg and so on. `overrides` replace keys of
+    the preset: sensor("vlp_16", columns=450). Wrong keys are reported by the first scan.
     """
     described: dict[str, Any] = dict(preset) if isinstance(preset, Mapping) else {"preset": os.fspath(preset)}
     if name is not None:
@@ -56,10 +56,11 @@ def sensor(
 
 
 class Scene:
-    """A scene that can be scanned from anywhere. Threads can share one; it pickles by what it was loaded from."""
+    """A scene that can be scanned from any pose. Threads can share it. Pickling stores only the arguments of
+    load_scene()."""
 
     def __init__(self, path: Path, seed: int = 1, labels: str | None = None, moving: bool = True) -> None:
-        """See load_scene(). Relative names of files start at the current folder."""
+        """See load_scene(). Relative paths start at the current folder."""
         self.path = os.fspath(path)
         self.seed = seed
         self.labels = labels
@@ -80,21 +81,21 @@ class Scene:
         seed: int = 1,
         organised: bool = False,
     ) -> Any:
-        """One revolution of a sensor: a Scan; a list of them where `sensor` is a list, in its order.
+        """Scans one revolution of a sensor and returns a Scan. If `sensor` is a list, returns a list of Scans in its
+        order.
 
-        pose       of the vehicle in the world, (4, 4) or a map as of a sensor's mount; it stands still meanwhile
-        sensor     as sensor() describes it, or the name of a preset; its mount is relative to the vehicle
+        pose       of the vehicle in the world, a matrix (4, 4) or map (see sensor()); the vehicle stands still
+        sensor     a result of sensor(), or the name of a preset; its mount is relative to the vehicle
         method     a name, or {name: its keys}
-        effects    None for what beams meet, exactly; "sensor" for what the sensor's file states; or a list as pipelines
-                   have it
-        columns    names; None for those that datasets have by default. There is an intensity where `effects` make one
-        time       s since the start of the drive: where things that move are
-        frame      which noise; the same scene, sensors, seed and frame give the same noise
-        organised  True for an image of (planes * rings, columns) with NaN where beams have no return
+        effects    None: exact hits of the beams; "sensor": the effects in the sensor's file; or a list as in pipelines
+        columns    names; None: the default columns of datasets. There is an intensity only if `effects` set one
+        time       s since the start of the drive; determines the places of moving objects
+        frame      selects the noise: the same scene, sensors, seed and frame give the same noise
+        organised  True: an image of (planes * rings, columns) with NaN for beams without a return
 
-        The first scan with another combination of sensors, method, effects, columns, seed and layout loads the scene
-        and sets up the method, which takes seconds for large scenes; the four combinations that were used last stay
-        ready. Raises InputError for what is wrong in any of these, the scene's file included.
+        The first scan with a new combination of sensors, method, effects, columns, seed and layout loads the scene and
+        sets up the method, which takes seconds for large scenes. The four combinations that were used last are cached.
+        Raises InputError for errors in the arguments and in the scene's file.
         """
         single = isinstance(sensor, (str, Mapping))
         sensors = [sensor] if single else list(sensor)  # type: ignore[list-item,arg-type]
@@ -111,11 +112,11 @@ class Scene:
 
     @cached_property
     def ontology(self) -> Ontology:
-        """The classes of the scene's labels. Loads the scene where no scan was made yet."""
+        """The classes of the scene's labels. Loads the scene if no scan has been made yet."""
         with self._lock:
             ready = next(reversed(self._simulators.values()), None)
         if ready is None:
-            # Any sensor will do; one with few beams needs least.
+            # Loading needs a sensor; one with a single beam is the cheapest.
             few = {"columns": 1, "rate_hz": 10, "elevation_deg": [0], "range_m": [1, 100]}
             ready = self._simulator(self._pipeline([few], "ray_tracing", None, None, 1, False))
         return Ontology(json.loads(ready.classes))
@@ -140,7 +141,8 @@ class Scene:
         seed: int,
         organised: bool,
     ) -> str:
-        """The text of a pipeline, in JSON, which is YAML: a key of the simulator that it makes, too."""
+        """Returns the text of a pipeline in JSON, which is also YAML. The text is the key of its simulator in the
+        cache."""
         if not sensors:
             raise InputError("there is no sensor to scan with")
         if isinstance(columns, str):
@@ -166,7 +168,7 @@ class Scene:
             raise InputError(f"a description is made of texts, finite numbers, lists and maps: {e}") from None
 
     def _simulator(self, pipeline: str) -> Simulator:
-        # Others wait while one is loaded, lest two load the same.
+        # Other threads wait while a simulator is loaded, so that none is loaded twice.
         with self._lock:
             if pipeline not in self._simulators:
                 while len(self._simulators) >= MOST_SIMULATORS:
@@ -174,7 +176,7 @@ class Scene:
                 try:
                     self._simulators[pipeline] = Simulator(pipeline, self.folder)
                 except InputError as e:
-                    # Nobody has seen the pipeline's text: its name, lines and columns mean nothing.
+                    # Users do not know the pipeline's text, so its name, lines and columns are removed from the message.
                     ours = re.escape(os.path.join(self.folder, "simulation.yaml")) + r"(:\d+)*"
                     raise InputError(re.sub(ours, "scan()", str(e))) from None
             self._simulators.move_to_end(pipeline)
@@ -194,7 +196,7 @@ class Scene:
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and arrays of numpy as JSON has them, and paths as texts."""
+    """Converts numbers and arrays of numpy to values that JSON allows, and paths to texts."""
     if hasattr(value, "tolist"):
         return value.tolist()
     return os.fspath(value)

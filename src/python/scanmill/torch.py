@@ -1,10 +1,10 @@
-"""Datasets and batches for PyTorch. The only module that needs torch.
+"""Datasets and batches for PyTorch. This is the only module that needs torch.
 
     from scanmill.torch import ScanDataset, collate_padded
     loader = DataLoader(ScanDataset("out/town", "train"), batch_size=4, collate_fn=collate_padded, num_workers=4)
 
-Both datasets give dictionaries of numpy arrays (scanmill.samples.SampleReader says of what), which are collated to
-tensors. uint16 becomes int32 and uint32 becomes int64, since torch has no such types.
+Both datasets return dictionaries of numpy arrays (see scanmill.samples.SampleReader), which are then collated to
+tensors. uint16 is converted to int32 and uint32 to int64, since torch lacks these types.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ _KINDS = {np.dtype(np.uint16): np.int32, np.dtype(np.uint32): np.int64, np.dtype
 
 
 def tensor(values: NDArray[Any]) -> torch.Tensor:
-    """An array as a tensor; of types that torch lacks, in the next larger one that it has."""
+    """Returns an array as a tensor. If torch lacks the array's type, uses the next larger type that torch has."""
     return torch.from_numpy(np.ascontiguousarray(values, _KINDS.get(values.dtype, values.dtype)))
 
 
 class _Epoch:
-    """A number that workers see change, those that live on from epoch to epoch too."""
+    """An integer in shared memory, so that persistent workers see it change from epoch to epoch."""
 
     def __init__(self) -> None:
         self._shared = torch.zeros(1, dtype=torch.int64).share_memory_()
@@ -49,19 +49,19 @@ class _Epoch:
 
 
 class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
-    """One scan of each sample of a dataset, by its number."""
+    """A map-style dataset: one scan of each sample of a dataset, by index."""
 
     def __init__(self, source: Dataset | Path, split: str | None = None, **reading: Any) -> None:
-        """`source` is a dataset, or the path of one. `reading` are the keys of SampleReader: sensor, columns,
-        train_ids, boxes, min_points, transform. Raises InputError for an unknown split."""
+        """`source`: a dataset or its path. `reading`: arguments of SampleReader (sensor, columns, train_ids, boxes,
+        min_points, transform). Raises InputError for an unknown split."""
         dataset = source if isinstance(source, Dataset) else open_dataset(source)
         self.dataset = dataset if split is None else dataset.split(split)
         self.reader = SampleReader(**reading)
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
-        """What the transform's random numbers follow from, besides the sample. Workers see it from their next sample
-        on."""
+        """Sets the epoch, which determines the transform's random numbers together with the sample. Workers use it from
+        their next sample on."""
         self._epoch.set(epoch)
 
     def __len__(self) -> int:
@@ -72,12 +72,12 @@ class ScanDataset(torch.utils.data.Dataset):  # type: ignore[type-arg]
 
 
 class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
-    """The scans of shards, read from front to back: for disks and networks that are slow at anything else.
+    """An iterable dataset: reads the scans of shards sequentially, for disks and networks that are slow at random
+    access.
 
-    The ranks of torch.distributed and the workers of the loader share the shards, each reader whole ones; where there
-    are fewer shards than readers, they share the samples. Every sample is seen once an epoch over all ranks and
-    workers, so that ranks may see different numbers of them: gradients are then synchronised in the context of
-    torch.distributed.algorithms.join.Join.
+    Shards are divided among the ranks of torch.distributed and the workers of the loader. If there are fewer shards
+    than readers, samples are divided instead. Each sample is read once per epoch by one of all ranks and workers. Ranks
+    may have different numbers of samples, so use torch.distributed.algorithms.join.Join to synchronise gradients.
     """
 
     def __init__(
@@ -91,12 +91,12 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
         world_size: int | None = None,
         **reading: Any,
     ) -> None:
-        """`source` is a dataset, the path of one or of a shard, or a list of shards' paths.
+        """`source`: a dataset, the path of a dataset or of a shard, or a list of shards' paths.
 
-        `shuffle` is 0 for the shards' own order. Above, shards are shuffled, and samples are drawn at random from so
-        many that wait (which costs no memory); order and drawing follow from seed and epoch. `rank` and `world_size`
-        are those of torch.distributed where it runs. `reading` is as of ScanDataset. Raises InputError where there are
-        no shards.
+        `shuffle`: 0 for the order of the shards. A larger number shuffles the shards, and takes samples at random from
+        a buffer of this size (which needs little memory); the order depends on seed and epoch. `rank` and `world_size`:
+        taken from torch.distributed by default, if it is running. `reading`: see ScanDataset. Raises InputError if
+        there are no shards.
         """
         if shuffle < 0 or seed < 0:
             raise InputError("shuffle and seed are 0 or more")
@@ -107,7 +107,7 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
         self._epoch = _Epoch()
 
     def set_epoch(self, epoch: int) -> None:
-        """Another order, and other random numbers of the transform, from the next iteration on."""
+        """Sets the epoch, which changes the order and the transform's random numbers from the next iteration on."""
         self._epoch.set(epoch)
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
@@ -117,7 +117,7 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
         reading = Reading(
             self.shards,
             readers=self.world_size * workers,
-            reader=number * self.world_size + self.rank,  # the first shards go to different ranks
+            reader=number * self.world_size + self.rank,  # so that consecutive shards are read by different ranks
             shuffle=self.shuffle,
             rng=lambda position: generator(self.seed, 0, epoch, position),
         )
@@ -146,12 +146,12 @@ def _shared_names(samples: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batch:
-    """A batch of B scans, padded to the longest of them.
+    """Returns a batch of B scans, padded to the length of the longest.
 
-    Points: `xyz` float32 (B, N, 3), columns (B, N), `mask` bool (B, N), which is False where a scan has no such point.
-    Boxes, where there are: `boxes` (B, M, 7), `box_...` (B, M, ...), `box_mask` bool (B, M). `world_from_sensor` is
-    float64 (B, 4, 4), texts are lists. `target` is padded by `ignore`, the value that the table of train ids has for
-    what is not learned; all else by 0.
+    Points: `xyz` float32 (B, N, 3), columns (B, N), `mask` bool (B, N), which is False for padding. Boxes, if samples
+    have boxes: `boxes` (B, M, 7), `box_...` (B, M, ...), `box_mask` bool (B, M). `world_from_sensor` is float64 (B, 4,
+    4). Texts are lists. `target` is padded with `ignore`, the train id of labels that are not learned; other arrays
+    with 0.
     """
     batch: Batch = {}
     for name in _shared_names(samples):
@@ -169,12 +169,12 @@ def collate_padded(samples: Sequence[dict[str, Any]], ignore: int = 255) -> Batc
 
 
 class CollateRangeImages:
-    """Makes batches of B range images of rings x columns pixels, by the columns `ring` and `column`.
+    """Makes batches of B range images with rings x columns pixels, using the columns `ring` and `column`.
 
-    `image` float32 (B, k, rings, columns) has a channel for each of `channels`, 0 where a beam has no return; `mask`
-    bool (B, rings, columns) says where it has one; `target` int64 (B, rings, columns), where samples have it, is
-    `ignore` where it has none. `index` int64 (B, rings, columns) is the number of the point in its sample, -1 for none.
-    Boxes, poses and texts are as of collate_padded().
+    `image` float32 (B, k, rings, columns) has one channel for each of `channels`; pixels without a return are 0. `mask`
+    bool (B, rings, columns) is True for pixels with a return. `target` int64 (B, rings, columns), if samples have it,
+    is `ignore` for pixels without a return. `index` int64 (B, rings, columns) is the index of the pixel's point in its
+    sample; -1 if there is none. Boxes, poses and texts are the same as in collate_padded().
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Advice for words that are not known."""
+"""Suggestions in messages about unknown words."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from ._core import InputError
 
 
 def advice(word: str, known: Iterable[str]) -> str:
-    """The end of a message about an unknown word: the nearest known one, or all of them where none is near."""
+    """Returns the end of a message about an unknown word: a similar known word, or all known words if none is
+    similar."""
     names = [str(name) for name in known]
     near = difflib.get_close_matches(str(word), names, 1)
     if near:
@@ -18,7 +19,7 @@ def advice(word: str, known: Iterable[str]) -> str:
 
 
 def require_known(what: str, word: str, known: Iterable[str]) -> None:
-    """Raise an InputError, "unknown WHAT 'WORD'" with advice, unless the word is one of `known`."""
+    """Raises InputError with the message "unknown WHAT 'WORD'" and a suggestion, if the word is not one of `known`."""
     names = list(known)
     if word not in names:
         raise InputError(f"unknown {what} '{word}'{advice(word, names)}")

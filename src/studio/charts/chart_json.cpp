@@ -11,7 +11,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kMarks[]{"dots", "line", "line and dots", "bars"};
 
-// Rounds to six digits, which is finer than a screen can show.
+// Rounds a number to six significant digits, which is finer than a screen can show; null if the number is not finite.
 OrderedJson numberJson(double value) {
   if (!std::isfinite(value)) return nullptr;
   if (value == 0) return 0;

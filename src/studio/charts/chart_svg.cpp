@@ -1,4 +1,5 @@
-// Draws charts as SVG files. Text stays text elements, and styles avoid CSS variables, which only browsers support.
+// Draws charts as SVG files. Labels are text elements. The styles do not use CSS variables, which only browsers
+// support.
 
 #include <fmt/core.h>
 
@@ -15,14 +16,15 @@ namespace scanmill {
 namespace {
 
 constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;  // pixels
-constexpr double kBand = 0.1;                                                  // share of an axis for the band of zeros
+constexpr double kBand = 0.1;  // fraction of a logarithmic axis that shows values of zero and below
 
 bool isDrawn(const Vec2d& p) {
   return std::isfinite(p.x) && std::isfinite(p.y);
 }
 
-// M. Okabe and K. Ito, Color Universal Design, 2008, in the order of charts.js: black is the ink colour; yellow, hardly
-// visible on a white page, is last. On a dark page blue is lighter.
+// The palette of M. Okabe and K. Ito, Color Universal Design, 2008, in the same order as in charts.js. Black is
+// replaced by the ink colour. Yellow comes last, since it is hardly visible on a white page. Blue is lighter on a dark
+// page.
 struct ChartPalette {
   const char *page, *ink, *muted, *grid, *axis, *band;
   std::array<const char*, kChartColors> colors;
@@ -42,7 +44,7 @@ constexpr ChartPalette kDark{"#12161c",
                              "#1a2029",
                              {"#3D9BDC", "#E8762B", "#12B886", "#E69F00", "#CC79A7", "#7CC8F2", "#e6edf3", "#F0E442"}};
 constexpr std::array kDashes{"", "7 3", "2.5 3", "10 3 2 3", "5 2 2 2 2 2", "12 4", "", "4 4"};
-// Shapes around the origin, about as large as the first one, the circle of radius 1.
+// SVG paths of marks around the origin. All cover about the same area as the first mark, a circle of radius 1.
 constexpr std::array kShapes{"M-1,0A1,1 0 1 1 1,0A1,1 0 1 1 -1,0Z",
                              "M-.9-.9H.9V.9H-.9Z",
                              "M0-1.25L1.25,0L0,1.25L-1.25,0Z",
@@ -84,7 +86,7 @@ std::string plain(double value) {
   return text;
 }
 
-// Returns 1, 2, 5 or 10 times a power of ten, the first that is not below `least`.
+// Returns the smallest number that is at least `least` and equals 1, 2 or 5 times a power of ten.
 double niceStep(double least) {
   const double power = std::pow(10, std::floor(std::log10(least)));
   for (const double factor : {1.0, 2.0, 5.0}) {
@@ -93,7 +95,8 @@ double niceStep(double least) {
   return 10 * power;
 }
 
-// Returns the largest logarithm of 1, 2 or 5 times a power of ten that is not above `log`.
+// Returns the logarithm of the largest number that equals 1, 2 or 5 times a power of ten and whose logarithm is at most
+// `log`.
 double niceLog(double log) {
   double nice = std::floor(log + 1e-9);
   for (const double stop : {std::log10(2), std::log10(5)}) {
@@ -102,7 +105,7 @@ double niceLog(double log) {
   return nice;
 }
 
-// Maps values to positions along an axis, from 0 to 1.
+// Maps values to positions along an axis, from 0 at its start to 1 at its end.
 class ChartScale {
  public:
   struct Tick {
@@ -246,7 +249,8 @@ class SvgDrawing {
                        emphasised_ && !s.emphasised ? " dim" : "");
   }
 
-  // Draws the legend, in which series of the same name and colour share an entry. Returns its lower end.
+  // Draws the legend, in which series of the same name and colour share an entry. `top`: y of its upper end. Returns
+  // the y of its lower end (pixels).
   double legend(double top) {
     double x = kMargin, y = top + kFont;
     std::vector<const ChartSeries*> done;
@@ -292,7 +296,7 @@ class SvgDrawing {
     area_ = {kMargin, top, width_ - kMargin - 8, height_ - kMargin - kFont * 3.4};
     if (!chart_.y.title.empty()) text("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
     area_.top += kNoteFont * 1.9;
-    constexpr double kTurned = 26;  // degrees, of names that are too long to lie side by side
+    constexpr double kTurned = 26;  // degrees by which names are rotated if they are too long to fit side by side
     double widest = 0;
     for (const std::string& name : chart_.x.names) widest = std::max(widest, svgTextWidth(name, kFont));
     const bool turned = widest * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;
@@ -351,7 +355,7 @@ class SvgDrawing {
         }
       }
     }
-    // Series whose labels must be readable place them first.
+    // Place the labels of labelsFirst series first, then the labels of emphasised series, then all other labels.
     for (const int rank : {0, 1, 2}) {
       for (const ChartSeries& s : chart_.series) {
         if (rank == (s.labelsFirst ? 0 : s.emphasised ? 1 : 2)) labels(s);
@@ -387,7 +391,7 @@ class SvgDrawing {
     for (const Vec2d& point : s.points) {
       if (isDrawn(point)) {
         const Vec2d p = pixel(point);
-        // Emphasised lines are staircases: boxes of no width.
+        // For label placement, an emphasised line is a staircase, so each step is a box without width or height.
         if (open && s.emphasised) {
           lines_.push_back(
               {std::min(p.x, before.x), std::min(p.y, before.y), std::max(p.x, before.x), std::max(p.y, before.y)});
@@ -400,8 +404,8 @@ class SvgDrawing {
     if (!d.empty()) path(kindOf("line", s), d);
   }
 
-  // Draws labels beside their points in free space; the labels of labelsFirst series rather farther away than not at
-  // all.
+  // Draws labels in free space beside their points. If there is no free space near a point, its label is left out, or
+  // drawn farther away if the series has labelsFirst or is emphasised.
   void labels(const ChartSeries& s) {
     constexpr std::array<Vec2d, 8> kSides{{{1, 0}, {-1, 0}, {0, -1}, {0, 1}, {1, -1}, {1, 1}, {-1, -1}, {-1, 1}}};
     for (std::size_t i = 0; i < std::min(s.labels.size(), s.points.size()); ++i) {
@@ -437,11 +441,11 @@ class SvgDrawing {
 
   const Chart& chart_;
   double width_, height_;
-  bool emphasised_ = false;  // any series
-  ChartBox area_;            // the rectangle of the plot
+  bool emphasised_ = false;  // at least one series is emphasised
+  ChartBox area_;            // of the plot, without title, legend and axis labels
   const ChartScale *x_ = nullptr, *y_ = nullptr;
-  std::vector<ChartBox> taken_;  // boxes of marks and labels
-  std::vector<ChartBox> lines_;  // boxes of lines, which labels avoid if possible
+  std::vector<ChartBox> taken_;  // boxes of marks and labels, which new labels must not overlap
+  std::vector<ChartBox> lines_;  // boxes of lines, which labels avoid if there is room elsewhere
   std::string out_;
 };
 

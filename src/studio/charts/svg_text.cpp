@@ -17,16 +17,18 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
                                       667,  778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556,
                                       333,  556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556,
                                       556,  556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584};
-constexpr double kOtherFonts = 1.12;  // DejaVu Sans and Verdana are wider than Helvetica
+// Factor for fonts such as DejaVu Sans and Verdana, which are wider than Helvetica.
+constexpr double kOtherFonts = 1.12;
 constexpr double kBold = 1.07;
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
 struct Character {
   std::size_t bytes = 1;
-  std::uint32_t code = 0;  // 0: not a character that XML can hold
+  std::uint32_t code = 0;  // code point; 0: a character that XML does not allow
 };
 
-// Returns the character at `at`. Overlong forms, surrogates and codes beyond Unicode are not characters.
+// Returns the UTF-8 character at the byte `at`. Overlong forms, surrogates and codes beyond Unicode do not count as
+// characters.
 Character characterAt(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(at);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures, breaks and escapes text for SVG and HTML.
+// Measures, wraps and escapes text for SVG and HTML.
 
 #include <cstddef>
 #include <string>
@@ -9,18 +9,19 @@
 
 namespace scanmill {
 
-// Returns text that may stand between tags, or in a quoted attribute, of XML and HTML. Characters that XML cannot hold
-// (control characters, bytes that are not UTF-8) become U+FFFD.
+// Returns text that is safe between tags and in quoted attributes of XML and HTML. Characters that XML does not allow
+// (control characters, bytes that are not UTF-8) are replaced by U+FFFD.
 std::string escapeXml(std::string_view text);
 
-// Returns the approximate width of text in pixels: Helvetica's widths, plus a little for wider substitute fonts.
+// Returns the approximate width of a text in pixels, from the character widths of Helvetica and a margin for wider
+// fonts that may replace it.
 double svgTextWidth(std::string_view text, double fontSize, bool bold = false);
 
-// Breaks text between words into lines of at most `width` pixels; a longer word has its own line. An empty text has no
-// lines.
+// Breaks text between words into lines of at most `width` pixels. A word that is wider gets a line of its own. Returns
+// no lines for an empty text.
 std::vector<std::string> wrapSvgText(std::string_view text, double fontSize, double width, bool bold = false);
 
-// Writes a number with at most two decimals, without trailing zeros.
+// Formats a number with at most two decimals, without trailing zeros.
 std::string svgNumber(double value);
 
 }  // namespace scanmill

@@ -12,8 +12,8 @@
 namespace scanmill::draft {
 namespace {
 
-// True if the models are parts of one place, which share its coordinates: most of them are away from the origin and not
-// within one another. Separate models usually contain the origin of their file, or are within one another if all are
+// True if the models are parts of one place and share its coordinates: most of them do not contain the origin and are
+// not inside of one another. Models of separate objects usually contain the origin of their file, or overlap if all are
 // equally far from it.
 bool areOnePlace(const std::vector<Model>& models) {
   std::vector<Box> away;
@@ -36,7 +36,7 @@ bool areOnePlace(const std::vector<Model>& models) {
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, bool allowOutside) {
-  constexpr double kGap = 2;  // m between objects
+  constexpr double kGap = 2;  // m between objects that are placed side by side
   Draft draft;
   draft.yaml = fmt::format(
       "# A draft: units, axes, classes and materials are guesses by names and sizes. Look at the picture, and at\n"

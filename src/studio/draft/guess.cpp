@@ -14,7 +14,8 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns the detail of `whole` that has the same words as `named`; null if there is none.
+// Returns the concept that `whole` has for the same words as the detail `named`; for instance, cars and trains have
+// different wheels. Null if there is none.
 const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* named, const Concept* whole) {
   if (named == nullptr || whole == nullptr || named->kind != ConceptKind::Detail) return nullptr;
   for (const Concept& c : concepts) {
@@ -31,8 +32,8 @@ const Concept* first(std::initializer_list<const Concept*> candidates) {
   return nullptr;
 }
 
-// Returns the concept with the most triangles. If it is a detail, such as wheels, and the asset also has wholes,
-// returns the whole with the most triangles.
+// Returns the concept with the most triangles. If this concept is a detail, such as wheels, and the asset also has
+// wholes, such as a car, returns the whole with the most triangles.
 const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>& parts) {
   std::map<const Concept*, std::size_t> triangles;
   std::map<const Concept*, std::size_t> ofWholes;
@@ -53,8 +54,8 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
   return most == triangles.end() ? nullptr : most->first;
 }
 
-// True if the parts belong to at least three objects and grounds: the file is then a place, such as a room, and not one
-// object.
+// True if the parts belong to at least three different objects and grounds. The file then contains a place, such as a
+// room, and not one object.
 bool isPlace(const std::vector<const Concept*>& parts) {
   constexpr std::size_t kSeveral = 3;
   std::set<const Concept*> kinds;
@@ -75,8 +76,8 @@ bool isFlat(const Concept& c) {
   return c.kind == ConceptKind::Ground || std::find(kLow.begin(), kLow.end(), c.name) != kLow.end();
 }
 
-// Returns a score for y or z as the up axis. Objects usually begin at 0 along the up axis and are centred along the
-// others; trees are tall, and cars, grounds and places are low.
+// Returns a score for y (`axis` 1) or z (2) as the up axis; the higher score wins. Objects usually start at 0 along the
+// up axis and are centred along the other axes. Trees are tall; cars, grounds and places are low.
 double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& extent, std::size_t axis,
                const Concept* what, bool place) {
   double score = 0;
@@ -93,16 +94,17 @@ double scoreOf(const std::array<double, 3>& low, const std::array<double, 3>& ex
   return score;
 }
 
-// m, common units besides the metre.
+// Common units besides the metre, in metres.
 constexpr std::array<double, 8> kUnits{0.01, 0.0254, 0.3048, 0.001, 0.1, 10.0, 100.0, 1000.0};
-constexpr double kTolerance = 3;  // factor beyond the usual sizes up to which a file takes the unit of the others
+// Factor by which a size may be outside of its usual range if other files suggest the unit.
+constexpr double kTolerance = 3;
 
 std::string nameOf(const FrameGuess& guess) {
   return guess.what == nullptr ? "it" : "a " + guess.what->name;
 }
 
-// True if the file in this unit has the usual size of its concept, or is off by at most `factor`. The concept must have
-// a size.
+// True if the file, with this unit in metres, has the usual size of its concept or a size that is outside by at most
+// the factor `factor`. The concept must have a usual size.
 bool fits(const FrameGuess& guess, double unit, double factor) {
   const Between& usual = *guess.what->size;
   return Between{usual.low / factor, usual.high * factor}.holds(guess.longest * unit);
@@ -113,8 +115,8 @@ std::string sizeWith(const FrameGuess& guess, double unit) {
                      guess.longest * unit, guess.what->size->low, guess.what->size->high);
 }
 
-// Sets the unit: metres if they give a usual size, else the common unit that comes nearest to the middle of the usual
-// sizes.
+// Sets the unit of a file: metres if they result in a usual size of its concept, otherwise the common unit with which
+// the size is nearest to the middle of the usual sizes.
 void guessUnit(FrameGuess& guess) {
   if (fits(guess, 1, 1)) return;
   const Between& usual = *guess.what->size;
@@ -147,7 +149,8 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
-    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;  // e.g. "World"
+    // The name "World", for instance, says nothing about the class.
+    if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =
         conceptOf(concepts, std::filesystem::path(textureName(part.texture)).stem().string());
@@ -160,7 +163,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
     for (const Concept* named : {material, texture, node}) {
       if (const Concept* const detail = detailOf(concepts, named, whole)) return detail;
     }
-    // If a ground has several materials, each of them may name another ground.
+    // If a ground has several materials, a material's name may state a different ground, which is more exact.
     if (whole != nullptr && whole->kind == ConceptKind::Ground) {
       for (const Concept* finer : {material, texture}) {
         if (finer != nullptr && finer->kind == ConceptKind::Ground) return finer;
@@ -202,8 +205,8 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 
 namespace {
 
-// Sets one unit for all files if at least `fewest` of them have concepts with usual sizes and the unit gives at least
-// the share `most` of these a usual size. Returns whether it does.
+// Sets the same unit for all files and returns true, if the unit gives usual sizes to at least the fraction `most` of
+// the files whose concepts have usual sizes, and there are at least `fewest` such files. Otherwise returns false.
 bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
   const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
   const auto sized = std::count_if(files.begin(), files.end(), known);
@@ -232,7 +235,8 @@ bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff
   return true;
 }
 
-// Returns the tiles, which fit together: the files with the most common footprint, if they are at least three.
+// Returns the files that are tiles of one set: those with the most common footprint, if there are at least three.
+// Otherwise returns nothing.
 std::vector<FrameGuess*> tilesOf(const std::vector<FrameGuess*>& files) {
   constexpr std::size_t kFewest = 3;
   constexpr double kAlike = 0.1;
@@ -281,8 +285,8 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
-  // The words of these concepts often name what an object is made of or used for: stone walls, water towers, floor
-  // lamps.
+  // Names of objects often contain the words of these concepts for another reason: stone or sand as material, water and
+  // floor as use, as in water towers and floor lamps.
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();
@@ -297,14 +301,15 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   plate.ground = groundIn(concepts, asset.file);
   if (plate.ground == nullptr) return std::nullopt;
   const Box box = boundsOf(asset);
-  // Sum the areas of level triangles by height, in thousandths of the asset's height.
+  // Sum the areas of horizontal triangles by height, in steps of a thousandth of the asset's height.
   const auto along = [&](const Vec3d& v) { return up == asset.up ? v.z : v.y; };
   const double low = along(box.low);
   const double tall = along(box.high) - low;
   const Vec3d size = box.high - box.low;
   const double footprint = up == asset.up ? size.x * size.y : size.x * size.z;
   if (!(tall > 0) || !(footprint > 0)) return std::nullopt;
-  std::map<int, std::array<double, 2>> facing;  // up and down: files may have flipped faces
+  std::map<int, std::array<double, 2>> facing;  // height -> areas of triangles that face up and down; both are needed,
+                                                // since files may have flipped faces
   for (const AssetPart& part : asset.parts) {
     for (const Triangle& t : part.triangles) {
       const Vec3d a(part.positions[t[0]]);
@@ -318,10 +323,11 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   }
   std::map<int, double> areas;
   for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
-  constexpr double kMost = 0.8;    // share of the footprint that a plate covers at least
-  constexpr int kLowest = 250;     // thousandths of the height, below which plates are
-  constexpr int kThick = 100;      // thousandths of the height, within which kerbs and pavements are one plate
-  constexpr double kAbove = 0.02;  // share of the height, added above the plate
+  constexpr double kMost = 0.8;  // least fraction of the footprint that a plate covers
+  constexpr int kLowest = 250;   // maximum height of a plate, in thousandths of the asset's height
+  // Maximum height difference within a plate, with kerbs and pavements, in thousandths of the asset's height.
+  constexpr int kThick = 100;
+  constexpr double kAbove = 0.02;  // fraction of the asset's height that is added above the plate
   std::optional<int> level;
   for (const auto& [height, first] : areas) {
     double area = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Guesses the concepts, up axis and unit of an asset from its names and its shape.
+// Guesses what an asset shows (its concepts), its up axis and its unit, from names and shape.
 
 #include <array>
 #include <filesystem>
@@ -14,48 +14,51 @@
 
 namespace scanmill::draft {
 
-// Returns the concept of each part of an asset, in the order of the parts; null if no name has a known word. A part
-// belongs to the whole that its node names, else to the whole that the file or its folders name: the glass of a car is
-// a part of the car. Otherwise the names of material, texture, node and file count, in this order.
+// Returns the concept of each part of an asset, in the order of the parts; null for a part if no name contains a known
+// word. A part belongs to the whole that its node's name states, otherwise to the whole that the name of the file or
+// its folders states: the glass of a car is part of the car. If there is no whole, the concept is found in the names of
+// material, texture, node and file, in this order.
 std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, const Asset& asset);
 
-// Returns the concept of the file's own name, else of its folder's or that folder's parent's name; null if none of them
-// has a known word.
+// Returns the concept in the file's name; otherwise the concept in the name of its folder or of that folder's parent
+// folder. Null if no name contains a known word.
 const Concept* conceptOfFile(const std::vector<Concept>& concepts, const std::filesystem::path& file);
 
 struct FrameGuess {
   char up = 'z';
-  std::string whyUp;  // in words; empty if the file or its format states the axis
+  std::string whyUp;  // the reason for `up` in words; empty if the file or its format states the axis
   bool doubtfulUp = false;
-  double unit = 1;  // m
+  double unit = 1;  // m per unit of the file
   std::string whyUnit;
   bool doubtfulUnit = false;
-  const Concept* what = nullptr;   // the concept of most of the asset; null: unknown, or a place with many objects
-  double longest = 0;              // longest edge, in the file's units
-  std::array<double, 3> extent{};  // along x, y and z as the file was read, in its units
-  char read = 'z';                 // the up axis with which the file was read
+  const Concept* what = nullptr;   // concept of most triangles; null: unknown, or a place with many objects
+  double longest = 0;              // longest edge of the bounding box, in the file's units
+  std::array<double, 3> extent{};  // size along x, y and z as the file was read, in the file's units
+  char read = 'z';                 // up axis that was assumed when the file was read
 };
 
-// Guesses the up axis of an asset that was read with the unit 1 and without a given axis. guessTogether() guesses the
-// unit.
+// Guesses the up axis of an asset that was read with the unit 1 and without a given axis. The unit is left to
+// guessTogether().
 FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts);
 
-// Guesses the units of files of one format in one folder, so that the objects have usual sizes: one unit for all files
-// if it suits most of them; else one for the tiles, which are files of about the same footprint, and one for the rest;
-// else one for each file. If nothing tells the up axis of a file, takes that of most of the others.
+// Guesses the units of files that have the same format and folder, such that the objects have usual sizes. If one unit
+// suits most of the files, all get this unit. Otherwise one unit is guessed for the tiles, which are files with about
+// the same footprint, and one for the remaining files. If this fails too, each file gets its own unit. A file with a
+// doubtful up axis gets the axis of most other files.
 void guessTogether(const std::vector<FrameGuess*>& files);
 
-// Returns the ground in the file's name if the name has both a ground and an object ("grass-trees"), else null.
+// Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
+// otherwise null.
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file);
 
-// The plate of ground of a tile, on which other objects stand.
+// The horizontal surface at the bottom of a tile on which objects stand.
 struct Plate {
   const Concept* ground = nullptr;
-  double height = 0;  // height of the plate's upper side above the lowest point, in the file's units
+  double height = 0;  // of the upper side, above the asset's lowest point, in the file's units
 };
 
-// Returns the plate of an asset if groundIn() finds a ground and level triangles near the bottom cover most of the
-// asset's footprint; else nothing. `up`: the axis of guessUp().
+// Returns the plate of an asset if groundIn() finds a ground in its name and horizontal triangles near its bottom cover
+// most of its footprint; otherwise nothing. `up`: the result of guessUp().
 std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& asset, char up);
 
 }  // namespace scanmill::draft

@@ -16,15 +16,16 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns the box (m) of an asset that was read with the unit 1, in the guessed unit and with the guessed up axis.
+// Returns a bounding box in metres with z up. `own`: the box of the asset as read with the unit 1. `frame`: the guessed
+// unit and up axis.
 Box placed(const Box& own, const FrameGuess& frame) {
   if (own.empty() || frame.up == frame.read) return {own.low * frame.unit, own.high * frame.unit};
-  // The file was read as z-up and is y-up: (x, y, z) becomes (x, -z, y).
+  // The asset was read with z up, but y is up: (x, y, z) becomes (x, -z, y).
   return {Vec3d{own.low.x, -own.high.z, own.low.y} * frame.unit,
           Vec3d{own.high.x, -own.low.z, own.high.y} * frame.unit};
 }
 
-// Reads a file. `plates` receives its plate for each possible up axis.
+// Reads a file and guesses its concepts. Stores in `plates` the ground plate that the file has for each up axis.
 Model readModel(const std::filesystem::path& file, const std::vector<Concept>& concepts, bool allowOutside,
                 std::map<char, std::optional<Plate>>& plates) {
   AssetOptions options;
@@ -55,7 +56,8 @@ Model readModel(const std::filesystem::path& file, const std::vector<Concept>& c
   return model;
 }
 
-// Names each model after its file, or after the folder if the file's name says nothing or is not unique.
+// Names each model after its file. If the file's name is meaningless (such as "model") or not unique, names the model
+// after its folder.
 void nameModels(std::vector<Model>& models) {
   static constexpr std::array<std::string_view, 6> kSayNothing{"model", "scene", "mesh", "untitled", "object", "asset"};
   std::map<std::string, std::size_t> files;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the names and sizes of 3D files, and guesses what they are.
+// Reads names and sizes from 3D files, and guesses what the files contain.
 
 #include <cstdint>
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace scanmill::draft {
 
-// A part of a file with its names and its guessed concept.
+// A part of a file with its names and the concept that was guessed from them.
 struct KnownPart {
   std::string node, material, texture;
   const Concept* what = nullptr;  // null: unknown
@@ -21,25 +21,26 @@ struct KnownPart {
 
 struct Model {
   std::filesystem::path file;
-  std::string name;  // unique among the models
+  std::string name;  // unique within the list of models
   std::vector<KnownPart> parts;
-  const Concept* whole = nullptr;  // from the name of the file or its folders
+  const Concept* whole = nullptr;  // the concept that the name of the file or its folders states; null: none
   FrameGuess frame;
-  Box box;                     // m, with the guessed unit and up axis
-  std::optional<Plate> plate;  // the plate of a tile; the parts above the plate are `whole`
-  bool mixed = false;          // the file's name has both a ground and an object
-  bool measured = false;       // the file has measured intensities of points
-  bool allowOutside = false;   // as the file was read: see AssetOptions
+  Box box;                     // m, computed with the guessed unit and up axis
+  std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
+  bool mixed = false;          // the file's name states both a ground and an object
+  bool measured = false;       // the file contains measured intensities of points
+  bool allowOutside = false;   // how the file was read, see AssetOptions
 
   std::uint64_t triangles() const;
-  std::uint64_t guessed() const;  // triangles whose class was guessed, or that are to be left out
-  std::uint64_t byFile() const;   // guessed triangles with the class of the file's or its folder's name
+  std::uint64_t guessed() const;  // triangles whose class was guessed, or that are guessed to be superfluous
+  // Number of triangles in guessed() with the class that the name of the file or its folder suggests.
+  std::uint64_t byFile() const;
   // Returns the guesses that a person should check, in a few words each.
   std::vector<std::string> doubts() const;
 };
 
-// Reads the files. Units and axes of files of one format in one folder are guessed together. `allowOutside`: see
-// AssetOptions. Throws InputError for a file that cannot be read.
+// Reads 3D files and guesses their concepts, units and axes. The units and axes of files with the same format and
+// folder are guessed together. `allowOutside`: see AssetOptions. Throws InputError for a file that cannot be read.
 std::vector<Model> readModels(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                               bool allowOutside);
 

@@ -15,13 +15,13 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns the name of the class of a concept; empty if the ontology has none.
+// Returns the name of the ontology's class for a concept; empty if the ontology has none.
 std::string classFor(const Concept& what, const Ontology& ontology) {
   const SemanticClass* const known = classOf(what, ontology);
   return known == nullptr ? std::string() : known->name;
 }
 
-// Returns a glob that matches this name alone.
+// Returns a glob pattern that matches only this name, with special characters escaped.
 std::string literal(const std::string& name) {
   std::string out;
   for (const char c : name) {
@@ -30,7 +30,7 @@ std::string literal(const std::string& name) {
   return out;
 }
 
-// Returns such a glob with a star in place of each run of digits.
+// Returns a glob pattern for the name in which a star replaces each sequence of digits.
 std::string withoutDigits(const std::string& name) {
   std::string out;
   for (const char c : literal(name)) {
@@ -49,7 +49,7 @@ std::string nameOf(const KnownPart& part, std::size_t key) {
   return key == 0 ? part.node : key == 1 ? part.material : std::string(textureName(part.texture));
 }
 
-// Patterns for the keys node, material and texture; an empty one matches any name.
+// Glob patterns for the keys node, material and texture of a rule; an empty pattern matches any name.
 using Patterns = std::array<std::string, 3>;
 
 bool matchesPart(const Patterns& patterns, const KnownPart& part) {
@@ -59,14 +59,14 @@ bool matchesPart(const Patterns& patterns, const KnownPart& part) {
   return true;
 }
 
-// True if all parts that match have the wanted concept.
+// True if all parts that the patterns match have the concept `wanted`.
 bool isConsistent(const Patterns& patterns, const std::vector<KnownPart>& parts, const Concept* wanted) {
   return std::all_of(parts.begin(), parts.end(),
                      [&](const KnownPart& k) { return k.what == wanted || !matchesPart(patterns, k); });
 }
 
-// Returns the simplest patterns that match the part and no part of another concept; empty ones if there are none. Tries
-// first a pattern for a complete model of a world, then names whose words mean the part's concept.
+// Returns the simplest patterns that match the part and no part with another concept; empty patterns if there are none.
+// Tries first to match all nodes of a model in a world, then names whose words state the part's concept.
 Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts,
                      const std::vector<Concept>& concepts) {
   std::vector<std::vector<std::size_t>> choices;
@@ -77,7 +77,7 @@ Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts
     }
   }
   choices.insert(choices.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
-  // The nodes of a model in a world have the model's name before a slash.
+  // In a world file, the names of a model's nodes consist of the model's name, a slash and the node's name.
   const std::string& node = known.node;
   for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
     Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
@@ -98,8 +98,8 @@ Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts
   return {};
 }
 
-// Returns what a rule gives to the parts of a concept. `measured`: the file has measured reflectances, which a material
-// would replace.
+// Returns the part of a rule that assigns class and material for a concept. `measured`: the file has measured
+// reflectances, so no material is assigned, which would replace them.
 std::string givesOf(const Concept& c, const Ontology& ontology, bool measured) {
   if (c.kind == ConceptKind::Drop) return "drop: true";
   return fmt::format("class: {}{}", classFor(c, ontology),
@@ -125,10 +125,11 @@ class Writer {
       writeRest(*only, "", yaml);
       return;
     }
-    std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;  // by concept, key
+    // For each concept and key: patterns and their numbers of triangles.
+    std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
     std::map<std::string, std::uint64_t> unknown;
-    bool someLeft = false;  // parts that no rule below names
+    bool someLeft = false;  // some parts are matched by none of the rules
     for (const KnownPart& k : parts) {
       if (k.what == nullptr || k.what == file) someLeft = true;
       if (k.what == nullptr) {
@@ -136,7 +137,7 @@ class Writer {
                             quoted(k.texture))] += k.triangles;
         continue;
       }
-      if (k.what == file) continue;  // these parts need no rule, see writeRest()
+      if (k.what == file) continue;  // writeRest() gives these parts their class, without a rule
       const Patterns patterns = patternsFor(k, parts, concepts_);
       const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
       if (keys == 1) {
@@ -176,7 +177,7 @@ class Writer {
                        givesOf(*model_.plate->ground, ontology_, model_.measured));
   }
 
-  // Writes rules that match up to kMost names each.
+  // Writes rules with up to kMost alternative names each.
   void writeAlternatives(const char* key, const Concept& c, const std::map<std::string, std::uint64_t>& patterns,
                          std::string& yaml) const {
     constexpr std::size_t kMost = 8;

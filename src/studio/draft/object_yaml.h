@@ -11,14 +11,15 @@
 
 namespace scanmill::draft {
 
-// Returns the concepts for which the ontology has a class, and those without classes, such as for parts to leave out.
-// An ontology of rooms without buildings, for example, does not take "office.glb" for a building.
+// Returns the concepts that have a class in the ontology, and those that need no class, such as parts to be removed.
+// Example: if an ontology for rooms has no class for buildings, "office.glb" is not taken for a building.
 std::vector<Concept> conceptsFor(const std::vector<Concept>& concepts, const Ontology& ontology);
 
 // Returns a text in double quotes, escaped for YAML.
 std::string quoted(const std::string& text);
 
-// Returns the YAML of an object without its position. Paths are relative to `folder`, where the scene file will be.
+// Returns the YAML of an object without its position. `folder`: future folder of the scene file, to which paths are
+// relative.
 std::string objectYaml(const Model& model, const std::vector<Concept>& concepts, const Ontology& ontology,
                        const std::filesystem::path& folder);
 

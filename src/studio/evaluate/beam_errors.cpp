@@ -19,14 +19,14 @@ namespace {
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// The limits of the bands: where each band begins, then where the last one ends.
+// The edges of the bands: the lower end of each band, then the upper end of the last band.
 constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // m
 constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // degrees
 constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};          // m
 constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};              // m
 
-// Returns the index of the band that contains `value`, which must not be below the first limit. Values from the last
-// limit on, such as 90 degrees, count to the last band.
+// Returns the index of the band that contains `value`, which must be at least the first edge. Values at or above the
+// last edge, such as 90 degrees, belong to the last band.
 std::size_t bandOf(std::span<const double> edges, double value) {
   std::size_t band = 0;
   while (band + 2 < edges.size() && value >= edges[band + 1]) ++band;
@@ -39,18 +39,19 @@ std::string bandName(double low, double high, const char* unit) {
 }
 
 struct Outcome {
-  bool truth = false;   // the truth hits
-  bool tested = false;  // the tested method hits
+  bool truth = false;   // the exact tracer has a hit
+  bool tested = false;  // the tested method has a hit
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // |tested - truth| if both hit (m)
-  float intensity = kUnknown;    // |tested - truth| if both hit
-  float nearestTo = kUnknown;    // m, if the truth hits
-  float nearestFrom = kUnknown;  // m, if the tested method hits
+  float range = 0;               // m, absolute error; 0 unless both have a hit
+  float intensity = kUnknown;    // absolute error; NaN if not known
+  float nearestTo = kUnknown;    // m, from the true point to the nearest tested point; NaN if not known
+  float nearestFrom = kUnknown;  // m, from the tested point to the nearest true point; NaN if not known
 };
 
-// The sums of a group of beams. Spreads need every single error; float keeps seven digits of each.
+// Counts and errors of a group of beams. All single errors are stored, since percentiles need them; as float, since
+// seven digits are enough.
 struct GroupSum {
   GroupErrors counts;
   std::vector<float> range;
@@ -202,7 +203,7 @@ class BeamErrorSum::Impl {
     for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
     auto byClass = errors.byClass.begin();
     for (const auto& entry : classes_) spread(entry.second, (byClass++)->errors);
-    // Sorting takes most of the time; groups are few and large, so each is sorted by one thread.
+    // Sorting takes most of the time. Each group is sorted by one thread, since there are few groups and all are large.
     parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const auto& [values, result] = spreads[i];
@@ -239,9 +240,9 @@ class BeamErrorSum::Impl {
 
   const Scene& scene_;
   std::vector<ThingSize> sizes_;
-  std::vector<Thing> things_;  // by instance id
+  std::vector<Thing> things_;  // indexed by instance id
   GroupSum all_;
-  std::array<GroupSum, 2> places_;  // interior, edges
+  std::array<GroupSum, 2> places_;  // beams away from edges, beams near edges
   std::array<GroupSum, kRangeEdges.size() - 1> ranges_;
   std::array<GroupSum, kIncidenceEdges.size() - 1> incidences_;
   std::map<std::uint16_t, GroupSum> classes_;
@@ -262,7 +263,7 @@ BeamErrors BeamErrorSum::finish() const {
 }
 
 std::vector<ThingSize> thingSizes(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes(scene.meshes.size());  // by mesh and object, in the mesh's frame
+  std::vector<std::vector<Box>> boxes(scene.meshes.size());  // indexed by mesh and object; in the mesh's frame
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     boxes[m].resize(mesh.objects);
@@ -283,7 +284,7 @@ std::vector<ThingSize> thingSizes(const Scene& scene) {
       const Vec3d size = box.high - box.low;
       const auto [smallest, largest] =
           std::minmax({size.x * length(linear.x), size.y * length(linear.y), size.z * length(linear.z)});
-      // Several objects may form one thing; the largest of them gives its size.
+      // Several objects may form one instance; then the largest object determines its size.
       if (largest > sizes[id].largest) sizes[id] = {smallest, largest};
     }
   }

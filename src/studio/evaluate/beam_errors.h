@@ -1,6 +1,7 @@
 #pragma once
 
-// Compares the hits of a method with the truth, beam by beam, over any number of shots.
+// Compares the hits of a method with exact hits, beam by beam, over any number of shots. The exact hits are called the
+// truth.
 
 #include <cstdint>
 #include <memory>
@@ -16,85 +17,89 @@
 
 namespace scanmill {
 
-// The errors of a group of beams. Each beam counts once: beams = bothHit + bothMiss + falseNegatives + falsePositives +
-// unresolved. The distances nearestTo and nearestFrom are to the nearest point of any beam, also of another group.
+// The errors of a group of beams. Each beam is counted once: beams = bothHit + bothMiss + falseNegatives +
+// falsePositives + unresolved. For nearestTo and nearestFrom, the nearest point may be that of any beam, also of
+// another group.
 struct GroupErrors {
   std::uint64_t beams = 0;
   std::uint64_t bothHit = 0;
   std::uint64_t bothMiss = 0;
-  std::uint64_t falseNegatives = 0;  // only the truth hits
-  std::uint64_t falsePositives = 0;  // only the tested method hits
-  std::uint64_t unresolved = 0;      // the tested method gave up
+  std::uint64_t falseNegatives = 0;  // beams that hit only in the truth
+  std::uint64_t falsePositives = 0;  // beams that hit only with the tested method
+  std::uint64_t unresolved = 0;      // beams that the tested method could not trace
   std::uint64_t sameClass = 0;       // beams of bothHit with the same class
   std::uint64_t sameInstance = 0;    // beams of bothHit with the same instance
   std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
-  Spread range;                      // |tested - truth| of the beams of bothHit (m)
-  Spread intensity;    // |tested - truth| of the beams of bothHit, in the intensity's unit; empty without intensities
+  Spread range;                      // |tested - true range| of the beams in bothHit (m)
+  Spread intensity;    // |tested - true intensity| of the beams in bothHit; empty if intensities are not compared
   Spread nearestTo;    // from the beams' true points to the nearest tested point (m)
   Spread nearestFrom;  // from the beams' tested points to the nearest true point (m)
 
-  double missRate() const;        // (falseNegatives + falsePositives + unresolved) / beams; 0 without beams
-  double labels() const;          // sameLabel / bothHit; 1 where bothHit is 0
-  double classAgreed() const;     // sameClass / bothHit; 1 where bothHit is 0
-  double instanceAgreed() const;  // sameInstance / bothHit; 1 where bothHit is 0
-  double hausdorff() const;       // the largest distance of nearestTo and nearestFrom (m); 0 without points
+  double missRate() const;        // (falseNegatives + falsePositives + unresolved) / beams; 0 if there are no beams
+  double labels() const;          // sameLabel / bothHit; 1 if bothHit is 0
+  double classAgreed() const;     // sameClass / bothHit; 1 if bothHit is 0
+  double instanceAgreed() const;  // sameInstance / bothHit; 1 if bothHit is 0
+  double hausdorff() const;       // maximum of all distances in nearestTo and nearestFrom (m); 0 if there are no points
 };
 
 struct ErrorGroup {
-  std::string name;  // "10 to 20 m", "60 to 75 deg", "edges", "car"
-  // The ends of a band, in metres or degrees; the upper end is excluded, and infinite if the band is open. Both are 0
-  // if the group is not a band.
+  std::string name;  // such as "10 to 20 m", "60 to 75 deg", "edges" or "car"
+  // The ends of the band, in metres or degrees. The upper end is excluded; it is infinite for the last band of ranges.
+  // Both are 0 if the group is not a band.
   double low = 0;
   double high = 0;
   GroupErrors errors;
 };
 
-// Recall of the things of one size range. A thing is an instance that at least one true beam hits.
+// How many object instances of one size range the tested method finds. Only instances that at least one beam hits in
+// the truth are counted.
 struct SizeRecall {
   std::string name;
-  double low = 0, high = 0;       // m, the size range; the upper end is excluded
-  std::uint64_t things = 0;       // things of this size
-  std::uint64_t thingsFound = 0;  // those of them that at least one beam of the tested method hits too
-  std::uint64_t beams = 0;        // beams whose true hit is on a thing of this size
-  std::uint64_t beamsFound = 0;   // those of them that hit the same instance by the tested method
+  double low = 0, high = 0;       // m, ends of the size range; the upper end is excluded
+  std::uint64_t things = 0;       // number of instances of this size
+  std::uint64_t thingsFound = 0;  // number of instances of this size that a beam of the tested method hits too
+  std::uint64_t beams = 0;        // number of beams whose true hit is on an instance of this size
+  std::uint64_t beamsFound = 0;   // number of beams counted in `beams` whose tested hit is on the same instance
 };
 
-// The errors of all beams, and of groups of beams. A beam belongs to the bands and to the class of its true hit, or of
-// the tested hit if it has no true hit.
+// The errors of all beams, and of groups of beams. A beam is grouped by its true hit; if it has none, by its tested
+// hit.
 struct BeamErrors {
   GroupErrors all;
-  std::vector<ErrorGroup> byRange;      // bands of range
-  std::vector<ErrorGroup> byIncidence;  // bands of the angle between beam and true normal (degrees); true hits only
+  std::vector<ErrorGroup> byRange;  // bands of the range (m)
+  // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit.
+  std::vector<ErrorGroup> byIncidence;
   std::vector<ErrorGroup> byPlace;      // "interior" and "edges"
-  std::vector<ErrorGroup> byClass;      // the classes of the ontology that occur, by their ids
-  std::vector<SizeRecall> byThickness;  // things by the smallest side of their box
-  std::vector<SizeRecall> byLength;     // things by the largest side of their box
+  std::vector<ErrorGroup> byClass;      // the classes that occur, sorted by id
+  std::vector<SizeRecall> byThickness;  // object instances grouped by the shortest edge of their box
+  std::vector<SizeRecall> byLength;     // object instances grouped by the longest edge of their box
 };
 
-// A shot with the truth about each of its beams.
+// A shot with the exact hits of its beams and what is derived from them.
 struct TrueShot {
   Shot shot;
-  ExactHits truth;                  // with the channels of kErrorChannels
-  std::vector<std::uint8_t> edges;  // 1 for beams near an edge, see edgeBeams(); empty if no beam is near one
-  std::vector<float> intensity;     // the noise-free intensity of each beam; empty if it is not compared
+  ExactHits truth;  // exact hits with the channels kErrorChannels
+  // For each beam 1 if it is near an edge, see edgeBeams(); empty if no beam is near an edge.
+  std::vector<std::uint8_t> edges;
+  std::vector<float> intensity;  // the noise-free intensity of each beam; empty if intensities are not compared
 };
 
 inline constexpr Channels kErrorChannels =
     Channels(Channel::Range) | Channel::Instance | Channel::Semantic | Channel::Incidence;
 
-// Adds up the errors of shots.
+// Accumulates the errors of shots.
 class BeamErrorSum {
  public:
-  // The scene gives the classes and the sizes of things. It must outlive the sum.
+  // `scene`: provides the classes and the sizes of object instances. It must outlive this object.
   explicit BeamErrorSum(const Scene& scene);
   ~BeamErrorSum();
   BeamErrorSum(BeamErrorSum&&) noexcept;
   BeamErrorSum& operator=(BeamErrorSum&&) noexcept;
 
-  // Adds a shot. `tested` has the channels Range, Instance and Semantic; a range that is not a number is a miss.
-  // `intensity` holds the tested intensity of each beam, or nothing. `nearestTo` holds for each beam the distance (m)
-  // from its true point to the nearest tested point, `nearestFrom` that from its tested point to the nearest true
-  // point; an unknown distance is NaN, and either list may be empty. Throws Error if the sizes differ.
+  // Adds a shot. `tested`: hits with the channels Range, Instance and Semantic; a range of NaN counts as a miss.
+  // `intensity`: tested intensity of each beam; empty if not compared. `nearestTo`: distance (m) from each beam's true
+  // point to the nearest tested point. `nearestFrom`: distance from each beam's tested point to the nearest true point.
+  // Unknown distances are NaN; both lists may be empty. Throws Error if the sizes differ.
   void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
            std::span<const float> nearestTo = {}, std::span<const float> nearestFrom = {});
   BeamErrors finish() const;
@@ -104,12 +109,13 @@ class BeamErrorSum {
   std::unique_ptr<Impl> impl_;
 };
 
-// The sides (m) of a thing's box along the axes of its own mesh.
+// The shortest and longest edge (m) of an object instance's bounding box, which is aligned with its mesh's axes.
 struct ThingSize {
   double smallest = 0;
   double largest = 0;
 };
-// Returns the sizes of a scene's things. The index is the instance id; id 0 and ids that do not occur have zeroes.
+// Returns the sizes of a scene's object instances, indexed by instance id. They are 0 for the id 0 and for ids that do
+// not occur.
 std::vector<ThingSize> thingSizes(const Scene& scene);
 
 }  // namespace scanmill

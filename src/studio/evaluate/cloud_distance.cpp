@@ -11,9 +11,9 @@ namespace scanmill {
 namespace {
 
 struct Cloud {
-  std::vector<Vec3f> points;  // finite
+  std::vector<Vec3f> points;  // only finite points
 
-  // The interface that nanoflann needs.
+  // The functions that nanoflann calls.
   std::size_t kdtree_get_point_count() const { return points.size(); }
   float kdtree_get_pt(std::size_t i, std::size_t axis) const {
     return axis == 0 ? points[i].x : axis == 1 ? points[i].y : points[i].z;

@@ -10,12 +10,12 @@
 
 namespace scanmill {
 
-// Returns the spread of the distances (m) from each finite point of `from` to the nearest point of `to`. It is
-// one-sided: points of `to` far from `from` do not show in it, so compare in both directions. Throws Error if `to` has
-// no finite point.
+// Returns the spread of the distances (m) from each finite point of `from` to the nearest point of `to`. The result is
+// one-sided: it does not show points of `to` that are far from all points of `from`, so compute it in both directions.
+// Throws Error if `to` has no finite point.
 Spread nearestDistances(std::span<const Vec3f> from, std::span<const Vec3f> to);
 
-// Returns these distances themselves, in the order of the finite points of `from`.
+// Returns the distance (m) from each finite point of `from` to the nearest point of `to`, in the order of `from`.
 std::vector<double> distancesToNearest(std::span<const Vec3f> from, std::span<const Vec3f> to);
 
 }  // namespace scanmill

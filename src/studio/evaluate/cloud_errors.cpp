@@ -16,8 +16,8 @@ std::size_t finiteCount(std::span<const Vec3f> points) {
       std::count_if(points.begin(), points.end(), [](const Vec3f& p) { return isFinite(p); }));
 }
 
-// Returns a distance for each point of `from`; NaN for points that are not finite. Points have seven digits, so float
-// is enough for their distances.
+// Returns for each point of `from` the distance to the nearest point of `to`; NaN for points that are not finite. Float
+// is exact enough, since the points are float32 too.
 std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const Vec3f> to) {
   const std::vector<double> known = distancesToNearest(from, to);
   std::vector<float> distances(from.size(), std::numeric_limits<float>::quiet_NaN());

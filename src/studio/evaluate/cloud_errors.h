@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures the distances between two clouds, in both directions.
+// Measures the distances between two point clouds, in both directions.
 
 #include <cstddef>
 #include <span>
@@ -11,28 +11,28 @@
 
 namespace scanmill {
 
-// If both clouds are empty, all values are zero. If one cloud is empty, there are no distances in either direction, and
-// `unmatched` counts the points of the other cloud, whose distances are unknown.
+// Statistics of the distances between two point clouds. If both clouds are empty, all values are zero. If only one
+// cloud is empty, there are no distances, and `unmatched` is the number of points in the other cloud.
 struct CloudErrors {
-  Spread to;             // from each true point to the nearest tested one (m)
-  Spread from;           // from each tested point to the nearest true one (m)
-  double hausdorff = 0;  // the largest distance of both directions (m)
+  Spread to;             // from each true point to the nearest tested point (m)
+  Spread from;           // from each tested point to the nearest true point (m)
+  double hausdorff = 0;  // maximum of all distances in both directions (m)
   std::size_t unmatched = 0;
 };
 
-// The distances within a pair of clouds.
+// The distances between a true and a tested cloud.
 struct CloudDistances {
-  std::vector<float> to;      // m, per true point; NaN if the point is not finite, or if there is no tested point
-  std::vector<float> from;    // m, per tested point; NaN likewise
-  std::size_t unmatched = 0;  // finite points of one cloud if the other cloud has none
+  std::vector<float> to;      // m, for each true point; NaN if the point is not finite or there is no tested point
+  std::vector<float> from;    // m, for each tested point; NaN if the point is not finite or there is no true point
+  std::size_t unmatched = 0;  // number of finite points in one cloud if the other cloud has none; otherwise 0
 };
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
-// Returns the distances between two clouds. Points that are not finite do not count.
+// Returns the distances between two clouds. Points that are not finite are ignored.
 CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested);
 
-// Adds up the distances of several pairs of clouds, all with the same weight. The nearest point is searched only within
-// the same pair.
+// Accumulates the distances of several pairs of clouds, all with the same weight. The nearest point is searched only
+// within the same pair.
 class CloudErrorSum {
  public:
   void add(const CloudDistances& distances);

@@ -23,7 +23,7 @@ double leastOf(const std::vector<double>& values) {
   return *std::min_element(values.begin(), values.end());
 }
 
-// The pipeline as it is, or with one feature changed, and the measured times of its rounds.
+// The pipeline, unchanged or with one feature added or removed, and the measured times of each round (s).
 struct Variant {
   std::string feature;
   bool present = true;
@@ -61,7 +61,7 @@ double roundSeconds(const Variant& v, std::size_t round) {
   return v.trace[round] + v.effects[round] + v.encode[round];
 }
 
-// Returns the difference (s) between the fastest odd round and the fastest even round.
+// Returns a measure of timing noise: the difference (s) between the fastest odd round and the fastest even round.
 double scatterOf(const Variant& v) {
   double least[2] = {INFINITY, INFINITY};
   for (std::size_t round = 0; round < v.trace.size(); ++round) {
@@ -71,7 +71,7 @@ double scatterOf(const Variant& v) {
 }
 
 FrameCost costOf(const Variant& v) {
-  // The least time counts, since other work of the machine can only make a round slower.
+  // The minimum is used, since other processes on the machine can only make a round slower.
   return {leastOf(v.trace), leastOf(v.effects), leastOf(v.encode), v.bytes};
 }
 
@@ -80,8 +80,8 @@ FrameCost difference(const FrameCost& with, const FrameCost& without) {
           with.encodeSeconds - without.encodeSeconds, with.bytes - without.bytes};
 }
 
-// Returns which effects must be removed together with `entry`: itself and, if it sets the intensity or the signal to
-// noise ratio, the effects that need this.
+// Returns for each effect whether it must be removed together with `entry`. This is true for `entry` itself and, if it
+// sets the intensity or the signal-to-noise ratio, for all effects that need these.
 std::vector<bool> dependents(EffectList effects, const EffectEntry* entry) {
   const auto any = [&](auto sets) {
     return std::any_of(effects.begin(), effects.end(),
@@ -96,7 +96,7 @@ std::vector<bool> dependents(EffectList effects, const EffectEntry* entry) {
   return go;
 }
 
-// Takes an effect out of the lists of all sensors.
+// Removes an effect, and the effects that depend on it, from the lists of all sensors.
 void removeEffect(Pipeline& pipeline, const EffectEntry* entry) {
   for (MountedSensor& sensor : pipeline.sensors) {
     const std::vector<bool> go = dependents(*sensor.effects, entry);
@@ -131,7 +131,8 @@ class Features {
     for (Variant* v : all) {
       for (const Shot& shot : v->source->frame(0, frame).shots) v->method->prepare(shot);
     }
-    // The variants run in turn, so that other work of the machine slows all of them alike; the first round warms up.
+    // The variants run in turn, so that other processes on the machine slow down all of them equally. The first round
+    // is a warm-up.
     int rounds = effort.rounds;
     for (int i = 0; i <= rounds; ++i) {
       if (effort.begun) effort.begun(i, rounds);
@@ -171,7 +172,7 @@ class Features {
     return v;
   }
 
-  // Gives a variant the scene and the method of the unchanged pipeline, which its change does not concern.
+  // Lets a variant use the scene and the method of the unchanged pipeline, since its change affects neither.
   void share(Variant& v) const {
     v.scene = whole_.scene;
     v.method = whole_.method;
@@ -183,7 +184,7 @@ class Features {
     share(variants_.back());
   }
 
-  // Adds a variant without each effect; an effect that several sensors have is added once.
+  // Adds one variant for each effect, without this effect. An effect that several sensors have is counted once.
   void addEffects() {
     std::vector<const EffectEntry*> seen;
     for (const MountedSensor& sensor : pipeline_.sensors) {
@@ -201,7 +202,8 @@ class Features {
     }
   }
 
-  // Adds a variant for each column, except the intensity, which is removed together with its effect.
+  // Adds a variant for each column, with the column added or removed; except the intensity, which is removed together
+  // with its effect.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
       if (c == kIntensity.index || (c == kPower.index && !setsIntensity(pipeline_))) continue;
@@ -238,7 +240,7 @@ class Features {
 
   const Pipeline& pipeline_;
   Variant whole_;
-  Variant again_;  // equal to whole_, to measure by how much equal frames differ
+  Variant again_;  // a second copy of whole_, which shows by how much measured times of equal frames differ
   std::vector<Variant> variants_;
 };
 

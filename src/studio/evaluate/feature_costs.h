@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures the cost of each optional feature of a pipeline by leaving it out, so that a pipeline can model only what is
-// required.
+// Measures what each optional feature of a pipeline costs, by running the pipeline with and without it. Users can then
+// leave out features that they do not need.
 
 #include <cstdint>
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace scanmill {
 
-// The cost of one frame with all sensors. Tracing is timed on all threads, everything else on one.
+// The cost of one frame with all sensors. Tracing uses all threads, the other stages one.
 struct FrameCost {
   double traceSeconds = 0;
   double effectsSeconds = 0;
@@ -23,27 +23,27 @@ struct FrameCost {
 };
 
 struct FeatureCost {
-  std::string feature;  // "effect range_noise", "column time", "alpha cut-outs"
-  bool present = true;  // false: the pipeline does not have the feature, and the cost is that of adding it
-  FrameCost cost;       // the cost with the feature minus that without it
-  double scatter = 0;   // s by which repeats and equal frames differ: a smaller cost says nothing
+  std::string feature;  // such as "effect range_noise", "column time" or "alpha cut-outs"
+  bool present = true;  // true: the pipeline has the feature; false: the cost is that of adding the feature
+  FrameCost cost;       // cost with the feature minus cost without it
+  double scatter = 0;   // timing noise (s); a cost smaller than this is not significant
 };
 
 struct FeatureCosts {
-  std::string frame;         // the sample's key
-  std::uint64_t points = 0;  // points of the frame; 0: the costs are meaningless
+  std::string frame;         // key of the measured sample
+  std::uint64_t points = 0;  // number of points in the frame; 0: the costs are not meaningful
   FrameCost whole;           // cost of the unchanged pipeline
   std::vector<FeatureCost> features;
 };
 
 struct FeatureEffort {
-  int rounds = 14;                                 // most rounds; a round measures each variant once
-  double seconds = 1e300;                          // time for all rounds: slow frames have fewer rounds, at least two
-  std::function<void(int round, int of)> begun{};  // called before each round; the first warms up
+  int rounds = 14;         // maximum number of rounds; a round measures each variant once
+  double seconds = 1e300;  // s for all rounds; if a frame is slow, fewer rounds are run, but at least two
+  std::function<void(int round, int of)> begun{};  // called before each round with its number; round 0 is a warm-up
 };
 
-// Measures the features on the middle frame of the first sequence. The variants run in turn, and the least time of each
-// stage counts. The pipeline needs scenes and a method, not a recording or `auto`.
+// Measures the features on the middle frame of the first sequence. The variants run in turn, and for each stage the
+// least time is used. The pipeline must have scenes and a method other than `auto`; recordings are not supported.
 FeatureCosts measureFeatures(const Pipeline& pipeline, const FeatureEffort& effort);
 
 }  // namespace scanmill

@@ -51,7 +51,8 @@ HitErrors compareHits(const Hits& reference, const Hits& tested, std::span<const
 }
 
 std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle) {
-  constexpr double kStep = 0.1;  // share of the range
+  // Fraction of the range by which ranges of neighbouring beams may differ on one surface.
+  constexpr double kStep = 0.1;
   const Channels channels = Channel::Range | Channel::Instance | Channels(Channel::Semantic);
   Hits middle;
   method.trace(shot, channels, middle);

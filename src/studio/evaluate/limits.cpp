@@ -21,15 +21,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 enum class Kind {
-  Length,     // m, at most
-  Amount,     // without a unit, at most
-  Share,      // at most
-  Agreement,  // a share, at least
-  Rate,       // beams/s, at least
+  Length,     // m, upper limit
+  Amount,     // number without a unit, upper limit
+  Share,      // fraction from 0 to 1, upper limit
+  Agreement,  // fraction from 0 to 1, lower limit
+  Rate,       // beams/s, lower limit
 };
 
 struct Limit {
-  std::string_view key;  // as in files and messages
+  std::string_view key;  // as written in files and messages
   Kind kind;
   std::optional<double> ErrorLimits::*allowed;
   double (*value)(const Candidate&);
@@ -37,7 +37,7 @@ struct Limit {
   bool atLeast() const { return kind == Kind::Agreement || kind == Kind::Rate; }
 };
 
-// Returns the mean intensity error. It is NaN, which holds no limit, if beams hit but their intensities are unknown.
+// Returns the mean intensity error; NaN if beams hit but their intensities are unknown. NaN exceeds every limit.
 double meanIntensity(const Candidate& c) {
   return c.errors.bothHit > 0 && c.errors.intensity.count == 0 ? kNaN : c.errors.intensity.mean;
 }
@@ -67,8 +67,8 @@ bool holds(const Limit& limit, double value, double allowed) {
   return limit.atLeast() ? value >= allowed : value <= allowed;
 }
 
-// Returns the factor by which a limit is exceeded; 1 if it holds. For agreements the share that disagrees counts: 98 %
-// instead of 99 % is a factor of 2. A limit of zero counts as one millionth (a micrometre, one part in a million).
+// Returns the factor by which a limit is exceeded; 1 if it is kept. For agreements, the fractions that disagree are
+// compared: 98 % instead of 99 % is a factor of 2. A limit of zero is replaced by 1e-6 (m, or a fraction).
 double excess(const Limit& limit, double value, double allowed) {
   constexpr double kLeast = 1e-6;
   if (holds(limit, value, allowed)) return 1;
@@ -93,7 +93,7 @@ struct Unit {
   double size = 1;
 };
 
-// Returns the unit in which messages give a value. Lengths are in millimetres if the limit is below one metre.
+// Returns the unit in which messages state a value. Lengths are in millimetres if the limit is below one metre.
 Unit unitOf(Kind kind, double allowed) {
   switch (kind) {
     case Kind::Length:
@@ -109,7 +109,8 @@ Unit unitOf(Kind kind, double allowed) {
   return {};
 }
 
-// Describes a broken limit. The value has three digits, or as many as it takes to show that the limit does not hold.
+// Describes an exceeded limit. The value is written with three digits, or with more if these are needed to show that
+// the limit is exceeded.
 std::string brokenText(const Limit& limit, double value, double allowed) {
   const Unit unit = unitOf(limit.kind, allowed);
   const std::string bound = limit.atLeast() ? fmt::format("at least {:.9g}{} wanted", allowed / unit.size, unit.name)
@@ -125,11 +126,11 @@ std::string brokenText(const Limit& limit, double value, double allowed) {
 
 struct Quantity {
   double number = 0;
-  std::string unit;  // as written, without blanks before it; empty: none
+  std::string unit;  // as written, without blanks before it; empty: no unit
 };
 
-// Returns the finite number with which `value` starts, and all after it as the unit; nothing if there is no such
-// number.
+// Splits `value` into a finite number and the following text, which is the unit. Returns nothing if the value does not
+// start with a finite number.
 std::optional<Quantity> quantityOf(const Value& value) {
   if (value.kind != Value::Kind::Scalar) return std::nullopt;
   const std::string_view text = value.text;
@@ -236,7 +237,7 @@ std::vector<std::string> limitTexts(const Candidate& candidate, const ErrorLimit
     const auto& allowed = limits.*limit.allowed;
     if (!allowed) continue;
     const Unit unit = unitOf(limit.kind, *allowed);
-    const int digits = limit.kind == Kind::Agreement ? 6 : 3;  // 99.9989 %
+    const int digits = limit.kind == Kind::Agreement ? 6 : 3;  // six digits to show, for instance, 99.9989 %
     texts.push_back(fmt::format("{} {:.{}g}{}, {} {:.9g}{}", limit.key, limit.value(candidate) / unit.size, digits,
                                 unit.name, limit.atLeast() ? "at least" : "at most", *allowed / unit.size, unit.name));
   }
@@ -278,7 +279,7 @@ std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const
 
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits) {
   if (candidates.empty()) throw Error("there is no setting to choose from");
-  // If two are equally near, the cheaper one is taken.
+  // The cheaper of two candidates is returned if both exceed limits by the same factor.
   std::size_t best = 0;
   double least = largestExcess(candidates[0], limits);
   for (std::size_t i = 1; i < candidates.size(); ++i) {

@@ -12,19 +12,19 @@
 
 namespace scanmill {
 
-// The errors and the rate that a user accepts. An absent limit accepts anything. Range errors are of the beams that
-// both hit; miss rates and labels are shares from 0 to 1, as in GroupErrors.
+// The limits that a user sets for errors and rate; an absent limit allows any value. Range errors are those of beams
+// that hit in both the truth and the test. Miss rates and labels are fractions from 0 to 1, as in GroupErrors.
 struct ErrorLimits {
-  std::optional<double> mean, rms, median, p95, p99, p999, max;  // greatest allowed range errors (m)
-  std::optional<double> intensity;                               // the mean of the intensity's error, at most
-  std::optional<double> missRate;                                // at most
-  std::optional<double> labels, classes, instances;              // at least
-  std::optional<double> minRate;                                 // beams/s, at least
+  std::optional<double> mean, rms, median, p95, p99, p999, max;  // upper limits of the range error (m)
+  std::optional<double> intensity;                               // upper limit of the mean intensity error
+  std::optional<double> missRate;                                // upper limit
+  std::optional<double> labels, classes, instances;              // lower limits
+  std::optional<double> minRate;                                 // lower limit (beams/s)
 };
 
-// Reads {max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%, ...}, min_rate: 5e6}, where either key may be left out.
-// Lengths take mm, cm or m, shares take % or a number from 0 to 1. `errors` and `rate` are the values of these keys, or
-// null. Throws InputError.
+// Reads limits such as {max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}, min_rate: 5e6}. `errors` and `rate` are
+// the values of these two keys; null if a key is absent. Lengths need the unit mm, cm or m; fractions have a % sign or
+// are numbers from 0 to 1. Throws InputError.
 ErrorLimits readErrorLimits(const Value* errors, const Value* rate);
 
 struct Candidate {
@@ -32,31 +32,32 @@ struct Candidate {
   GroupErrors errors;
 };
 
-// Returns the limits that a candidate breaks, with figures ("p99 31 mm, 20 mm allowed"); empty if it holds all limits.
+// Returns a text for each limit that a candidate exceeds, such as "p99 31 mm, 20 mm allowed"; empty if it keeps all
+// limits.
 std::vector<std::string> broken(const Candidate& candidate, const ErrorLimits& limits);
 
-// Returns each limit that is asked for, with the candidate's value ("p99 1.2 mm, at most 20 mm"), whether it holds or
-// not.
+// Returns a text for each limit that is set, whether kept or exceeded, with the candidate's value, such as "p99 1.2 mm,
+// at most 20 mm".
 std::vector<std::string> limitTexts(const Candidate& candidate, const ErrorLimits& limits);
 
-// True if `a` has a smaller share of wrong beams than `b`: false negatives, false positives, unresolved beams and beams
-// with another class or instance. For equal shares, the smaller p99, then the smaller mean, of the range error decides.
+// True if `a` has a smaller fraction of wrong beams than `b`: false negatives, false positives, unresolved beams and
+// beams with a wrong class or instance. If the fractions are equal, compares the p99 of the range error, then its mean.
 bool moreExact(const GroupErrors& a, const GroupErrors& b);
 
-// Returns the index of the best candidate among those that hold all limits; nothing if no candidate holds them. The
-// best is the most exact of those that cost at most a tenth more than the cheapest: timing noise makes such costs count
-// as equal. If only a rate is asked for, the best is the most exact of all that are fast enough.
+// Returns the index of the best candidate that keeps all limits; nothing if there is none. The best is the most exact
+// candidate among those that cost at most a tenth more than the cheapest one, since timing noise hides such
+// differences. If only the rate is limited, the best is the most exact of all candidates that are fast enough.
 std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, const ErrorLimits& limits);
 
-// Returns the index of the first candidate with the least cost among those that hold all limits; nothing if none holds
-// them.
+// Returns the index of the cheapest candidate that keeps all limits, the first of several with equal cost; nothing if
+// there is none.
 std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const ErrorLimits& limits);
-// Returns the index of the candidate that comes nearest to holding all limits: the one for which the largest factor by
-// which it exceeds a limit is smallest.
+// Returns the index of the candidate that comes nearest to keeping all limits: its largest factor by which it exceeds a
+// limit is the smallest.
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits);
 
-// Returns the indices of the Pareto front of two costs, sorted by rising `a`. An item is on the front if no other item
-// is at most as costly in both costs and less costly in one. Items with a cost of NaN are never on the front.
+// Returns the indices of the Pareto front of two costs, sorted by increasing `a`. An item is on the front if no other
+// item is better in one cost and at least as good in the other. Items with a cost of NaN are never on the front.
 std::vector<std::size_t> paretoFront(std::span<const double> a, std::span<const double> b);
 
 }  // namespace scanmill

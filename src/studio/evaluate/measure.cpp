@@ -15,8 +15,8 @@ namespace scanmill {
 
 namespace {
 
-// The growth of the process's resident memory between begin() and end(): while the method works, but not while its
-// errors are measured. Memory that was given back to the allocator does not count.
+// Measures how much the process's resident memory grows between begin() and end(). They enclose only the work of the
+// method, not the computation of its errors. Memory that has been returned to the allocator is not counted.
 class ResidentGrowth {
  public:
   void begin() { before_ = resident(); }
@@ -37,14 +37,14 @@ void checkStop(const MeasureOptions& options) {
   if (options.stop && options.stop()) throw Error("stopped: the measurement is not finished");
 }
 
-// Returns the angle (rad) for edgeBeams(): that between neighbouring columns, since a method that samples as finely as
-// the sensor may hit the other side of an edge at this distance. At most one degree, for tables with few columns.
+// Returns the angle (rad) for edgeBeams(): the angle between neighbouring columns, since a method that samples as
+// finely as the sensor may miss an edge by this angle. The result is at most one degree, for tables with few columns.
 double edgeAngle(const BeamTable& beams) {
   return std::min(beams.field / std::max(beams.columns, 1u), radians(1));
 }
 
-// Returns the transform from the sensor's frame in a step of the revolution to that at its start. The large world
-// coordinates are subtracted first.
+// Returns the transform from the sensor's frame at a step of the revolution to its frame at the start. World positions
+// are subtracted first, since they may be large and would lose precision.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   const Pose& start = shot.worldFromSensor[0];
   const Pose& now = shot.worldFromSensor[step];
@@ -52,7 +52,7 @@ Affine startFromStep(const Shot& shot, std::size_t step) {
   return {startFromWorld * toMatrix(now.rotation), startFromWorld * (now.translation - start.translation)};
 }
 
-// Returns values by beam, given values of the points that hitPoints() returns; NaN for misses.
+// Distributes values of the points from hitPoints() to their beams. Returns one value per beam; NaN for misses.
 std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) {
   std::vector<float> values(hits.size(), std::numeric_limits<float>::quiet_NaN());
   auto next = ofPoints.begin();
@@ -62,7 +62,7 @@ std::vector<float> byBeam(const Hits& hits, const std::vector<float>& ofPoints) 
   return values;
 }
 
-// Times the method on one shot: appends the seconds of each scan, and returns the sum of their accounts.
+// Traces a shot repeatedly, appends the duration of each scan to `seconds`, and returns the sum of the scans' accounts.
 TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOptions& options, Hits& hits,
                        std::vector<double>& seconds) {
   TraceAccount account;
@@ -117,9 +117,10 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   CloudErrorSum clouds;
   Hits hits;
   ResidentGrowth growth;
-  std::map<std::uint32_t, std::vector<double>> seconds;  // by sensor, since sensors' scans differ in size
+  // Durations by sensor, since the sizes of scans differ between sensors.
+  std::map<std::uint32_t, std::vector<double>> seconds;
   TraceAccount timedAccount;
-  TraceAccount otherAccount;  // account of the scans that are not timed
+  TraceAccount otherAccount;  // for scans that are not timed
 
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
@@ -139,7 +140,8 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     requireOneRay(hits);
     timedAccount += timeScans(*method, truth.shot, options, hits, seconds[truth.shot.sensor]);
     checkStop(options);
-    // All scans of a shot are equal, so the last one is used if it has all the channels.
+    // All scans of a shot are equal. The last timed scan is used for the errors if it has all channels that are
+    // compared.
     if (timed != compared) otherAccount += method->trace(truth.shot, compared, hits);
     const bool lit = options.intensity && !truth.intensity.empty();
     const std::vector<float> intensity = lit ? options.intensity(truth.shot, hits) : std::vector<float>();
@@ -182,7 +184,7 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   const BeamTable& beams = *shot.beams;
   if (hits.size() != beams.size()) throw Error("hits and beams are not of one sensor");
   requireOneRay(hits);
-  std::vector<Affine> toStart;  // per step; empty: points stay in the frame of the step that fired them
+  std::vector<Affine> toStart;  // for each step; empty: points stay in the sensor's frame of their step
   for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
     toStart.push_back(step == 0 ? Affine{} : startFromStep(shot, step));
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures one setting of one method on some shots: the time and memory that it takes, and its errors.
+// Measures one setting of one method on some shots: its time, memory and errors.
 
 #include <cstdint>
 #include <functional>
@@ -17,14 +17,14 @@
 namespace scanmill {
 
 struct Cost {
-  double setupSeconds = 0;  // wall time of creating the method and of preparing it for the first shot
-  // Wall time of a scan (s): the median, the least and the largest over all scans of a sensor. For several sensors,
-  // each is a mean weighted by the sensors' numbers of scans.
+  double setupSeconds = 0;  // wall time for creating the method and preparing it for the first shot
+  // Wall time of a scan (s): the median, minimum and maximum over all scans of a sensor. For several sensors, each
+  // value is a mean that is weighted by the sensors' numbers of scans.
   double scanSeconds = 0;
   double fastest = 0;
   double slowest = 0;
-  std::map<std::string, double> stages;  // s per scan, by the method's own account, summed over its threads
-  std::uint64_t memoryBytes = 0;         // by the method's own account
+  std::map<std::string, double> stages;  // s per scan, as the method reports it, summed over its threads
+  std::uint64_t memoryBytes = 0;         // bytes of memory that the method reports
   std::uint64_t residentBytes = 0;       // growth of the process's resident memory; 0 if it did not grow
 
   double beamsPerSecond(std::uint64_t beamsPerScan) const {
@@ -40,31 +40,30 @@ struct Measurement {
 };
 
 struct MeasureOptions {
-  int repeats = 3;  // timed scans of each shot, after one that is not timed; with 0 no time is taken
-  // Scans are repeated, at most 30 times, until this time (s) is spent on a shot, since measurements of a few
-  // milliseconds are easily disturbed.
+  int repeats = 3;  // number of timed scans per shot, after one that is not timed; 0: no timing
+  // Scans of a shot are repeated until they took this time (s), but at most 30 times, since other processes easily
+  // disturb measurements of a few milliseconds.
   double leastSeconds = 0;
-  bool clouds = true;  // measure distances between clouds, for the complete cloud and for each group of beams
-  // The channels that are traced while time is taken. For the errors, these and kErrorChannels are traced.
+  bool clouds = true;  // measure distances between point clouds, overall and for each group of beams
+  // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
   Channels channels;
-  // Returns the noise-free intensity of each beam from a method's hits. Null if intensities are not compared.
+  // Returns the noise-free intensity of each beam from a method's hits; null: intensities are not compared.
   std::function<std::vector<float>(const Shot&, const Hits&)> intensity;
-  // Called between scans; if it returns true, the measurement ends with an Error.
+  // Called between scans. If it returns true, measure() throws Error.
   std::function<bool()> stop;
 };
 
-// True if any beam of the shots has a true hit.
+// True if at least one beam of the shots has a true hit.
 bool anyHit(std::span<const TrueShot> shots);
 
-// Traces the truth of shots, edges and intensities included.
+// Traces the exact hits of shots, and finds their edges and, if `options` asks for them, intensities.
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options);
 
-// Measures the method that `make` creates. It is created here so that its set-up can be timed. All shots must be of the
-// scene.
+// Measures the method that `make` creates; its creation is timed as set-up. All shots must be in `scene`.
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
                     std::span<const TrueShot> shots, const MeasureOptions& options);
 
-// Returns the points of the hits in the sensor's frame (m); misses have none.
+// Returns the points of all hits in the sensor's frame (m), in the order of beams. Misses have no point.
 std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits);
 
 }  // namespace scanmill

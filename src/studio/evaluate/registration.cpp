@@ -1,6 +1,7 @@
-// PCL's libraries are built for any x86-64, where Eigen aligns to 16 bytes. A larger alignment, which the instruction
-// set of this machine would bring, changes the layout of PCL's classes and how their memory is freed. Vector
-// instructions would not help anyway, since the search for neighbours takes most of the time.
+// PCL's libraries are built for any x86-64 processor, for which Eigen aligns to 16 bytes. If our compiler flags enabled
+// wider vector instructions, Eigen would align differently, and PCL's classes would have another layout in our code
+// than in PCL's. Vector instructions would not help anyway, since most of the time is spent in nearest-neighbour
+// search.
 #define EIGEN_MAX_ALIGN_BYTES 16
 #define EIGEN_DONT_VECTORIZE
 
@@ -22,10 +23,9 @@ namespace {
 
 using PclCloud = pcl::PointCloud<pcl::PointXYZ>;
 
-constexpr std::size_t kLeastPoints = 3;  // fewest points for which PCL finds a rigid motion
+constexpr std::size_t kLeastPoints = 3;  // minimum number of points from which PCL computes a rigid motion
 
-// Returns the finite points relative to `middle`, so that errors of ICP's float32 rotations do not grow with the
-// distance from the origin.
+// Returns the finite points relative to `middle`. Near the origin, the float32 rotations of ICP cause smaller errors.
 PclCloud::Ptr finiteCloud(std::span<const Vec3f> points, const Vec3f& middle) {
   PclCloud::Ptr cloud(new PclCloud);
   cloud->reserve(points.size());
@@ -48,7 +48,7 @@ Vec3f middleOf(std::span<const Vec3f> points) {
   return count == 0 ? Vec3f{} : static_cast<Vec3f>(sum * (1.0 / static_cast<double>(count)));
 }
 
-// The interface that nanoflann needs to read a cloud.
+// The functions that nanoflann calls to read a cloud.
 struct PclPoints {
   const PclCloud& cloud;
 
@@ -60,8 +60,8 @@ struct PclPoints {
   }
 };
 
-// The search for nearest points, in place of PCL's own, which starts a team of OpenMP threads for every point and takes
-// three times as long. Both searches are exact.
+// A nearest-neighbour search for PCL. PCL's own search starts a team of OpenMP threads for every point and takes three
+// times as long. Both searches are exact.
 class NearestPoints : public pcl::search::KdTree<pcl::PointXYZ> {
  public:
   explicit NearestPoints(PclCloud::ConstPtr cloud) : cloud_(std::move(cloud)), points_{*cloud_}, tree_(3, points_) {
@@ -89,7 +89,7 @@ double square(double value) {
   return value * value;
 }
 
-// A pair of clouds for PCL, both relative to the target's middle, with a search tree for fitness and ICP.
+// A pair of clouds for PCL. Both are relative to the target's mean point. The search tree is used for fitness and ICP.
 class PclPair {
  public:
   PclPair(std::span<const Vec3f> source, std::span<const Vec3f> target)
@@ -100,7 +100,8 @@ class PclPair {
     icp_.setSearchMethodTarget(NearestPoints::Ptr(new NearestPoints(target_)), true);
   }
 
-  // Returns the fitness with the source as the last align() moved it.
+  // Returns the fitness (m^2) of the source at the position to which the last align() has moved it; nothing if no
+  // distance is at most `within` (m).
   std::optional<double> fitness(double within) {
     if (source_->empty() || target_->empty()) return std::nullopt;
     const double score = icp_.getFitnessScore(square(within));
@@ -127,7 +128,7 @@ class PclPair {
   }
 
  private:
-  // Turns off PCL's messages about too few matches, which Registered::moved reports.
+  // Turns off PCL's messages about too few matches, since Registered::moved reports this case.
   static void silence() {
     static const bool done = [] {
       pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);

@@ -7,7 +7,7 @@ namespace scanmill {
 double rocArea(std::vector<float> a, std::vector<float> b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
-  double twice = 0;  // twice the pairs in which the value of b is greater, plus the equal pairs
+  double twice = 0;  // 2 x number of pairs (one value of each set) in which b is greater, plus number of equal pairs
   auto low = a.begin(), high = a.begin();
   for (const float value : b) {
     while (low != a.end() && *low < value) ++low;

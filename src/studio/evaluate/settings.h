@@ -1,11 +1,11 @@
 #pragma once
 
-// Settings: methods with their options, in lists that studies compare and that `method: auto` chooses from.
+// Reads settings: methods with their options. Studies compare the settings of a list, and `method: auto` chooses one.
 //
 //   - ray_tracing
 //   - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
 //
-// A list as a value stands for one setting per item; two lists stand for all pairs of their items.
+// If the value of an option is a list, there is one setting per item. Several lists are combined in all ways.
 
 #include <string>
 #include <vector>
@@ -14,30 +14,32 @@
 
 namespace scanmill {
 
-// A setting as text.
+// A method with its options, as texts.
 struct Setting {
-  std::string name;     // "depth_camera resolution=512 sampling=nearest"; with all defaults only the method's name
-  std::string method;   // the name of its row of methods()
-  std::string options;  // "{resolution: 512, sampling: nearest}"; "{}": all defaults
+  std::string name;     // such as "depth_camera resolution=512 sampling=nearest"; only the method's name if all options
+                        // have their defaults
+  std::string method;   // the method's name in the table methods()
+  std::string options;  // such as "{resolution: 512, sampling: nearest}"; "{}": all defaults
 
-  // Returns the argument of --set that makes a pipeline use the setting: "method={depth_camera: {resolution: 512}}".
+  // Returns the argument of --set that makes a pipeline use the setting, such as "method={depth_camera: {resolution:
+  // 512}}".
   std::string assignment() const;
 };
 
-// A setting with the values from which it was read; these know their places in files.
+// A setting with the YAML values from which it was read; messages take file and line from them.
 struct MethodSetting {
   Setting setting;
   MethodChoice choice;
 };
 
-// Returns a map for each combination of one item from each of the map's lists; the item of the last list varies
-// fastest. `what` names the map in messages. Throws InputError.
+// Returns a map for each combination of items of the map's lists, one item from each list. The item of the last list
+// changes fastest. `what`: name of the map in messages. Throws InputError.
 std::vector<Value> expandLists(const Value& options, const std::string& what);
-// Returns the name of a setting, "depth_camera resolution=512".
+// Returns the name of a setting, such as "depth_camera resolution=512". `name`: the method's name.
 std::string settingName(const std::string& name, const Value& options);
 
-// Reads a list of settings and checks the options of each. `what` names the list in messages. Throws InputError with
-// the place.
+// Reads a list of settings and checks their options. `what`: name of the list in messages. Throws InputError with file
+// and line.
 std::vector<MethodSetting> readSettings(const Value& list, const std::string& what);
 
 }  // namespace scanmill

@@ -1,14 +1,14 @@
 #pragma once
 
-// Percentiles and means of errors.
+// Computes percentiles and means of errors.
 
 #include <cstddef>
 #include <vector>
 
 namespace scanmill {
 
-// The spread of errors. All values are zero if there are no errors. The percentile p is the smallest value that p per
-// cent of the errors do not exceed.
+// Statistics of a set of errors. All values are zero if there are no errors. The percentile p is the smallest value
+// such that at least p per cent of the errors do not exceed it.
 struct Spread {
   std::size_t count = 0;
   double mean = 0;

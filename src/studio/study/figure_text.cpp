@@ -15,7 +15,8 @@ struct Scale {
   const char* unit;
 };
 
-// Formats with the largest scale that gives at least 1 (0.9995 becomes 1.00), or the smallest scale.
+// Formats a value with the largest unit in which it is at least 1 after rounding (0.9995 becomes 1.00); if there is
+// none, with the smallest unit.
 template <std::size_t n>
 std::string scaled(double value, const std::array<Scale, n>& scales) {
   for (const Scale& scale : scales) {
@@ -59,7 +60,7 @@ std::string shareText(double value) {
   const double fromEnd = std::min(value, 1 - value) * 100;
   if (fromEnd <= 0) return fmt::format("{:.0f} %", value * 100);
   if (fromEnd < 1e-5) return value < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
-  // Two digits of the difference to 0 or to 100.
+  // Two significant digits of the difference to 0 or to 100 %.
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(fromEnd))), 1, 6);
   return fmt::format("{:.{}f} %", value * 100, decimals);
 }

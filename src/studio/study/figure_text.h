@@ -1,6 +1,6 @@
 #pragma once
 
-// Figures as text for people: with a unit, and with the significant digits alone.
+// Formats figures for users, with a unit and only significant digits.
 
 #include <cstdint>
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace scanmill {
 
-std::string threeDigits(double value);    // "0.0123", "12345"; never an exponent
-std::string metresText(double metres);    // "0", "46.4 mm", "1.23 m"
-std::string secondsText(double seconds);  // "350 µs", "2.9 ms", "1.2 s"
-std::string amountText(double amount);    // "950", "45.3 k", "1.28 M"
-std::string shareText(double share);  // "98.4 %", "99.9991 %"; "100 %" and "0 %" only for exactly all and exactly none
-std::string factorText(double factor);  // "2.1", "27", "0.35"
+std::string threeDigits(double value);    // such as "0.0123" or "12345"; never with an exponent
+std::string metresText(double metres);    // such as "0", "46.4 mm" or "1.23 m"
+std::string secondsText(double seconds);  // such as "350 µs", "2.9 ms" or "1.2 s"
+std::string amountText(double amount);    // such as "950", "45.3 k" or "1.28 M"
+std::string shareText(double share);      // such as "98.4 %" or "99.9991 %"; "100 %" and "0 %" only if exact
+std::string factorText(double factor);    // such as "2.1", "27" or "0.35"
 
-std::string wordsOf(std::string_view key);                         // "depth_camera" becomes "depth camera"
-std::string pluralOf(std::uint64_t count, std::string_view what);  // "1 scan", "2 scans"
+std::string wordsOf(std::string_view key);                         // for instance "depth camera" from "depth_camera"
+std::string pluralOf(std::uint64_t count, std::string_view what);  // such as "1 scan" or "2 scans"
 
 }  // namespace scanmill

@@ -4,11 +4,11 @@
 
 namespace scanmill {
 
-// Uses Gram-Schmidt orthogonalization, applied twice: "twice is enough" (Giraud, Langou, Rozloznik, "The loss of
-// orthogonality in the Gram-Schmidt orthogonalization process", 2005).
+// Uses the Gram-Schmidt process twice on each column, which is enough for orthogonality to rounding errors (Giraud,
+// Langou, Rozloznik, "The loss of orthogonality in the Gram-Schmidt orthogonalization process", 2005).
 LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::span<const double> values) {
-  constexpr double kDependent =
-      1e-9;  // least independent part of a column that is used, as a share of the column's length
+  // A column is skipped if less than this fraction of its length is independent of earlier columns.
+  constexpr double kDependent = 1e-9;
   const std::size_t rows = values.size();
   std::vector<double> q(rows * columns);
   std::vector<double> r(columns * columns, 0.0);

@@ -7,7 +7,8 @@
 
 namespace scanmill {
 
-// Returns the median, the upper of the middle two for an even number of values; `none` if there are no values.
+// Returns the median; for an even number of values, the larger of the two middle values. Returns `none` if there are no
+// values.
 template <class T>
 double medianOf(std::vector<T> values, double none = 0) {
   if (values.empty()) return none;

@@ -18,7 +18,7 @@ namespace {
 
 using kainjow::mustache::data;
 
-// Numbers become text that reads back to the same bits; they are formatted only on request.
+// Converts JSON to template data. Numbers become text with all digits; only a format in the template shortens them.
 data dataOf(const Json& json) {
   if (json.is_object()) {
     data object(data::type::object);
@@ -113,7 +113,7 @@ class FormatContext : public kainjow::mustache::context<std::string> {
   const data* keep(data value) const { return &kept_.emplace_back(std::move(value)); }
   const data* keepText(const std::string& text) const { return keep(text.empty() ? data(false) : data(text)); }
 
-  mutable std::deque<data> kept_;  // data that get() has returned
+  mutable std::deque<data> kept_;  // owns the data to which get() has returned pointers
 };
 
 }  // namespace

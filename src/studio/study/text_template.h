@@ -1,20 +1,20 @@
 #pragma once
 
-// Texts with places to fill in, in the language Mustache (mustache.github.io): {{name}} is a value of a JSON object,
-// {{#name}}...{{/name}} is written for each item of a list, or once if the value is not empty, and
-// {{^name}}...{{/name}} if it is empty. A colon precedes the format of a number:
+// Fills text templates in the language Mustache (mustache.github.io) with values of a JSON object. {{name}} is replaced
+// by a value. {{#name}}...{{/name}} is repeated for each item of a list, or written once if the value is not empty;
+// {{^name}}...{{/name}} is written if the value is empty. The format of a number follows a colon:
 //
 //   {{scan_s:s}}             2.9 ms; also m, bytes, amount (45.3 M), share (98.4 %), factor (2.1), count (1,234,567),
-//                            mm (12.34, without the unit) and digits (three significant ones, 0.0123)
-//   {{lost/beams:share}}     the ratio of two values, as a share
+//                            mm (12.34, without the unit) and digits (three significant digits, 0.0123)
+//   {{lost/beams:share}}     the ratio of two values, in per cent
 //   {{size:.2f}}             any format of the library fmt
 //   {{size:unit}}            12.3 mm, if the value `unit` is "mm"
 //   {{scans:plural=scan}}    1 scan, 2 scans
 //   {{setting:words}}        depth camera, from depth_camera
 //   {{names:join}}           a, b, c
-//   {{#names:any}}           once, if there are names
+//   {{#names:any}}           written once if the list is not empty
 //
-// Values that are null, empty or not finite count as empty.
+// Null, empty texts and lists, and numbers that are not finite count as empty.
 
 #include <functional>
 #include <map>
@@ -25,12 +25,12 @@
 
 namespace scanmill {
 
-// Escapes a value that is filled in; values in triple braces are not escaped.
+// Escapes a value before it is inserted; values in triple braces are inserted without escaping.
 using TextEscape = std::function<std::string(const std::string&)>;
-// {{#name}}text{{/name}}: given the text, returns the template that replaces it.
+// Functions by name. {{#name}}text{{/name}} calls a function with the text; the returned template replaces it.
 using TemplateMacros = std::map<std::string, std::function<std::string(const std::string& text)>>;
 
-// Returns the filled template. Throws Error if the template is wrong, which is an error of this program.
+// Returns the filled template. Throws Error if the template is invalid, which is an error in this program.
 std::string fillTemplate(const std::string& text, const Json& values, const TextEscape& escape = {},
                          const TemplateMacros& macros = {});
 

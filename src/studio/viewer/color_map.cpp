@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Converts a colour from HSV; h, s and v from 0 to 1.
+// Converts a colour from HSV to RGB; h, s and v are from 0 to 1.
 Rgb fromHsv(double h, double s, double v) {
   Rgb out{};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -20,7 +20,7 @@ Rgb fromHsv(double h, double s, double v) {
   return out;
 }
 
-// Steps of the golden ratio spread hues evenly for any number of ids.
+// Returns a colour for an id. Since hues advance by the golden ratio, they are evenly spread for any number of ids.
 Rgb colorOfNumber(std::uint32_t number) {
   const double turn = std::fmod(number * 0.6180339887498949, 1.0);
   return fromHsv(turn, 0.45 + 0.15 * (number % 3), 0.95 - 0.15 * (number / 3 % 2));
@@ -29,7 +29,7 @@ Rgb colorOfNumber(std::uint32_t number) {
 }  // namespace
 
 Rgb viridis(double t) {
-  // Every 17th of the map's 256 colours.
+  // Every 17th colour of the map's 256 colours.
   static constexpr std::array<std::uint32_t, 16> kSamples{0x440154, 0x481A6C, 0x472F7D, 0x414487, 0x39568C, 0x31688E,
                                                           0x2A788E, 0x23888E, 0x1F988B, 0x22A884, 0x35B779, 0x54C568,
                                                           0x7AD151, 0xA5DB36, 0xD2E21B, 0xFDE725};  // 0xRRGGBB

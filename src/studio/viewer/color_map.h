@@ -1,6 +1,6 @@
 #pragma once
 
-// Colours for numbers, instances and classes, and the names of classes.
+// Colours for values, instances and classes, and names of classes.
 
 #include <cstdint>
 #include <string>
@@ -15,18 +15,18 @@ constexpr Rgb kPanel{24, 27, 34};
 constexpr Rgb kText{225, 228, 235};
 constexpr Rgb kNoValue{105, 108, 116};  // for points without an instance or with an unknown value
 
-// Returns the colour at t of the map viridis (S. van der Walt and N. Smith, matplotlib, 2015; CC0), which is
-// perceptually uniform, also in grey and for the colour-blind. t is clamped to 0 to 1.
+// Returns the colour at t of the colour map viridis (S. van der Walt and N. Smith, matplotlib, 2015; CC0), which is
+// perceptually uniform, also in grey and for colour-blind people. t is clamped to the range 0 to 1.
 Rgb viridis(double t);
 
-// Returns the colour of an instance. Neighbouring ids get hues far apart; 0 (no instance) is grey.
+// Returns the colour of an instance. Consecutive ids have very different hues; 0 (no instance) is grey.
 Rgb instanceColor(std::uint32_t instance);
 
-// Returns the ontology's colour of the class, lightened if it is too dark to be seen on the background. Without an
-// ontology, or for a class that the ontology does not list, the colour follows from the id.
+// Returns the colour of a class in the ontology, lightened if it is too dark for the background. If there is no
+// ontology or the class is not in it, the colour is computed from the id.
 Rgb classColor(const Ontology* ontology, std::uint16_t id);
 
-// Returns the name of the class: "car", or "class 10" if the ontology does not list it.
+// Returns the name of a class, such as "car"; "class 10" if the class is not in the ontology.
 std::string className(const Ontology* ontology, std::uint16_t id);
 
 }  // namespace scanmill

@@ -40,13 +40,14 @@ ColorBy defaultFor(const Scan& scan) {
   return scan[kIntensity].empty() ? kByRange : kByIntensity;
 }
 
-// The colour of an id, and the number of finite points with this id.
+// The colour of an id and the number of finite points with this id.
 struct ColorOfId {
   Rgb color{};
   std::uint64_t points = 0;
 };
 
-// Colours each point by its id and returns the ids that occur. `idOf(i)` is the id of point i.
+// Appends to `colors` the colour of each point's id, and returns all ids that occur. idOf(i) returns the id of point i;
+// colorOf(id) its colour.
 template <class IdOf, class ColorOf>
 std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, const ColorOf& colorOf,
                                          std::vector<Rgb>& colors) {
@@ -56,7 +57,7 @@ std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, con
   ColorOfId* held = nullptr;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const std::uint32_t id = idOf(i);
-    if (held == nullptr || id != last) {  // neighbours mostly share their id
+    if (held == nullptr || id != last) {  // neighbouring points mostly have the same id
       held = &present.try_emplace(id, ColorOfId{colorOf(id), 0}).first->second;
       last = id;
     }
@@ -97,7 +98,7 @@ Coloring byInstance(const Scan& scan) {
   return out;
 }
 
-// Colours points by cause, each cause in a colour of its own, since causes are categories without an order.
+// Colours points by cause. Causes are categories without an order, so each has a separate colour.
 Coloring byCause(const Scan& scan) {
   Coloring out;
   out.legend.title = kCause.row.name;
@@ -112,9 +113,9 @@ Coloring byCause(const Scan& scan) {
   return out;
 }
 
-// Colours points by return number, each number in a colour of its own, since there are few.
+// Colours points by return number. There are few numbers, so each has a separate colour.
 Coloring byReturn(const Scan& scan) {
-  constexpr double kFirstReturn = 0.7;  // position on the colour map
+  constexpr double kFirstReturn = 0.7;  // position of the first return's colour on the colour map
   const bool single = scan[kReturn].empty() && scan.planes == 1;
   const auto number = [&](std::size_t i) {
     return single ? 1U : scan[kReturn].empty() ? keyOf(scan, i).number + 1U : scan[kReturn][i];
@@ -139,17 +140,18 @@ double percentile(std::vector<double>& values, double share) {
 
 struct Scale {
   std::string title;
-  double clipped = 0;  // share of the values beyond each end that follows from the values
+  double clipped = 0;  // fraction of the values to cut off at an end that is not fixed
   double power = 1;
-  std::optional<double> low{};  // ends that the quantity fixes; absent: they follow from the values
+  std::optional<double> low{};  // fixed ends of the scale; absent: the ends are computed from the values
   std::optional<double> high{};
   bool integers = false;
 };
 
 constexpr double kClipped = 0.01;
-constexpr std::size_t kMostSorted = 1'000'000;  // greatest number of values that percentiles are computed from
+constexpr std::size_t kMostSorted = 1'000'000;  // maximum number of values from which percentiles are computed
 
-// Colours points by a number. `at(i)` is the value of point i. `given`: the ends of the scale; absent: from `scale`.
+// Colours points by a number. at(i) returns the value of point i. `given`: ends of the scale that the user has chosen;
+// absent: see `scale`.
 template <class At>
 Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<ScaleRange>& given, const At& at) {
   Coloring out;
@@ -237,7 +239,7 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
       column.values);
 }
 
-// A quantity that is not a column, and the viewer's key for it.
+// A quantity that is not a column, and the key in the viewer that selects it.
 struct Figure {
   const ColorBy& by;
   char key;

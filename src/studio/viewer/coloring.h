@@ -1,6 +1,6 @@
 #pragma once
 
-// Colours the points of a scan and describes the colours in a legend.
+// Colours the points of a scan, and describes the colours in a legend.
 
 #include <compare>
 #include <cstdint>
@@ -18,8 +18,8 @@
 
 namespace scanmill {
 
-// The name of the quantity that colours show: a column of the table (scan/columns.h; "class" for the label), a foreign
-// column of the scan, or a quantity that is computed for each point: range, height, error.
+// The name of the quantity by which points are coloured: a column of the table (scan/columns.h; "class" for the label),
+// a foreign column of the scan, or a quantity that is computed for each point (range, height, error).
 class ColorBy {
  public:
   explicit ColorBy(std::string name) : name_(std::move(name)) {}
@@ -30,7 +30,7 @@ class ColorBy {
   static std::string_view titleOf(const Column& column) {
     return column.display.title.empty() ? column.name : column.display.title;
   }
-  // Returns the quantity's row in the table of columns; null if it has none.
+  // Returns the quantity's row in the table of columns; null if it is not a column.
   const Column* column() const;
 
  private:
@@ -46,46 +46,48 @@ inline const ColorBy kByRange{"range"};
 inline const ColorBy kByHeight{"height"};
 inline const ColorBy kByError{"error"};
 
-// Returns the names of all quantities except foreign columns. The viewer's keys 1 to 9 and 0 choose the first ten.
+// Returns the names of all quantities except foreign columns. In the viewer, the keys 1 to 9 and 0 select the first
+// ten.
 const std::vector<std::string>& colorNames();
 
-// True if the scan can be coloured by this quantity. `errorKnown`: the errors, which no scan contains, are known.
+// True if the scan can be coloured by this quantity. `errorKnown`: the errors of points, which are not part of a scan,
+// are known.
 bool hasColor(const Scan& scan, const ColorBy& by, bool errorKnown);
 
-// Returns the names of colorNames(), then the scan's foreign columns.
+// Returns the quantities of colorNames(), followed by the scan's foreign columns.
 std::vector<ColorBy> colorsOf(const Scan& scan);
 
 struct LegendEntry {
   std::string name;
   Rgb color{};
-  std::int64_t id = -1;      // class id; -1: none
+  std::int64_t id = -1;      // class id; -1 if the entry is not a class
   std::uint64_t points = 0;  // number of finite points of this colour
 };
 
-// The ends of a scale.
+// The values at the ends of a colour scale.
 struct ScaleRange {
   double low = 0;
   double high = 1;
   bool operator==(const ScaleRange&) const = default;
 };
 
-// True if the quantity is a number, which is coloured by a scale.
+// True if the quantity is a number, for which colours form a scale.
 inline bool isNumeric(const ColorBy& by) {
   return by != kByClass && by != kByInstance && by != kByReturn && by != kByCause;
 }
 
-// Either named colours or a scale from `low` to `high`.
+// Describes colours: either a list of named colours, or a scale from `low` to `high`.
 struct Legend {
-  std::string title;  // "range (m)"
+  std::string title;  // such as "range (m)"
   std::vector<LegendEntry> entries;
   bool scale = false;
   double low = 0;
   double high = 0;
-  double power = 1;           // the map's colour at t means the value low + (high - low) * t^power
-  bool integers = false;      // the values of the scale are whole numbers
-  bool held = false;          // the ends of the scale were given and do not follow from the values
-  std::uint64_t unknown = 0;  // number of finite points whose value is unknown; their colour is kNoValue
-  std::string whyUnknown{};   // "no partner in the reference"; may be empty
+  double power = 1;           // the colour at position t of the map shows the value low + (high - low) * t^power
+  bool integers = false;      // true: the values are integers
+  bool held = false;          // true: the ends of the scale are chosen by the user, not computed from the values
+  std::uint64_t unknown = 0;  // number of finite points whose value is unknown; they have the colour kNoValue
+  std::string whyUnknown{};   // such as "no partner in the reference"; may be empty
 };
 
 struct Coloring {
@@ -93,25 +95,28 @@ struct Coloring {
   Legend legend;
 };
 
-// Input of colorScan() that no scan contains.
+// Data for colorScan() that are not part of a scan.
 struct ColorContext {
   const Ontology* ontology = nullptr;
-  std::span<const float> error{};     // m, one per point; NaN: unknown; empty: no errors are given
-  std::string errorTitle{};           // "distance to the reference (m)"; empty: "error (m)"
-  std::string whyNoError{};           // the meaning of an unknown error: "no partner in the reference"
-  std::optional<ScaleRange> scale{};  // the ends of the scale; absent: they follow from the values
+  std::span<const float> error{};     // m, one per point; NaN: unknown; empty: no errors
+  std::string errorTitle{};           // such as "distance to the reference (m)"; empty: "error (m)"
+  std::string whyNoError{};           // what an unknown error means, such as "no partner in the reference"
+  std::optional<ScaleRange> scale{};  // ends of the scale that the user has chosen; absent: computed from the values
 };
 
-// Colours the scan's points by `colorBy`; if it is absent by class, else by intensity, else by range. Throws InputError
-// if the scan lacks the column. The legend lists the classes that occur in the scan, in the order of their ids. A
-// column's row of the table says what its scale spans: the least to the greatest value, the 1st to the 99th percentile
-// (of every n-th point if there are millions), or all valid values; foreign columns, range and height span percentiles.
-// The scales of intensity, range and error follow the square root: intensity falls with the square of the distance, and
-// most points are near. The scale of errors starts at 0. Values beyond a scale get the colour of its nearer end. Uses
-// all threads. If the context has no errors, a point's error is its distance from the sensor's origin minus
-// `range_true`; if beams start off that origin, or points are moved into the frame of the revolution's start, the error
-// includes that offset. A scan without a column `return` has only first returns, unless it is organised in several
-// planes, one per return.
+// Colours the points of a scan by `colorBy`. If it is absent, colours by class, otherwise by intensity, otherwise by
+// range, depending on which columns the scan has. Throws InputError if the scan does not have the column.
+//
+// The legend lists the classes that occur in the scan, sorted by id. The table of columns states which values a
+// column's scale covers: minimum to maximum, 1st to 99th percentile (computed from every n-th point if there are
+// millions), or all valid values. For foreign columns, range and height, the scale covers these percentiles. The scales
+// of intensity, range and error are proportional to the square root, since intensity decreases with the square of the
+// distance, and most points are near. The scale of errors starts at 0. Values beyond a scale get the colour of its
+// nearer end.
+//
+// If the context has no errors, a point's error is its distance from the sensor's origin minus `range_true`. This is
+// inexact if beams do not start at the sensor's origin, or if points are deskewed. If a scan has no column `return`,
+// all points are first returns, unless the scan is organised in several planes, one per return. Uses all threads.
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology);
 

@@ -23,38 +23,39 @@
 namespace scanmill {
 namespace {
 
-constexpr double kPerson = 1.8;  // m
+constexpr double kPerson = 1.8;  // m, height of a person
 constexpr Rgb kPersonColor{250, 220, 60};
 constexpr Rgb kArrowColor{255, 70, 60};
 constexpr Rgb kNoClass{255, 0, 255};
 constexpr Rgb kCell{30, 33, 42};
-constexpr int kTextHeight = 66;   // px, of the three lines under a model
-constexpr int kTitleHeight = 34;  // px
-constexpr double kLetter = 15;    // px
+constexpr int kTextHeight = 66;   // pixels, for the three lines of text below a model
+constexpr int kTitleHeight = 34;  // pixels
+constexpr double kLetter = 15;    // pixels, height of letters
 
 struct Model {
   std::string name;
   std::vector<const Instance*> instances;
 };
 
-// The parts of an instance's name as ObjectPlacer forms it: `object` is "house" in "house", "house#3", "house/wall 2"
-// and "house#3/wall 2".
+// The parts of an instance's name, as written by ObjectPlacer. For instance, the object of "house", "house#3",
+// "house/wall 2" and "house#3/wall 2" is "house".
 struct InstanceName {
   std::string object;
-  bool first = true;   // the instance belongs to the object's first copy
-  bool whole = false;  // the name is just the object's name
+  bool first = true;   // true: the instance belongs to the object's first copy
+  bool whole = false;  // true: the name is only the object's name
 };
 
 InstanceName nameOf(const std::string& instance) {
   static const std::regex form("((?:.*?[^ #])?)(?:#([0-9]+))?(?:/[^/]* [0-9]+)?",
                                std::regex::ECMAScript | std::regex::optimize);
-  constexpr std::size_t kLongest = 4096;  // characters: std::regex recurses over the text
+  constexpr std::size_t kLongest = 4096;  // characters; std::regex recurses for each character
   std::smatch match;
   if (instance.size() > kLongest || !std::regex_match(instance, match, form)) return {instance, true, true};
   return {match[1].str(), !match[2].matched || match[2] == "1", match[1].length() == match[0].length()};
 }
 
-// Returns a name without its numbers: "house 12 plinth" and "house 3 plinth" belong to one series.
+// Returns a name without its numbers, which identifies a series: "house 12 plinth" and "house 3 plinth" are of the same
+// series.
 std::string seriesOf(std::string name) {
   std::erase_if(name, [](unsigned char c) { return std::isdigit(c) != 0; });
   return name;
@@ -63,27 +64,28 @@ std::string seriesOf(std::string name) {
 // Returns the objects in the order of the scene.
 std::vector<Model> modelsOf(const Scene& scene) {
   std::vector<Model> models;
-  std::map<std::string, std::size_t> known;  // index of the last model of each name
+  std::map<std::string, std::size_t> known;  // name -> index of the last model with this name
   for (const Instance& instance : scene.instances) {
     const InstanceName name = nameOf(instance.name);
-    const bool again = known.contains(name.object) && name.whole;  // another object of this name
+    const bool again = known.contains(name.object) && name.whole;  // another object with the same name starts
     if (again || !known.contains(name.object)) {
       known[name.object] = models.size();
       models.push_back({name.object, {}});
     }
     Model& model = models[known[name.object]];
-    // If the object's first copy is missing, since copies may be left out at random, show its first existing copy.
+    // The first copy of an object may be missing, since copies may be left out at random. Then its first existing copy
+    // is shown.
     if (name.first || model.instances.empty()) model.instances.push_back(&instance);
   }
   return models;
 }
 
-// Keeps at most kMostSheetCells models: the first of each series, then the second of each, and so on. Their order stays
-// the same.
+// Removes models until at most kMostSheetCells remain: keeps the first of each series, then the second of each series,
+// and so on. The remaining models keep their order.
 void keepSome(std::vector<Model>& models) {
   if (models.size() <= kMostSheetCells) return;
   std::map<std::string, std::size_t> seen;
-  std::vector<std::pair<std::size_t, std::size_t>> order;  // position in the series, and index of the model
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // pairs of position in the series and index of the model
   for (std::size_t i = 0; i < models.size(); ++i) order.emplace_back(seen[seriesOf(models[i].name)]++, i);
   std::sort(order.begin(), order.end());
   order.resize(kMostSheetCells);
@@ -95,13 +97,13 @@ void keepSome(std::vector<Model>& models) {
 }
 
 struct Shape {
-  std::vector<Vec3f> corners;  // m, after upright() of the first instance
+  std::vector<Vec3f> corners;  // m, transformed by upright() of the first instance
   std::vector<Rgb> colors;
   Box box;
-  std::vector<std::pair<std::string, Rgb>> classes;  // the most frequent first
+  std::vector<std::pair<std::string, Rgb>> classes;  // name and colour of each class, the most frequent first
 };
 
-// Returns the transform from the world that undoes an object's heading and position, but not its scale and tilt.
+// Returns the transform that undoes an object's heading and position in the world, but not its scale and tilt.
 Affine upright(const Affine& worldFromMesh) {
   const Vec3d x = worldFromMesh.linear.x;
   const double heading = std::hypot(x.x, x.y) > 0 ? std::atan2(x.y, x.x) : 0;
@@ -153,7 +155,8 @@ void addPerson(Shape& shape) {
   }
 }
 
-// Returns an arrow as ends of segments: from the middle of the front along x, flat on the ground.
+// Returns the ends of the segments of an arrow. It points along x, lies on the ground and starts at the middle of the
+// box's front side. Extends `box` to contain the arrow.
 std::vector<Vec3f> arrowOf(Box& box) {
   const Vec3d size = box.high - box.low;
   const double length = 0.25 * std::max({size.x, size.y, size.z});
@@ -166,8 +169,7 @@ std::vector<Vec3f> arrowOf(Box& box) {
           Vec3f(tip),  Vec3f(tip + Vec3d{-barb, -barb, 0})};
 }
 
-// Draws a model of any size in its cell: coordinates are scaled by the model's size, so that a bus of 12 cm, too, fills
-// its cell.
+// Draws a model in its cell. Coordinates are divided by the model's size, so that models of any size fill their cells.
 Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
   addPerson(shape);
   std::vector<Vec3f> arrow = arrowOf(shape.box);
@@ -178,10 +180,10 @@ Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
     for (Vec3f& p : *points) p = Vec3f((Vec3d(p) - middle) * perMetre);
   }
   OrbitCamera camera;
-  camera.yaw = radians(218);  // looks at the front and the left side
+  camera.yaw = radians(218);  // shows the front and the left side
   camera.pitch = radians(22);
   camera.frame({(shape.box.low - middle) * perMetre, (shape.box.high - middle) * perMetre});
-  // frame() leaves much room above and below a flat model, so the camera moves nearer.
+  // frame() leaves much space above and below flat models, so the camera is moved nearer for these.
   camera.distance *= size.z < 0.7 * std::max(size.x, size.y) ? 0.75 : 1;
   const CanvasView view{{0, 0, width, height}, camera.camera(width, height), 1000, kCell, true};
   canvas.setViews(std::array{view});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Images in memory and as PNG.
+// Images in memory, and as PNG files.
 
 #include <array>
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace scanmill {
 
 using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 
-// The first row is the top one.
+// An RGB image, stored row by row from top to bottom.
 struct Image {
   int width = 0;
   int height = 0;
@@ -27,10 +27,10 @@ struct Image {
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
 };
 
-// Returns the colour between a (t = 0) and b (t = 1).
+// Returns the linear mixture of a (at t = 0) and b (at t = 1).
 Rgb mix(const Rgb& a, const Rgb& b, double t);
 
-// Encodes the image as 8 bit RGB. The same image gives the same bytes: no time stamp is written.
+// Returns a PNG file of the image with 8-bit RGB. The same image always gives the same bytes, since no time is stored.
 std::string encodePng(const Image& image);
 
 }  // namespace scanmill

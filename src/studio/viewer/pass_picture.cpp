@@ -20,15 +20,15 @@ namespace scanmill {
 
 namespace {
 
-// The contents of an EXR file of a camera or of a sensor.
+// The contents of an EXR file, either of a camera's render passes or of a sensor's hits.
 struct ExrImage {
   int width = 0;
   int height = 0;
-  std::string size;       // "40 x 20 pixels, 90.0 x 53.1 degrees"
-  bool ofSensor = false;  // the file has a sensor's hits; their ranges are stored as depths
+  std::string size;       // such as "40 x 20 pixels, 90.0 x 53.1 degrees"
+  bool ofSensor = false;  // true: the file has the hits of a sensor, whose ranges are stored as depths
   PassPlanes planes;
-  std::vector<float> incidence{};           // for hits: cosine of the incidence angle
-  std::vector<std::uint32_t> unresolved{};  // indices of pixels, ascending
+  std::vector<float> incidence{};           // cosine of the incidence angle; only for hits
+  std::vector<std::uint32_t> unresolved{};  // indices of pixels that are unresolved, ascending
   std::optional<Ontology> ontology{};
   std::vector<std::string> materials{};
 
@@ -72,7 +72,7 @@ struct Span {
   double high = 1;
 };
 
-// Returns the 1st and 99th percentile of the positive finite values; in large images every 97th pixel is enough.
+// Returns the 1st and 99th percentile of the positive finite values. In large images only every 97th pixel is used.
 Span spanOf(const std::vector<float>& values) {
   std::vector<float> seen;
   for (std::size_t i = 0; i<values.size(); i += values.size()> 100'000 ? 97 : 1) {
@@ -86,7 +86,7 @@ Span spanOf(const std::vector<float>& values) {
   return {at(0.01), at(0.99)};
 }
 
-// Creates the planes of an image. The planes' `value` functions share ownership of the image.
+// Creates the planes of an image. The planes' functions `value` keep the image in memory.
 class PlaneMaker {
  public:
   explicit PlaneMaker(std::shared_ptr<const ExrImage> image) : image_(std::move(image)) {}
@@ -115,7 +115,8 @@ class PlaneMaker {
     addEntries(p.semantic, semanticColor, semanticName);
     addIds("instance", "a colour each", p.instance, instanceColor,
            [](std::uint32_t id) { return id == 0 ? std::string("none") : std::to_string(id); });
-    const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };  // 0 is the colour of no instance
+    // InstanceColor(0) is the colour for no instance.
+    const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };
     addIds("material", image_->materials.empty() ? "a colour each" : "", p.material, colorEach,
            [image = image_.get()](std::uint16_t id) {
              return image->materials.empty() ? std::to_string(id) : fmt::format("{} ({})", image->materialName(id), id);
@@ -131,7 +132,7 @@ class PlaneMaker {
   }
 
  private:
-  // Adds a plane. `colorOf` and `valueOf` are called only for pixels that show a surface.
+  // Adds a plane. colorOf(pixel) and valueOf(pixel) are called only for pixels that show a surface.
   template <class ColorOf, class ValueOf>
   void add(const std::string& name, std::string note, const ColorOf& colorOf, const ValueOf& valueOf) {
     PassPlane plane{name, Image(image_->width, image_->height, kBackground), {}, std::move(note), {}};
@@ -169,7 +170,7 @@ class PlaneMaker {
         [&ids, valueOf](std::size_t i) { return valueOf(ids[i]); });
   }
 
-  // Adds legend entries to the last plane for the ids that occur in it, the most frequent first.
+  // Adds to the legend of the last plane the ids that occur in the image, the most frequent first.
   template <class Id, class ColorOf, class NameOf>
   void addEntries(const std::vector<Id>& ids, const ColorOf& colorOf, const NameOf& nameOf) {
     if (ids.empty()) return;
@@ -206,14 +207,14 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
   return PlaneMaker(image).make();
 }
 
-// Scales planes without interpolation, since ids must not be mixed.
+// Scales planes without interpolation, since ids must not be interpolated.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
-  constexpr double kReadableShare = 1.0 / 7;  // height over width
+  constexpr double kReadableShare = 1.0 / 7;  // height divided by width
   constexpr int kInOneRow = 4;
-  constexpr double kLetter = 18;      // px
-  constexpr int kTitleHeight = 30;    // px
-  constexpr int kCaptionHeight = 26;  // px, above each plane
-  constexpr int kGap = 8;             // px
+  constexpr double kLetter = 18;      // pixels
+  constexpr int kTitleHeight = 30;    // pixels
+  constexpr int kCaptionHeight = 26;  // pixels, above each plane
+  constexpr int kGap = 8;             // pixels
   const auto image = std::make_shared<ExrImage>(readExr(file));
   if (ontology != nullptr) image->ontology = *ontology;
   const std::vector<PassPlane> planes = PlaneMaker(image).make();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws the planes of EXR files of render passes or of hits, side by side or one at a time.
+// Draws the planes of EXR files of render passes or hits, side by side or one at a time.
 
 #include <filesystem>
 #include <functional>
@@ -13,24 +13,25 @@
 
 namespace scanmill {
 
-// A plane of an EXR file.
+// A plane of an EXR file, such as its depths or its class ids, as an image.
 struct PassPlane {
-  std::string name;                                       // "depth", "semantic"
-  Image image;                                            // a pixel per pixel of the file
-  std::function<std::string(int column, int row)> value;  // "depth: 12.34 m", "semantic: car (6)"; empty outside
-  std::string note;                                       // the range of values of the colours; may be empty
-  Legend legend;  // legend of classes, materials or shares; empty for other planes
+  std::string name;  // such as "depth" or "semantic"
+  Image image;       // same size as the file's images
+  // Returns the value of a pixel as text, such as "depth: 12.34 m" or "semantic: car (6)"; empty outside of the image.
+  std::function<std::string(int column, int row)> value;
+  std::string note;  // the range of values that the colours show; may be empty
+  Legend legend;     // names and colours of classes or materials, or the scale of fractions; empty for other planes
 };
 
-// Reads all planes of an EXR file of render passes or of hits; their values stay readable without the file. Depth is
-// coloured by its logarithm, normals by their axes (x red, y green, z blue; 0.5 is zero), each id by a colour of its
-// own, and material properties from 0 to 1 (retroreflectance from 0 to its greatest value). `materials`: names by
-// index; a material without a name is shown by its number. Throws InputError.
+// Reads all planes of an EXR file of render passes or hits; the file is not needed afterwards. Depth is coloured on a
+// logarithmic scale, normals by their components (x red, y green, z blue; 0.5 means zero), ids by one colour each,
+// material properties on a scale from 0 to 1 (retroreflectance from 0 to its maximum). `materials`: names by material
+// id; materials without a name are shown by id. Throws InputError.
 std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
                                      const std::vector<std::string>& materials = {});
 
-// Draws all planes of the file in a picture `width` pixels wide. Planes of hits have a row per ring, the first ring on
-// top. Throws InputError.
+// Draws all planes of a file in a picture `width` pixels wide. Planes of hits have one row per ring, with the first
+// ring at the top. Throws InputError.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width);
 
 }  // namespace scanmill

@@ -25,23 +25,23 @@ std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
   return fmt::format("{}, {} point{}", title, grouped(static_cast<std::uint64_t>(points)), points == 1 ? "" : "s");
 }
 
-// Used after the colours of the methods; from Okabe and Ito's palette ("Color universal design", 2008).
+// Colours that are used after the colours of methods, from Okabe and Ito's palette ("Color universal design", 2008).
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
-// Returns a point's diameter (px) so that it fills the gap between neighbouring beams, which grows with the range.
-// `unit` is a pixel of a picture 850 pixels high.
+// Returns the diameter (pixels) with which a point is drawn, so that it fills the gap to neighbouring beams, which
+// grows with the range. `scale`: pixels per metre at the point. `unit`: pixels per pixel of a picture 850 pixels high.
 double pointDiameter(double range, double scale, double factor, double unit) {
-  constexpr double kWorldDiameter = 0.05;      // m
-  constexpr double kDiameterPerMetre = 0.003;  // rad; beams 0.2 degrees apart nearly touch
-  constexpr double kLeast = 1.3;               // units
-  constexpr double kMost = 16;                 // units
+  constexpr double kWorldDiameter = 0.05;      // diameter of a point near the sensor (m)
+  constexpr double kDiameterPerMetre = 0.003;  // m per m of range; beams 0.2 degrees apart nearly touch
+  constexpr double kLeast = 1.3;               // minimum diameter, in multiples of `unit`
+  constexpr double kMost = 16;                 // maximum diameter, in multiples of `unit`
   return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
 }
 
-// Draws the points. If several points of equal depth fall on one pixel, the first is seen.
+// Draws the points. If several points of equal depth are in the same pixel, the first is visible.
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
-  constexpr double kMostDiameter = 200;  // px
+  constexpr double kMostDiameter = 200;  // pixels
   CanvasView view;
   view.rect = body;
   view.camera = makeCamera(options.view, body.width, body.height, options.zoom);
@@ -53,7 +53,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     std::vector<Vec3f> points;
     std::vector<Rgb> colors;
   };
-  std::map<int, Item> items;  // by the diameter of their points, px
+  std::map<int, Item> items;  // by diameter of the points in pixels
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!isFinite(points[i])) continue;
     const Projected p = view.camera.project(Vec3d(points[i]));
@@ -74,7 +74,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
   }
 }
 
-// Draws the points with a title and, beside them, the legend.
+// Draws the points with a title and the legend beside them.
 Image drawBoard(const std::vector<Vec3f>& points, const std::vector<Rgb>& colors, const PictureOptions& options,
                 const Legend& legend, const std::string& left, const std::string& right, const std::string& message) {
   const PanelNeeds needs = needsOfPicture(options.width, options.height, legend.scale || !legend.entries.empty());
@@ -113,7 +113,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
                      const std::string& title) {
   constexpr ImageId kStrip = 1;
   constexpr double kReadableWidth = 1600;
-  constexpr double kReadableShare = 1.0 / 7;  // height over width
+  constexpr double kReadableShare = 1.0 / 7;  // height divided by width
   const Coloring coloring = colorScan(scan, colorBy, ontology);
   const Legend& legend = coloring.legend;
   const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws a scan as a picture, without a display. All functions need a device as openOffscreen() does, and throw Error.
+// Draws scans as pictures, without a display. All functions need a device like openOffscreen(), and throw Error.
 
 #include <optional>
 #include <string>
@@ -17,7 +17,8 @@ namespace scanmill {
 
 constexpr int kLeastPictureSide = 64;
 constexpr int kMostPictureSide = 8192;
-constexpr int kMostPicturePixels = 36'000'000;  // 8K; drawing takes about 28 bytes per pixel
+// Maximum of width * height (8K); drawing takes about 28 bytes per pixel.
+constexpr int kMostPicturePixels = 36'000'000;
 
 struct PictureOptions {
   std::optional<ColorBy> colorBy;  // absent: colorScan() chooses
@@ -39,10 +40,10 @@ Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptio
 // Returns the colour of a scan among scans that lie over one another; `scan`: counted from 0.
 Rgb overlayColor(std::size_t scan);
 
-// Draws the scan as a range image: a row per ring, the highest beams on top, and a pixel per beam, see
-// makeRangeStrip(). Pixels are enlarged by a whole factor until the image is readable. If two points fall on one pixel,
-// the nearer is shown. Throws InputError if the scan is not organised and lacks ring or column, or is too large for a
-// picture.
+// Draws a scan as a range image with one row per ring, the highest beams at the top, and one pixel per beam, see
+// makeRangeStrip(). Pixels are enlarged by an integer factor until the image is readable. If several points are in the
+// same pixel, the nearest is shown. Throws InputError if the scan is too large for a picture, or if it is not organised
+// and has no columns ring and column.
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
                      const std::string& title);
 

@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-// True if elevation rises with the ring's number, by the sign of their covariance.
+// True if elevations increase with the ring number, determined by the sign of their covariance.
 bool elevationsRise(const Scan& scan) {
   double sumRing = 0, sumElevation = 0, sumBoth = 0, count = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -43,7 +43,7 @@ void requireFitting(const GridSize& size) {
                                size.columns, kMostPictureSide, kMostPictureSide));
 }
 
-// Returns the number of the sensor's rings and columns.
+// Returns the numbers of rings and columns of the sensor.
 GridSize gridOf(const Scan& scan) {
   std::size_t rings = scan.rings;
   std::size_t columns = scan.columns;
@@ -98,7 +98,7 @@ RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const s
     const std::size_t pixel = row * width + column[i];
     strip.pixelOf[i] = static_cast<std::uint32_t>(pixel);
     const double range = length(Vec3d(scan.position[i]));
-    if (!(range < nearest[pixel]) || (!shown.empty() && !shown[i])) continue;  // also skips misses: NaN
+    if (!(range < nearest[pixel]) || (!shown.empty() && !shown[i])) continue;  // also skips misses, whose range is NaN
     nearest[pixel] = range;
     strip.image.pixels[pixel] = colors[i];
     strip.pointAt[pixel] = static_cast<std::uint32_t>(i);

@@ -1,7 +1,6 @@
 #pragma once
 
-// The range image of a scan (rings x columns), with the pixel of each point and the point at each pixel; it is linked
-// with the 3D view.
+// The range image of a scan (rings x columns), and the mapping between its pixels and the points in the 3D view.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,19 +26,18 @@ struct RangeStrip {
   bool fullTurn = false;               // `outward`, and straight ahead is in the middle
   std::size_t columns = 0;  // columns of the sensor; the image is wider if rings of less than a revolution are shifted
 
-  // Returns the column and the row of a point.
+  // Returns the column and the row of a point in the image.
   std::pair<int, int> place(std::size_t point) const {
     const auto width = static_cast<std::uint32_t>(image.width);
     return {static_cast<int>(pixelOf[point] % width), static_cast<int>(pixelOf[point] / width)};
   }
 };
 
-// Draws the range image of a scan, like a photograph: straight ahead, or the middle of the field of view, is in the
-// middle and left on the left; each ring is shifted by whole columns so that upright things are upright. If the scan's
-// columns do not follow the azimuth, the first column is on the left and no ring is shifted. Each beam has a pixel of
-// its own. `colors`: one per point. `shown`: one per point, or empty for all; points that are not shown are skipped. If
-// several points fall on one pixel, the nearest is shown. `beams`: the table of the scan's sensor; null if unknown.
-// Throws InputError if the scan is not organised and lacks ring or column, or is too large for a picture.
+// Draws the range image of a scan, with a separate pixel for each beam. `colors`: one per point. `shown`: for each
+// point, whether it is drawn; empty: all are. If several points are in the same pixel, the nearest is drawn. `beams`:
+// beam table of the sensor; null if unknown. If azimuths do not increase or decrease with the column, the order is
+// Sensor. Throws InputError if the scan is too large for a picture, or if it is not organised and has no columns ring
+// and column.
 RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
                           const BeamTable* beams = nullptr);
 

@@ -11,16 +11,16 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostTicks = 6;
-constexpr double kApart = 0.13;  // least distance of ticks as a share of the bar: nearer labels would overlap
+constexpr double kApart = 0.13;  // least distance between ticks as a fraction of the bar, so that labels do not overlap
 
-// Mantissa times 10^exponent.
+// The step mantissa * 10^exponent.
 struct Step {
   int mantissa = 1;
   int exponent = 0;
 
   double size() const { return times(1); }
-  // Divides by a power of ten instead of multiplying by its inverse, which has no exact binary value, so that the
-  // results print as round numbers.
+  // Returns n steps. Divides by a power of ten instead of multiplying by its inverse, which is not exact in binary, so
+  // that results are printed as round numbers.
   double times(double n) const {
     const double whole = n * mantissa;
     return exponent < 0 ? whole / std::pow(10.0, -exponent) : whole * std::pow(10.0, exponent);
@@ -40,9 +40,9 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   std::vector<ScaleTick> ticks;
   Step step{1, static_cast<int>(std::ceil(std::log10(span)))};
   const auto multiples = [&] {
-    constexpr double kSlack = 1e-9;  // share of the span: with this tolerance round ends get a tick
+    constexpr double kSlack = 1e-9;  // tolerance as a fraction of the span, so that round values at the ends get a tick
     constexpr int kMostMultiples = 1000;
-    constexpr double kLargest = 1e15;  // beyond this bound doubles do not represent every whole number
+    constexpr double kLargest = 1e15;  // larger doubles do not represent all integers exactly
     std::vector<ScaleTick> found;
     const double first = std::ceil((low - kSlack * span) / step.size());
     for (int k = 0; k < kMostMultiples && std::abs(first) < kLargest; ++k) {
@@ -57,12 +57,12 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   for (int tried = 0; tried < kMostSteps; ++tried, step = step.smaller()) {
     if (legend.integers && step.exponent < 0) break;
     std::vector<ScaleTick> found = multiples();
-    if (legend.power == 1) {  // on a linear scale all ticks have the same step
+    if (legend.power == 1) {  // on a linear scale, all ticks have the same step
       if (found.size() > kMostTicks) break;
       if (found.size() > ticks.size()) ticks = std::move(found);
       continue;
     }
-    // Ticks of larger steps come first; ticks of smaller steps fill the gaps between them.
+    // Add the multiples of this step that do not overlap ticks of larger steps.
     for (ScaleTick& tick : found) {
       const bool free = std::all_of(ticks.begin(), ticks.end(), [&](const ScaleTick& other) {
         return std::abs(other.share - tick.share) >= kApart;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The ticks and the title of a colour scale's bar.
+// Computes the ticks and the title of a colour scale.
 
 #include <string>
 #include <vector>
@@ -10,15 +10,15 @@
 namespace scanmill {
 
 struct ScaleTick {
-  double share = 0;  // 0 to 1: position on the bar, from its low end
+  double share = 0;  // position on the bar, from 0 at its low end to 1
   std::string figure;
 };
 
-// Returns at most six ticks at round values: multiples of 1, 2 or 5 times a power of ten; whole numbers if the legend's
-// values are whole. A scale with a single value has one tick, in the middle.
+// Returns at most six ticks at round values, which are multiples of 1, 2 or 5 times a power of ten. If the legend's
+// values are integers, so are the ticks. A scale with a single value has one tick, in the middle.
 std::vector<ScaleTick> scaleTicks(const Legend& legend);
 
-// Returns the quantity of the scale and how colours follow it: "range (m), by its square root".
+// Returns the title with the way in which colours depend on values, such as "range (m), by its square root".
 std::string scaleTitle(const Legend& legend);
 
 }  // namespace scanmill

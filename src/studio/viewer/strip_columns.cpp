@@ -20,13 +20,13 @@ double medianOf(std::vector<double>& values) {
   return *middle;
 }
 
-// Azimuths of the beams that hit something, ring by ring.
+// The azimuths of the beams that have a hit, by ring and column.
 class AzimuthGrid {
  public:
   AzimuthGrid(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
               std::size_t rings, std::size_t columns)
       : rings_(rings), columns_(columns), azimuth_(rings * columns, std::numeric_limits<float>::quiet_NaN()) {
-    constexpr double kOnAxis = 1e-3;  // m, from the z axis: nearer points have no azimuth
+    constexpr double kOnAxis = 1e-3;  // m; points nearer to the z axis have no meaningful azimuth
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Vec3f& p = scan.position[i];
       if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
@@ -34,7 +34,7 @@ class AzimuthGrid {
     }
   }
 
-  // Calls `visit(ring, column, azimuth)` for each beam.
+  // Calls visit(ring, column, azimuth) for each beam that has an azimuth (rad).
   template <class Visit>
   void each(const Visit& visit) const {
     for (std::size_t r = 0; r < rings_; ++r) {
@@ -44,8 +44,8 @@ class AzimuthGrid {
     }
   }
 
-  // Returns by how much azimuth steps per column exceed the estimate `roughly`, each step measured between two beams
-  // that are `apart` columns apart.
+  // Returns the differences between measured azimuth steps per column and the estimate `roughly` (rad). Each step is
+  // measured between two beams of a ring that are `apart` columns apart.
   std::vector<double> turns(std::size_t apart, double roughly) const {
     constexpr std::size_t kEnough = 100'000;
     const std::size_t stride = std::max<std::size_t>(azimuth_.size() / kEnough, 1);
@@ -62,17 +62,18 @@ class AzimuthGrid {
  private:
   std::size_t rings_;
   std::size_t columns_;
-  std::vector<float> azimuth_;  // rad; NaN: none
+  std::vector<float> azimuth_;  // rad; NaN: no hit
 };
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
   constexpr std::size_t kLeastPairs = 16;
-  constexpr double kTurnSlack = 0.03;  // share of a revolution: the vehicle may turn during the revolution
+  // Tolerance as a fraction of a revolution, since the vehicle may turn during the revolution.
+  constexpr double kTurnSlack = 0.03;
   StripColumns look;
   std::vector<double> turns = grid.turns(1, 0);
   if (turns.size() < kLeastPairs) return {};
   look.step = medianOf(turns);
-  // Beams that are farther apart give a more accurate step.
+  // Beams that are farther apart determine the step more exactly.
   for (std::size_t apart = 4; apart <= columns / 4; apart *= 4) {
     turns = grid.turns(apart, look.step);
     if (turns.size() >= kLeastPairs) look.step += medianOf(turns);
@@ -106,10 +107,11 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
     near += static_cast<std::size_t>(
         std::count_if(strays[r].begin(), strays[r].end(), [&](double s) { return std::abs(s - offset) <= reach; }));
   }
-  constexpr double kFollowing = 0.6;  // share of the points
+  constexpr double kFollowing = 0.6;  // least fraction of a ring's points that must be near the ring's azimuths
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
-  // Columns of a camera image, whose azimuths are not evenly spaced: rings are not shifted.
-  constexpr double kOneWay = 0.9;  // share of the steps
+  // Otherwise these may be the columns of a camera image, whose azimuths are not evenly spaced. Then rings are not
+  // shifted.
+  constexpr double kOneWay = 0.9;  // least fraction of the steps that must have the same direction
   turns = grid.turns(1, 0);
   const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });
   if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
@@ -144,7 +146,8 @@ std::size_t StripShifts::place(std::size_t ring, std::size_t column) const {
 }
 
 std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns) {
-  // A beam halfway between two pixels is rounded the same way in every ring, in spite of floating-point errors.
+  // If a beam is halfway between two pixels, it is rounded in the same direction in all rings, despite floating-point
+  // errors.
   constexpr double kTie = 1e-6;
   StripShifts shifts;
   shifts.clockwise = look.step < 0;
@@ -169,7 +172,7 @@ std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t 
   const auto apart = static_cast<std::size_t>(*most - *least);
   if (apart >= columns) return {};
   shifts.width = columns + apart;
-  // The leftmost pixel of the leftmost ring gets column 0.
+  // The leftmost pixel of all rings becomes column 0.
   const std::ptrdiff_t left = *least - (shifts.clockwise ? 0 : static_cast<std::ptrdiff_t>(columns) - 1);
   for (std::ptrdiff_t& base : shifts.base) base -= left;
   return shifts;

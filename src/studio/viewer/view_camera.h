@@ -1,6 +1,6 @@
 #pragma once
 
-// The camera of a picture of a scan.
+// The camera for a picture of a scan.
 
 #include <array>
 #include <string_view>
@@ -10,8 +10,8 @@
 namespace scanmill {
 
 enum class View {
-  Driver,  // from the sensor's origin, straight ahead
-  Above,   // straight down, x to the right and y up, without perspective
+  Driver,  // from the sensor's origin, looking straight ahead
+  Above,   // looking straight down, x to the right and y up, without perspective
   Chase,   // from behind and above the sensor
 };
 constexpr std::array<std::string_view, 3> kViewNames{"driver", "above", "chase"};
@@ -20,10 +20,10 @@ struct Projected {
   double x = 0;      // pixels from the left edge
   double y = 0;      // pixels from the upper edge
   double depth = 0;  // m along the line of sight
-  double scale = 0;  // pixels per metre at that depth
+  double scale = 0;  // pixels per metre at this depth
 };
 
-// The part of a scan to look at: the ball of radius `within` about `at`. Metres, sensor frame.
+// The part of a scan to show: a ball with centre `at` and radius `within` (m, sensor frame).
 struct CloseUp {
   Vec3d at;
   double within = 1;
@@ -31,20 +31,20 @@ struct CloseUp {
   bool holds(const Vec3d& point) const { return length(point - at) <= within; }
 };
 
-// A pinhole, or an orthographic camera. Points are in the sensor frame: x forward, y left, z up, metres.
+// A pinhole or orthographic camera. Points are in the sensor frame (m): x forward, y left, z up.
 struct ViewCamera {
   bool orthographic = false;
   Vec3d eye;
   Vec3d right{0, -1, 0};
   Vec3d down{0, 0, -1};
   Vec3d forward{1, 0, 0};
-  double focal = 1;    // pixels; orthographic: pixels per metre
+  double focal = 1;    // pixels; for orthographic cameras, pixels per metre
   double centerX = 0;  // pixels
   double centerY = 0;
 
-  double nearest = 0.5;  // m; nearer points are not seen
+  double nearest = 0.5;  // m; nearer points are not drawn
 
-  // Projects a point. x, y and scale are meaningless if the depth is below `nearest`.
+  // Projects a point. If its depth is less than `nearest`, x, y and scale are meaningless.
   Projected project(const Vec3d& point) const;
 };
 

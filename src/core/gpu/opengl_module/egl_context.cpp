@@ -37,7 +37,7 @@ Function entry(const char* name) {
   return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-// Returns the devices to try: graphics cards first, then software.
+// Returns the devices to try, with graphics cards before software rasterisers.
 std::vector<Candidate> candidates() {
   const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
   std::vector<Candidate> found;
@@ -76,8 +76,8 @@ std::vector<Candidate> chosen(const std::string& device) {
   return list;
 }
 
-// Creates a context that reports if a reset of the graphics card has destroyed it, provided that the driver supports
-// this.
+// Creates an OpenGL context; null if this fails. If the driver supports it, the context reports when a reset of the
+// graphics card has destroyed it.
 EGLContext newContext(EGLDisplay display, EGLConfig config) {
   for (const EGLint version : {5, 3}) {
     for (const bool tellsResets : {true, false}) {
@@ -97,7 +97,8 @@ EGLContext newContext(EGLDisplay display, EGLConfig config) {
   return EGL_NO_CONTEXT;
 }
 
-// Creates a context of the candidate and leaves it current. Returns why this fails; empty if it succeeds.
+// Creates a context on the candidate device and makes it current. Returns the reason if this fails, an empty text if it
+// succeeds.
 std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLContext& context) {
   const auto getDisplay = entry<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
   if (getDisplay == nullptr) return "it knows no platforms";
@@ -112,7 +113,7 @@ std::string tryCandidate(const Candidate& candidate, EGLDisplay& display, EGLCon
   EGLConfig config = nullptr;
   EGLint configs = 0;
   if (eglChooseConfig(display, configuration.data(), &config, 1, &configs) != EGL_TRUE || configs == 0) {
-    config = nullptr;  // EGL_NO_CONFIG_KHR
+    config = nullptr;  // equals EGL_NO_CONFIG_KHR
   }
   context = newContext(display, config);
   if (context == EGL_NO_CONTEXT) return "it has no OpenGL 4.3";
@@ -145,7 +146,7 @@ EglContext::EglContext(const std::string& device) {
   throw NoDevice(tried.empty() ? "EGL has no device" : tried);
 }
 
-// The display is not terminated: other contexts of the process may share it.
+// Does not terminate the display, since other contexts of the process may use it.
 EglContext::~EglContext() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);

@@ -9,23 +9,23 @@
 
 namespace scanmill {
 
-// Returns the names of the devices that can be opened, in the order in which they are tried.
+// Returns the names of the devices that can be opened, in the order in which EglContext tries them.
 std::vector<std::string> eglDevices();
 
 class EglContext {
  public:
-  // Creates a context of a device and leaves it current on the calling thread. `device`: as namedDevice() returns it
-  // (gpu/device.h); if empty, a graphics card's driver is preferred to Mesa's software rasteriser. Throws NoDevice, and
-  // std::invalid_argument if no device has that name.
+  // Creates a context on a device and makes it current on the calling thread. `device`: the result of namedDevice()
+  // (gpu/device.h); if it is empty, a graphics card's driver is preferred to Mesa's software rasteriser. Throws
+  // NoDevice if no device is suitable, and std::invalid_argument if no device has this name.
   explicit EglContext(const std::string& device);
   ~EglContext();
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // Makes the context current on the calling thread. It stays current until another context is used: drivers flush when
-  // contexts change, which may take as long as a scan. Throws std::runtime_error.
+  // Makes the context current on the calling thread until another context is made current. Switching contexts is slow:
+  // drivers then flush, which may take as long as a scan. Throws std::runtime_error if this fails.
   void makeCurrent();
-  // Does the same, but returns false if it fails.
+  // Like makeCurrent(), but returns false instead of throwing.
   bool tryMakeCurrent() noexcept;
 
  private:

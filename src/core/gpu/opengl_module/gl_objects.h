@@ -1,6 +1,7 @@
 #pragma once
 
-// OpenGL's buffers, vertex arrays and programs as C++ objects. They belong to the context that is current.
+// OpenGL's buffers, vertex arrays and programs as C++ objects. Each object belongs to the context in which it was
+// created, which must be current when the object is used.
 
 #include <vtk_glew.h>
 
@@ -11,8 +12,8 @@
 
 namespace scanmill {
 
-// Throws std::bad_alloc if OpenGL ran out of memory, and std::runtime_error for any other error: "<doing>: OpenGL error
-// ...".
+// Throws if OpenGL has reported an error since the last call: std::bad_alloc if it is out of memory, otherwise
+// std::runtime_error with the message "<doing>: OpenGL error ...".
 void checkGl(std::string_view doing);
 
 class GlBuffer {
@@ -23,9 +24,9 @@ class GlBuffer {
   GlBuffer& operator=(const GlBuffer&) = delete;
 
   GLuint name() const { return name_; }
-  // Replaces the contents, which are undefined if `data` is null.
+  // Replaces the buffer's contents by `bytes` bytes from `data`; if `data` is null, the contents are undefined.
   void fill(const void* data, std::size_t bytes, GLenum usage);
-  // Makes the buffer at least this large. Its contents are lost if it grows.
+  // Makes the buffer at least this large. If it grows, its contents are lost.
   void reserve(std::size_t bytes, GLenum usage);
 
  private:
@@ -33,8 +34,8 @@ class GlBuffer {
   std::size_t bytes_ = 0;
 };
 
-// A vertex attribute, read from a buffer's elements: `components` floats, or as many uint32 if `integer` is set. There
-// is one element per vertex if `divisor` is 0, and one per instance if it is 1.
+// A vertex attribute that is read from a buffer: `components` floats, or uint32 if `integer` is true. The buffer has
+// one element per vertex if `divisor` is 0, and one per instance if it is 1. `stride` and `offset` are in bytes.
 struct GlAttribute {
   GLuint location;
   const GlBuffer* buffer;
@@ -66,14 +67,15 @@ struct GlShaderText {
 
 class GlProgram {
  public:
-  // Throws std::runtime_error with the compiler's message.
+  // Compiles and links the shaders. `name`: the program's name in messages. Throws std::runtime_error with the
+  // compiler's message.
   GlProgram(std::string_view name, std::initializer_list<GlShaderText> shaders);
   ~GlProgram() { glDeleteProgram(name_); }
   GlProgram(const GlProgram&) = delete;
   GlProgram& operator=(const GlProgram&) = delete;
 
   void use() const { glUseProgram(name_); }
-  const std::string& label() const { return label_; }  // the constructor's `name`
+  const std::string& label() const { return label_; }  // returns the `name` given to the constructor
   GLint uniform(const char* name) const { return glGetUniformLocation(name_, name); }
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// The thread on which a plug-in calls OpenGL and VTK.
+// The single thread on which a plug-in makes all calls of OpenGL and VTK.
 
 #include <condition_variable>
 #include <exception>
@@ -11,11 +11,11 @@
 
 namespace scanmill {
 
-// Runs pieces of work one after the other. A context that moves from thread to thread, made current and released each
-// time, corrupts memory in Mesa 22.3's llvmpipe; and VTK's own objects are not thread-safe.
+// Runs functions one after the other on one thread. Two reasons: if a context is used on several threads in turn, Mesa
+// 22.3's llvmpipe corrupts memory; and VTK's objects are not thread-safe.
 class GlThread {
  public:
-  // Returns the one thread for all devices of a plug-in. It ends with the last of them.
+  // Returns the thread that all devices of a plug-in share. It ends when the last returned pointer is destroyed.
   static std::shared_ptr<GlThread> shared();
 
   GlThread();
@@ -23,8 +23,8 @@ class GlThread {
   GlThread(const GlThread&) = delete;
   GlThread& operator=(const GlThread&) = delete;
 
-  // Runs the work on this thread, waits until it is done, and throws what it throws. Work that is already on this
-  // thread runs at once.
+  // Calls `work` on this thread, waits until it is done, and rethrows its exception. If the caller is on this thread
+  // already, calls `work` directly.
   void run(const std::function<void()>& work);
 
  private:
@@ -40,7 +40,7 @@ class GlThread {
   std::condition_variable changed_;
   Job* job_ = nullptr;
   bool ended_ = false;
-  std::thread thread_;  // last: it starts when all other members exist
+  std::thread thread_;  // declared last, since the thread uses the other members as soon as it starts
 };
 
 }  // namespace scanmill

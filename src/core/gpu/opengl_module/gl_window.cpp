@@ -26,8 +26,8 @@ void GlWindow::start(int width, int height) {
   SetSize(width, height);
 }
 
-// GLEW loads OpenGL's functions, then looks for an X display and reports an error if there is none. That error is
-// ignored: only the functions matter.
+// Loads OpenGL's functions with GLEW. GLEW also looks for an X display, and reports an error if there is none. This
+// error is ignored.
 void GlWindow::OpenGLInitContext() {
   if (Initialized) return;
   const int display = GetGlobalWarningDisplay();
@@ -59,7 +59,7 @@ class Quiet::Messages : public vtkOutputWindow {
 vtkStandardNewMacro(Quiet::Messages);
 
 Quiet::Quiet() : before_(vtkOutputWindow::GetInstance()) {
-  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // `messages_` gets them instead
+  vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);  // `messages_` receives the messages instead
   vtkOutputWindow::SetInstance(messages_);
 }
 

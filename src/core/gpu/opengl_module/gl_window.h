@@ -1,6 +1,6 @@
 #pragma once
 
-// Lets VTK use an OpenGL context that it has not created.
+// Lets VTK use an OpenGL context that the program has created itself.
 
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkNew.h>
@@ -11,18 +11,18 @@
 
 namespace scanmill {
 
-// VTK needs a window that stores its OpenGL state. This one shows nothing.
+// An invisible window, which VTK needs to store its OpenGL state.
 class GlWindow
     : public vtkGenericOpenGLRenderWindow {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts
  public:
   static GlWindow* New();
 
-  // Uses the current context, for images of this size (px). Throws NoDevice.
+  // Lets VTK render images of this size (pixels) with the current context. Throws NoDevice.
   void start(int width, int height);
   void OpenGLInitContext() override;
 };
 
-// Collects VTK's messages while it lives; otherwise they would go to standard error.
+// Collects VTK's messages as long as this object exists; VTK would print them to standard error.
 class Quiet {
  public:
   Quiet();
@@ -30,7 +30,7 @@ class Quiet {
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
 
-  // Throws std::runtime_error with the errors since the last call, if there are any. Warnings are discarded.
+  // Throws std::runtime_error with the error messages since the last call, if there are any. Warnings are discarded.
   void check();
 
  private:
@@ -40,7 +40,7 @@ class Quiet {
   vtkNew<Messages> messages_;
 };
 
-// Returns VTK's version and the current context's device.
+// Returns a text with VTK's version and the name of the current context's device.
 std::string describeGl();
 
 }  // namespace scanmill

@@ -13,11 +13,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kWider = 1.1;     // width over length; a nearly square model may face either way
-constexpr double kDriving = 0.5;   // m/s
-constexpr double kAhead = 0.7071;  // cosine of 45 degrees
+// Bound on a box's width divided by its length. Models that are about square may face either way.
+constexpr double kWider = 1.1;
+constexpr double kDriving = 0.5;   // m/s; the heading of slower vehicles is not checked
+constexpr double kAhead = 0.7071;  // cosine of 45 degrees: the largest angle between the velocity and the box's x axis
 constexpr std::size_t kMostHeadings = 5;
-constexpr double kTimes[] = {0, 1, 3, 10};  // s; a vehicle that waits at first may drive later
+// Times at which velocities are checked (s). A vehicle may stand still at first and drive later.
+constexpr double kTimes[] = {0, 1, 3, 10};
 
 bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
   return std::any_of(std::begin(kTimes), std::end(kTimes), [&](double time) {

@@ -10,9 +10,10 @@
 
 namespace scanmill {
 
-// Returns a warning for each model of a vehicle that faces along another axis than the scene file says; for the first
-// few models alone. A vehicle is an object instance whose class has wheels by labels/words.yaml and whose heading is
-// known. Its model faces another way if its box is wider than long or if it drives sideways. `boxes` are the scene's.
+// Returns a warning for each vehicle model whose front is not on the side that the scene file states; at most five,
+// then a line with the number of further ones. Checks object instances whose heading is known and whose class has
+// wheels according to labels/words.yaml. A heading counts as wrong if the box is wider than long, or if the vehicle
+// drives sideways. `boxes`: the bounding boxes of the scene's objects.
 std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes);
 
 }  // namespace scanmill

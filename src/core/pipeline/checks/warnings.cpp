@@ -16,15 +16,16 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLargest = 5000;   // m
-constexpr double kSmallest = 1e-3;  // m
+constexpr double kLargest = 5000;   // m, longest edge of a mesh that causes no warning
+constexpr double kSmallest = 1e-3;  // m, shortest such edge that causes no warning
 constexpr std::size_t kMostLines = 5;
-constexpr double kTown = 30;         // m; a mesh this large holds more than one object instance
-constexpr std::size_t kSeveral = 3;  // nodes
+constexpr double kTown = 30;         // m; a mesh of at least this size is taken to hold more than one object instance
+constexpr std::size_t kSeveral = 3;  // number of nodes that count as many
 constexpr double kMostBlocked = 0.5;
-constexpr double kUnusual = 3;  // factor beyond the usual sizes
+constexpr double kUnusual = 3;  // factor by which a size may differ from the usual sizes of its class
 
-// Returns the longest edge (m) of a mesh's own box after the mesh is placed; a rotation does not change this edge.
+// Returns the longest edge (m) of a mesh's bounding box, which is computed in the mesh's frame and scaled by `linear`.
+// A rotation does not change this edge.
 double largestExtent(const Box& box, const Mat3& linear) {
   const Vec3d size = box.high - box.low;
   return std::max({size.x * length(linear * Vec3d{1, 0, 0}), size.y * length(linear * Vec3d{0, 1, 0}),
@@ -35,7 +36,7 @@ double largestExtent(const Box& box, const Mat3& linear) {
 struct MeshThing {
   Box box;
   std::uint16_t semantic = 0;
-  std::uint32_t object = 0;  // see Surface::object
+  std::uint32_t object = 0;  // index of the object in its mesh, see Surface::object
 };
 
 std::vector<MeshThing> thingsIn(const Mesh& mesh) {
@@ -106,7 +107,7 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
   std::vector<std::vector<MeshThing>> things;
   things.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) things.push_back(thingsIn(mesh));
-  std::map<std::uint32_t, std::size_t> meshesOf;  // instance id -> number of placed meshes that it consists of
+  std::map<std::uint32_t, std::size_t> meshesOf;  // instance id -> number of placed meshes with this id
   for (const Instance& instance : scene.instances) {
     for (const MeshThing& thing : things[instance.mesh]) ++meshesOf[instanceId(instance.firstInstanceId, thing.object)];
   }
@@ -115,7 +116,7 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     for (const MeshThing& thing : things[instance.mesh]) {
       const auto size = usual.find(thing.semantic);
-      // If several placed meshes share an instance id, the box of one says nothing of the size of the whole.
+      // If several placed meshes share an instance id, the box of one mesh is smaller than the object.
       if (size == usual.end() || meshesOf[instanceId(instance.firstInstanceId, thing.object)] > 1) continue;
       const double extent = largestExtent(thing.box, instance.worldFromMesh.linear);
       const auto& [low, high] = size->second;

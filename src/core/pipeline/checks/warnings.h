@@ -1,6 +1,6 @@
 #pragma once
 
-// Warnings about scenes and pipelines that are legal, but seldom meant so.
+// Warnings about scenes and pipelines that are valid, but probably not what the user intended.
 
 #include <string>
 #include <vector>
@@ -10,34 +10,36 @@
 
 namespace scanmill {
 
-// Warns of objects whose size hints at a wrong unit: more than 5 km or less than 1 mm. A line for each mesh, the first
-// few alone.
+// Warns of objects whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh, for
+// the first five meshes.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
-// Warns of triangles of damaged meshes, which are left out: their corners are not finite numbers, or do not exist.
+// Warns of damaged meshes, some triangles of which were left out: a corner of the triangle is not finite or does not
+// exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
 
-// Warns of object instances far smaller or larger than the usual size of their class in labels/words.yaml: a bus of
-// 12 cm, a tree of 2 km. The first few alone.
+// Warns of object instances far smaller or larger than the usual size of their class in labels/words.yaml, such as a
+// bus of 12 cm or a tree of 2 km. Returns at most one line per mesh and class, for the first five.
 std::vector<std::string> thingSizeWarnings(const Scene& scene);
 
-// Warns of triangles to which no rule gives a class, with their number.
+// Warns of triangles to which no rule gives a class, and states their number.
 std::vector<std::string> unlabeledWarnings(const Scene& scene);
 
-// Warns of rules without effect, which match nothing or only triangles that earlier rules have decided; and of files in
-// which all nodes of a class are one instance, though they are many.
+// Warns of labelling rules without effect: rules that match nothing, or only triangles that earlier rules have
+// labelled. Also warns of files in which all nodes of a class form a single instance although there are many nodes.
 std::vector<std::string> ruleWarnings(const Scene& scene);
 
-// Warns if classes are to be taken out of the scene (scene/without.h) that it does not have.
+// Warns if the pipeline removes classes from the scene (scene/without.h) that the scene does not have.
 std::vector<std::string> withoutWarnings(const Scene& scene);
 
-// Warns if a scene has several seeds though nothing in it is procedural: the geometry is then the same for all seeds.
+// Warns if a scene is used with several seeds although nothing in it is procedural: its geometry is then the same for
+// all seeds.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Warns of drives that should turn in a town without a turn, and of recorded drives that can hardly be meant so.
+// Warns of drives that are asked to turn in a town without junctions, and of recorded drives that are implausible.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Warns of each sensor that sees little but its own vehicle. `blocked`: see ShotSource::blockedShares().
+// Warns of each sensor most of whose rays hit the ego vehicle. `blocked`: the result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 }  // namespace scanmill

@@ -14,18 +14,20 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint32_t kFrames = 100;        // most frames in which a sensor's height is checked
-constexpr std::uint32_t kFramesInside = 12;   // most frames in which sensors are tested for being inside of objects
-constexpr double kFarAbove = 50;              // m above the surface underneath
-constexpr double kOnGround = 0.05;            // m above or below the ground
+constexpr std::uint32_t kFrames = 100;  // maximum number of frames in which a sensor's height is checked
+// Maximum number of frames in which sensors are tested for being inside of objects.
+constexpr std::uint32_t kFramesInside = 12;
+constexpr double kFarAbove = 50;              // m above the surface; a sensor that is higher causes a warning
+constexpr double kOnGround = 0.05;            // m; a sensor this close to the ground causes a warning
 constexpr double kReach = 1e5;                // m, length of test rays
-constexpr double kStep = 0.5;                 // m between the poses that are checked along a path
-constexpr std::size_t kMostPlaces = 400'000;  // most poses that are checked along a path
-constexpr double kBody = 0.6;                 // m above the vehicle's origin, a point of its body
-constexpr double kLowest = -0.3;              // least z of the test directions around a sensor
-constexpr double kTouches = 1e-3;             // m; a surface this close behind the end of a step counts as hit
-constexpr double kFlat = 0.7;                 // cosine of the slope up to which a surface is no wall
-constexpr double kMostBare = 0.02;            // share of a path without ground that needs no warning
+constexpr double kStep = 0.5;                 // maximum distance between the poses that are checked along a path (m)
+constexpr std::size_t kMostPlaces = 400'000;  // maximum number of poses that are checked along a path
+// Height above the vehicle's origin (m) of a point that is tested for passing through walls.
+constexpr double kBody = 0.6;
+constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor
+constexpr double kTouches = 1e-3;   // m; a surface that is at most this far behind the end of a step counts as hit
+constexpr double kFlat = 0.7;       // a surface counts as a wall if the z component of its unit normal is smaller
+constexpr double kMostBare = 0.02;  // fraction of a path that may be without ground before a warning is given
 
 // Returns directions to the face centres, edge centres and corners of a cube, rotated so that none runs along an axis.
 // Steep downward directions are left out, because there an object's underside and the ground it stands on coincide.
@@ -88,7 +90,7 @@ class WayCheck {
                         off(p.z, bounds_.low.z, bounds_.high.z)});
   }
 
-  // Returns the name and class of the object instance that was hit, or only the class if it is no instance.
+  // Returns the name and class of the object instance that was hit; only the class if the hit has no instance id.
   std::string nameOf(const SceneProbe::Met& met) const {
     const Scene& scene = probe_.scene();
     const SemanticClass* const semantic = scene.ontology.find(met.semantic);
@@ -152,15 +154,16 @@ class WayCheck {
     }
   }
 
-  // Warns if a sensor is inside of an object. A ray that starts inside of a closed surface leaves it once more often
-  // than it enters it. From inside an object that is not cleanly closed, such as a house with chimneys stuck into it,
-  // every ray hits that object first.
+  // Warns if a sensor is inside of an object: nearly all rays from the sensor hit the object's surfaces an odd number
+  // of times. Also warns if all rays hit the same object first, since objects that are not watertight, such as a house
+  // with chimneys stuck into it, make the counts even.
   void checkInside(std::size_t sensor) {
     static const std::vector<Vec3d> kDirections = directionsAround();
     for (const std::uint32_t frame : own_.spreadFrames(kFramesInside)) {
       const Vec3d at = sensorAt(sensor, frame);
       std::map<std::pair<std::uint32_t, std::uint16_t>, std::pair<std::size_t, SceneProbe::Met>> odd;
-      std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;  // by the first instance hit
+      // For each instance id: the number of rays that hit this instance first, and one of these hits.
+      std::map<std::uint32_t, std::pair<std::size_t, SceneProbe::Met>> seen;
       for (const Vec3d& direction : kDirections) {
         std::map<std::pair<std::uint32_t, std::uint16_t>, std::vector<SceneProbe::Met>> met;
         const std::vector<SceneProbe::Met> all = probe_.all({at, direction}, kReach);
@@ -188,7 +191,7 @@ class WayCheck {
     }
   }
 
-  // Returns poses of the vehicle along its path, half a metre apart or less.
+  // Returns poses of the vehicle along its path, at most half a metre apart.
   std::vector<Pose> posesOnWay() const {
     std::vector<Pose> poses{drive_->pose(0, 0)};
     for (std::uint32_t frame = 0; frame + 1 < own_.frames && poses.size() < kMostPlaces; ++frame) {
@@ -209,7 +212,7 @@ class WayCheck {
 
   void checkWalls() {
     const std::vector<Pose> poses = posesOnWay();
-    std::vector<Vec3d> places{{0, 0, kBody}};  // m, points in the vehicle's frame
+    std::vector<Vec3d> places{{0, 0, kBody}};  // m, points in the vehicle's frame that must not pass through walls
     for (const SensorSetting& s : settings_->sensors) places.push_back(s.vehicleFromSensor.translation);
     std::vector<SceneProbe::Ray> rays;
     std::vector<double> far;
@@ -225,7 +228,8 @@ class WayCheck {
     if (rays.empty()) return;
     const auto met = probe_.first(rays, *std::max_element(far.begin(), far.end()) + kTouches);
     std::vector<SceneProbe::Met> walls;
-    std::set<std::array<std::int64_t, 3>> known;  // a vehicle may pass a wall more than once
+    std::set<std::array<std::int64_t, 3>> known;  // walls that were hit before, by instance id and position rounded to
+                                                  // 1 m; a vehicle may pass a wall more than once
     for (std::size_t i = 0; i < met.size(); ++i) {
       if (!met[i] || met[i]->distance > far[i] + kTouches || std::fabs(met[i]->normal.z) > kFlat) continue;
       if (moving_.contains(met[i]->instance)) continue;
@@ -247,7 +251,7 @@ class WayCheck {
   std::shared_ptr<const Trajectory> drive_;
   std::shared_ptr<const FrameSettings> settings_;
   Box bounds_;
-  std::set<std::uint32_t> moving_;  // ids of moving instances
+  std::set<std::uint32_t> moving_;  // instance ids of moving objects
   std::vector<std::string> lines_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Warns of sensors and drives that are hardly where they were meant to be.
+// Warns of sensors and drives that are probably not where the user intended.
 
 #include <string>
 #include <vector>
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Checks a sequence in its scene, with all objects where they are when the drive begins. Warns of sensors below the
-// scene's surfaces, far above them or too far away from them, of sensors inside of objects, of paths through walls and
-// of paths that leave the ground; at most once for each kind and sensor. Moving objects are not checked.
+// Checks a sequence in its scene, with all objects at their positions at time 0 s. Warns of sensors below the scene's
+// surfaces, far above them or beyond their range, of sensors inside of objects, of paths through walls and of paths
+// that leave the ground. Gives each kind of warning at most once per sensor. Moving objects are not checked.
 std::vector<std::string> wayWarnings(ShotSource& source, std::size_t sequence, const SceneProbe& probe);
 
 }  // namespace scanmill

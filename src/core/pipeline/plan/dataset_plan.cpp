@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Makes the plan of the manifest's pipeline. `file`: the path that the pipeline is taken to have.
+// Makes the plan of the pipeline whose text is in the manifest. `file`: the path that is assumed for the pipeline;
+// relative paths in the text start at the folder of `file`.
 Plan planAt(const Manifest& manifest, const fs::path& file) {
   Plan plan = makePlan(readPipelineText(manifest.pipelineText, file));
   if (plan.pipeline.method.automatic && manifest.chosen) return chosenAgain(plan, *manifest.chosen);
@@ -72,15 +73,16 @@ std::vector<fs::path> pipelineFolders(const fs::path& datasetFolder) {
 }
 
 Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, const fs::path& pipeline) {
-  // A pipeline without a name has that of its file.
+  // A pipeline without the key `name` takes its name from its file's name, so the assumed file must have the dataset's
+  // name.
   const std::string name = manifest.name + ".yaml";
   if (!pipeline.empty()) {
     Plan plan = planAt(manifest, pipeline.parent_path() / name);
     checkShards(plan, manifest, datasetFolder);
     return plan;
   }
-  std::string notFound;   // what is missing in the first folder
-  std::string different;  // what differs in the first folder that has all files
+  std::string notFound;   // the message about the first folder in which a file is missing
+  std::string different;  // the message about the first folder that has all files but gives a different dataset
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
     bool found = false;
     try {

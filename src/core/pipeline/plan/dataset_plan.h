@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes the plan of an existing dataset anew, from its manifest.
+// Recreates the plan of an existing dataset from its manifest.
 
 #include <filesystem>
 #include <vector>
@@ -10,12 +10,13 @@
 
 namespace scanmill {
 
-// Returns the folders in which the pipeline of a dataset may have been. A dataset does not say where that was, since it
-// differs from machine to machine. The folders are, in the order in which files are looked for: the current folder, the
-// dataset's, the folders above it with their `pipelines` and `scenes`, and those that come with the program.
+// Returns the folders in which the pipeline file of a dataset may have been. The manifest does not store this folder,
+// since it differs from machine to machine. The result is, in search order: the current folder, the dataset's folder,
+// each folder above it and the `pipelines` and `scenes` folders in these, and the folders that are installed with the
+// program.
 std::vector<std::filesystem::path> pipelineFolders(const std::filesystem::path& datasetFolder);
 
-// Returns the plan of a dataset. The files that its pipeline names are looked for in the folder of `pipeline`, or in
+// Returns the plan of a dataset. Searches the files that its pipeline names in the folder of the file `pipeline`, or in
 // pipelineFolders() if `pipeline` is empty. Throws InputError if a file is not found, or if the plan made from the
 // files has other samples or shards than the dataset.
 [[nodiscard]] Plan planOfDataset(const Manifest& manifest, const std::filesystem::path& datasetFolder,

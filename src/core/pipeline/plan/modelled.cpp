@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the names of the sensors' own effects that the pipeline leaves out, as with `speckle: none`.
+// Returns the names of effects that the sensors' files list and the pipeline removes, as with `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
   for (const Value& item : pipeline.effectItems) {
@@ -29,7 +29,8 @@ std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   return names;
 }
 
-// Adds a line for each effect: for each sensor if sensors have effects of their own, else once for all.
+// Adds a line for each effect: separately for each sensor if the pipeline uses the effects of the sensors' files,
+// otherwise once for all sensors.
 void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   const bool own = takesSensorEffects(pipeline);
   const std::vector<std::string> leftOut = leftOutOf(pipeline);
@@ -59,7 +60,7 @@ void addEffectLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   }
 }
 
-// Adds lines about classes of the scenes that the pipeline's own ontology lacks or merges.
+// Adds lines about classes of the scenes that the ontology named by the pipeline lacks or merges.
 void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
   if (pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   const Ontology own = readOntology(pipeline.ontology);

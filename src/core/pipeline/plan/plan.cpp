@@ -16,7 +16,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns the method of a pipeline; null if `auto` has not chosen yet, or if the hits come from a recording.
+// Returns the method of a pipeline; null if `method: auto` has not been replaced yet, or if the hits come from a
+// recording.
 const MethodEntry* methodOf(const Pipeline& pipeline) {
   return pipeline.recording == nullptr ? pipeline.method.entry : nullptr;
 }
@@ -56,14 +57,15 @@ void checkRays(const Pipeline& pipeline) {
   }
 }
 
-constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;  // the program, its libraries and buffers of threads
-constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // per beam, in a beam table
+// Memory of the program, its libraries and its threads' buffers.
+constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;
+constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // memory per beam of a beam table
 
-// Throws InputError if the scenes have different ontologies, since a dataset has one. Reads only the ontology of each
-// scene file, so that a missing file or a difference is found before hours of work.
+// Throws InputError if the scenes have different ontologies, since a dataset has a single one. Reads only the ontology
+// of each scene file, so that errors are found before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
-  std::map<std::filesystem::path, Ontology> known;  // by scene file
+  std::map<std::filesystem::path, Ontology> known;  // by the scene file's path
   std::vector<std::filesystem::path> files;
   for (const Sequence& s : pipeline.sequences) files.push_back(s.sceneFile);
   if (!pipeline.vehicle.empty()) files.push_back(pipeline.vehicle);
@@ -80,7 +82,7 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
-// True if points on moving objects have classes of their own.
+// True if the ontology has separate classes for moving objects.
 bool tellsMovingClasses(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr || !pipeline.output.layout.columns.has(kLabel)) return false;
   const Ontology ontology = pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
@@ -89,7 +91,7 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
                      [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
-// Throws InputError if the output needs objects' places or motions, which a recording does not have.
+// Throws InputError if the output needs the poses or motions of objects, which a recording does not have.
 void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
   if (pipeline.output.objects) {
@@ -111,8 +113,9 @@ void checkObjects(const Pipeline& pipeline) {
   }
 }
 
-// Throws InputError if the voxel of a point cannot be found: without deskewing, the points of a moving sensor are in
-// the frames of their columns, but all voxels are in one frame.
+// Throws InputError if the voxels of points cannot be computed. Without deskewing, each point of a moving sensor is in
+// the sensor's frame at the time of its column, so that the column must be known to transform the point to the grid's
+// frame.
 void checkVoxels(const Pipeline& pipeline) {
   const bool skewed = pipeline.motion.kind != MotionKind::None && !pipeline.motion.deskew;
   if (!pipeline.output.voxels || !skewed || pipeline.output.layout.organised ||
@@ -123,7 +126,8 @@ void checkVoxels(const Pipeline& pipeline) {
                    "`column` in output.columns, or say `motion: {steps: per_column, deskew: true}`");
 }
 
-// Throws InputError if the beams are not those of the recording: with other directions the cloud would be distorted.
+// Throws InputError if the beams differ from the recording's: the recorded ranges would be combined with wrong
+// directions.
 void checkBeams(const Recording& recording, const MountedSensor& sensor, const BeamTable& beams) {
   for (const RecordedSensor& recorded : recording.sensors) {
     if (recorded.name != sensor.name || recorded.beams.empty() || recorded.beams == beamsHash(beams)) continue;
@@ -134,7 +138,7 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   }
 }
 
-// Adds the channels that the effects read in any of the cases of random values, see DrawnSensors::cases().
+// Adds the channels that the effects read, for all combinations of random values in DrawnSensors::cases().
 void addDrawnChannels(const Pipeline& pipeline, Channels& channels) {
   if (pipeline.drawn == nullptr) return;
   for (const SensorDraw& one : pipeline.drawn->cases()) {
@@ -142,8 +146,8 @@ void addDrawnChannels(const Pipeline& pipeline, Channels& channels) {
   }
 }
 
-// Checks the effects against the beams in all cases of random values, and for each sequence with the values of its
-// first frame: the cases contain the ends of each distribution, but not all combinations of random values.
+// Checks the effects against the beams: for all of DrawnSensors::cases(), and for the random values of the first frame
+// of each sequence. The cases have the ends of each distribution, but not all combinations of random values.
 void checkDraws(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   if (pipeline.drawn == nullptr) return;
@@ -177,7 +181,8 @@ Plan makePlan(Pipeline read, Channels kept) {
   }
   addDrawnChannels(pipeline, channels);
   if (pipeline.output.objects || tellsMovingClasses(pipeline)) channels |= Channel::Instance;
-  if (pipeline.output.layout.reasons) channels |= Channel::Material;  // tells mirrors and glass from dark surfaces
+  // The material is needed to distinguish mirrors and glass from dark surfaces.
+  if (pipeline.output.layout.reasons) channels |= Channel::Material;
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();
   if (bytes + kProgramBytes > memoryLimitBytes()) {
@@ -275,8 +280,8 @@ Plan settled(Plan plan, MethodChoice choice, MethodRecord record) {
 }
 
 std::uint64_t Plan::bytesPerFrameInMemory() const {
-  // Counts hits, returns, the scan, the buffers of its encoders, and the encoded bytes, including those of a second
-  // sample that may be waiting. Beam tables are not counted, since all frames share them.
+  // Counts hits, returns, the scan, the encoders' buffers, and the encoded bytes of this sample and of a second one
+  // that waits to be written. Beam tables are not counted, since all frames share them.
   constexpr std::uint64_t kReturnBytes = 40;
   std::uint64_t perPoint = sizeof(Vec3f);
   for (std::size_t c = 0; c < kColumnCount; ++c) {
@@ -285,7 +290,7 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   const std::uint64_t perRay = 4 + (channels.has(Channel::Normal) ? 12 : 0) + 20 + 8;
   const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * perPoint;
   const std::uint64_t reported = perReturn * pipeline.mostReturns() * pipeline.beamsPerFrame();
-  constexpr std::uint64_t kVoxelBytes = 20;  // labels, areas, flags, and their encoded archive
+  constexpr std::uint64_t kVoxelBytes = 20;  // bytes per voxel for labels, areas, flags and the encoded archive
   const std::uint64_t voxels = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
   return perRay * pipeline.raysPerFrame() * pipeline.mostMet() + reported + voxels * pipeline.sensors.size();
 }

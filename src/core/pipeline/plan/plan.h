@@ -1,6 +1,7 @@
 #pragma once
 
-// The plan of a pipeline: all that it will do, known before a scene is loaded and before the first ray is traced.
+// The plan of a pipeline: everything that the pipeline will do. It is made before a scene is loaded and before the
+// first ray is traced.
 //
 //   const Plan plan = makePlan(readPipeline("pipelines/quickstart.yaml", {}));
 //   const GenerateSummary made = generate(plan, {.folder = "out/quickstart"});   // pipeline/run/generate.h
@@ -21,40 +22,42 @@ namespace scanmill {
 
 struct PlannedSensor {
   std::shared_ptr<const BeamTable> beams;
-  std::shared_ptr<const Footprint> footprint;  // the rays of its beams; null: each fires one
+  std::shared_ptr<const Footprint> footprint;  // the rays that sample a beam's width; null: each beam fires one ray
 };
 
 struct Plan {
   Pipeline pipeline;
-  std::optional<MethodRecord> chosen;  // how `method: auto` was settled
+  // The method that replaced `method: auto`, and why; nothing if the pipeline names a method.
+  std::optional<MethodRecord> chosen;
   std::vector<PlannedSensor> sensors;
-  Channels channels;  // to be traced: those that effects, columns, formats and recordings read
+  Channels channels;  // channels to trace: those that effects, columns, formats and recordings read
 
-  // Returns the columns that the scans have besides their positions: those that the pipeline asks for, without the
-  // intensity if no effect sets it.
+  // Returns the scans' columns besides the position: the columns that the pipeline asks for, without the intensity if
+  // no effect sets it.
   ColumnSet columns() const;
 
-  // Throws InputError if the method renders no passes that could be saved, or if `method: auto` may choose such a
-  // method.
+  // Throws InputError if the method renders no passes that could be saved. Also throws for `method: auto` if it may
+  // choose such a method.
   void requirePasses() const;
-  // Throws InputError if beams may fire several rays, if there is an own vehicle, or if mounts are random. Hits and
-  // passes can then not be saved, since they are images of the scene alone, with one ray per beam.
+  // Throws InputError if beams may fire several rays, if there is an ego vehicle, or if mounts are random. Recordings
+  // of hits and passes are then impossible, since they contain only the scene, with one ray per beam.
   void requireOneRay() const;
 
-  // Returns an upper bound of the bytes of a frame while it is computed.
+  // Returns an upper bound of the memory that a frame takes while it is computed (bytes).
   std::uint64_t bytesPerFrameInMemory() const;
-  // Returns how many frames are computed at a time: one for each thread, but no more than fit into half of the memory.
+  // Returns how many frames are computed at a time: one for each thread, but no more than fit into half of the memory
+  // limit.
   std::size_t framesInFlight() const;
-  // Returns the bytes that the program takes in all, with frames in flight. `scenes`: bytes of the loaded scenes,
-  // including what methods have built from them.
+  // Returns the memory that the program takes in total while it computes framesInFlight() frames (bytes). `scenes`:
+  // bytes of the loaded scenes, including what methods have built from them.
   std::uint64_t bytesInMemory(std::uint64_t scenes) const;
-  // Throws InputError if a scene and the frames in flight take more memory than there is. `bytes`: size of the scene,
+  // Throws InputError if a scene and framesInFlight() frames exceed the memory limit. `bytes`: size of the scene,
   // including what the method has built from it. `scene`: its name in messages.
   void checkMemory(std::uint64_t bytes, const std::string& scene) const;
 };
 
-// Makes the plan of a pipeline. `kept`: further channels that a recording saves, besides those that the scans need.
-// Throws InputError if the scenes' ontologies differ, the method cannot do what the pipeline asks for, or a frame does
+// Makes the plan of a pipeline. `kept`: channels that a recording saves beyond those that the scans need. Throws
+// InputError if the scenes' ontologies differ, if the method cannot do what the pipeline asks for, or if a frame does
 // not fit into this machine's memory.
 Plan makePlan(Pipeline pipeline, Channels kept = {});
 
@@ -62,8 +65,8 @@ Plan makePlan(Pipeline pipeline, Channels kept = {});
 // Throws InputError if the method cannot do what the pipeline asks for.
 [[nodiscard]] Plan settled(Plan plan, MethodChoice choice, MethodRecord record);
 
-// Returns lines that say what is computed, what is left out, and why. `blocked`: for each sensor, the share of its rays
-// that the own vehicle blocks; empty: no own vehicle.
+// Returns lines that say what is computed, what is left out, and why. `blocked`: for each sensor, the fraction of its
+// rays that hit the ego vehicle; empty if there is no ego vehicle.
 std::vector<std::string> modelled(const Plan& plan, std::span<const double> blocked);
 
 }  // namespace scanmill

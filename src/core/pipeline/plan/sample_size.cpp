@@ -8,12 +8,13 @@
 namespace scanmill {
 
 double mostSampleBytes(const Plan& plan) {
-  constexpr double kHeaders = 1536;       // bytes of a tar member with a long name
-  constexpr double kDescription = 16384;  // bytes of a scan in the sample's .json
-  constexpr double kObjects = 1000;       // most objects near the sensors
-  constexpr double kObject = 700;         // bytes of an object without its views, with room for most names
-  constexpr double kView = 450;           // bytes of a sensor's view of an object
-  constexpr double kReserve = 10;         // m beyond twice the range, for noise and the drive during a revolution
+  constexpr double kHeaders = 1536;       // bytes of a tar member besides its contents, with a long name
+  constexpr double kDescription = 16384;  // bytes that the sample's .json takes per scan
+  constexpr double kObjects = 1000;       // assumed maximum number of objects near the sensors
+  constexpr double kObject = 700;         // bytes of an object's entry without what the sensors see of the object
+  constexpr double kView = 450;           // bytes of one sensor's view in an object's entry
+  // Length (m) that is added to twice the range, for noise and for the vehicle's motion during a revolution.
+  constexpr double kReserve = 10;
   const Pipeline& pipeline = plan.pipeline;
   const auto sensors = static_cast<double>(plan.sensors.size());
   double bytes = kHeaders + kDescription * sensors;

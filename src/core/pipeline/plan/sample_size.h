@@ -1,6 +1,6 @@
 #pragma once
 
-// Bounds the size of a sample before the first ray is traced.
+// Computes an upper bound of a sample's size before the first ray is traced.
 
 #include <cstdint>
 
@@ -8,8 +8,8 @@
 
 namespace scanmill {
 
-// Returns an upper bound of the bytes of a sample in its shard. Ontologies with very many or very long class names may
-// exceed it, and so may lists of more than a thousand objects.
+// Returns an upper bound of the size of a sample in its shard (bytes). The size may exceed this bound if an ontology
+// has very many or very long class names, or if more than a thousand objects are near the sensors.
 double mostSampleBytes(const Plan& plan);
 
 }  // namespace scanmill

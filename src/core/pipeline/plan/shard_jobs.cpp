@@ -24,7 +24,7 @@ namespace scanmill {
 
 namespace {
 
-// Adds a value's contents to a hash, but not its place in a file.
+// Adds a YAML value's contents to a hash, without its file and line number.
 void addValue(const Value& value, const std::function<void(std::string_view)>& add) {
   add(fmt::format("{}", static_cast<int>(value.kind)));
   add(value.text);
@@ -35,7 +35,8 @@ void addValue(const Value& value, const std::function<void(std::string_view)>& a
   }
 }
 
-// Adds the names and sizes of a recording's files: to read its images would take too long.
+// Adds the names and sizes of a recording's files to a hash. Their contents are not hashed, since reading all images
+// would take too long.
 void addRecording(const std::filesystem::path& folder, const std::function<void(std::string_view)>& add) {
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -60,13 +61,14 @@ std::string planHash(const Plan& plan) {
   for (const std::filesystem::path& file : {pipeline.vehicle, pipeline.ontology}) scenes.insert(file);
   std::error_code ignored;
   for (const std::filesystem::path& scene : scenes) {
-    if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have none
+    if (std::filesystem::is_regular_file(scene, ignored)) add(readFile(scene));  // recordings have no scene files
   }
   if (pipeline.recording != nullptr) addRecording(pipeline.recording->folder, add);
   return hash.hex();
 }
 
-// Sorts samples by random ranks, each of which follows from the sample's own address.
+// Sorts samples by random numbers. The number of a sample depends only on the seed and the sample's address, not on
+// other samples.
 void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
   const auto rank = [&](const SampleAddress& sample) {
     const RandomBlock random = randomBlock({.seed = seed,
@@ -82,7 +84,7 @@ void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
 
 std::vector<ShardJob> shardJobs(const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
-  std::vector<std::pair<std::string, std::vector<SampleAddress>>> splits;  // in the order of their first sequences
+  std::vector<std::pair<std::string, std::vector<SampleAddress>>> splits;  // name and samples of each split
   std::uint64_t number = 0;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
     const Sequence& sequence = pipeline.sequences[s];

@@ -30,8 +30,8 @@ Value readCorruption(const std::filesystem::path& file) {
   return root;
 }
 
-// True if `own`, the options of an effect, keeps the keys that `change` does not name: not if the effect is left out or
-// random, or if `change` names a kind of weather.
+// True if the keys of `change` are merged into `own`, the options of an effect in the pipeline. False if `own` is
+// `none` or random, or if `change` names a kind of weather: then `change` replaces `own`.
 bool addsTo(const Value& own, const Value& change) {
   return own.kind != Value::Kind::Scalar && !isDistribution(own) && change.find("kind") == nullptr;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
-// The key `corruption` of a pipeline: disturbances for robustness tests of trained networks, in three severities:
+// The key `corruption` of a pipeline: disturbances for testing the robustness of trained networks. A corruption has
+// three severities:
 //
 //   corruption: {fog: heavy}
 //
@@ -22,16 +23,16 @@ namespace scanmill {
 // Returns the names of the severities in rising order.
 const std::vector<std::string>& severities();
 
-// Returns the list `effects` with the effects of the corruption. If the list names the same effect, the keys of the
-// corruption replace those of the list; if it leaves the effect out, draws it at random or has another kind of weather,
-// the corruption's effect replaces the list's. All other effects of the corruption are added. The list may be Null, or
-// the word `sensor`. Throws InputError.
+// Returns the list `effects` after the corruption is applied to it. An effect of the corruption that is also in the
+// list replaces only the keys that the corruption states. It replaces the whole effect if the list has the effect with
+// the value `none`, as a random choice or with another kind of weather. Effects of the corruption that are not in the
+// list are appended. `effects` may be Null or the word `sensor`. Throws InputError.
 Value withCorruption(const Value& effects, const Value& corruption);
 
 // Returns the names of the corruptions that come with the program, in alphabetical order.
 std::vector<std::string> corruptionNames();
 
-// Returns the summary of one of these corruptions. Throws InputError for another name.
+// Returns the summary of a corruption in corruptionNames(). Throws InputError for another name.
 std::string corruptionSummary(const std::string& name);
 
 }  // namespace scanmill

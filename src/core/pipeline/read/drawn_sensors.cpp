@@ -21,7 +21,8 @@ Value* effectsIn(Value& description) {
   return entry == description.entries.end() ? nullptr : &entry->value;
 }
 
-// Applies a function to each outermost distribution within a value.
+// Calls visit(key, value) for each distribution within a value. Distributions within other distributions are not
+// visited.
 void forEachDistribution(const Value& value, const std::string& key,
                          const std::function<void(const std::string&, const Value&)>& visit) {
   if (isDistribution(value)) return visit(key, value);
@@ -63,8 +64,8 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
   checkCases();
 }
 
-// Throws InputError if cases differ in the rays per beam or in the intensity and its unit: all scans of a dataset have
-// the same columns in the same units, and each beam fires the same rays.
+// Throws InputError if the cases differ in the number of rays per beam, in whether there is an intensity, or in its
+// unit. All scans of a dataset must agree in these.
 void DrawnSensors::checkCases() const {
   for (const SensorDraw& one : cases_) {
     for (std::size_t s = 0; s < one.effects.size(); ++s) {
@@ -91,8 +92,8 @@ void DrawnSensors::forEachKey(const Visit& visit) const {
   visit(std::string("effects"), written_.effects);
 }
 
-// Makes the mounts and effects of one draw. `change`: takes a value, its key and the list of draws to append to, and
-// returns the value with its distributions replaced.
+// Makes the mounts and effects of a frame. `change` takes a value, its key and the list of random values to append to,
+// and returns the value with its distributions replaced by numbers.
 template <class Change>
 SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) const {
   SensorDraw drawn;

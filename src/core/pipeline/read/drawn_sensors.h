@@ -1,7 +1,7 @@
 #pragma once
 
-// Sensors whose mounts or effects a pipeline draws at random, anew for each sequence or each frame (see
-// config/distribution.h).
+// Sensors with random mounts or effects: the pipeline gives distributions, from which values are sampled for each
+// sequence or each frame (see config/distribution.h).
 
 #include <cstddef>
 #include <cstdint>
@@ -25,28 +25,29 @@ struct SensorDraw {
 
 class DrawnSensors {
  public:
-  // The values of the file, before anything is drawn at random. A mount of the kind Null is the vehicle's origin.
+  // The YAML values with their distributions, before sampling. A mount of the kind Null means the vehicle's origin.
   struct Written {
-    Value effects;                    // the effects of the pipeline; Null: none
-    std::vector<Value> mounts;        // one per sensor
-    std::vector<Value> descriptions;  // one per sensor; their key `effects` may hold distributions
+    Value effects;              // the pipeline's key `effects`; Null: no effects
+    std::vector<Value> mounts;  // one per sensor
+    // One map of keys per sensor. The key `effects` may contain distributions.
+    std::vector<Value> descriptions;
   };
 
-  // True if any of the values holds a distribution.
+  // True if any of the values contains a distribution.
   static bool draws(const Written& written);
 
-  // Checks all cases (see cases()). The parts of the pipeline that effects depend on must have been read. Throws
-  // InputError.
+  // Checks the mounts and effects of all cases(). Of `pipeline`, everything that effects depend on must have been read.
+  // Throws InputError.
   DrawnSensors(Written written, const Pipeline& pipeline);
 
   bool drawsMounts() const { return drawsMounts_; }
   bool drawsPerFrame() const { return drawsPerFrame_; }
 
-  // Draws the mounts and effects for a frame of a sequence. Of the pipeline, only the sensors' names and the seed are
-  // used. Safe to call from several threads. Throws InputError.
+  // Samples the mounts and effects for a frame of a sequence. `pipeline` provides only the sensors' names and the seed.
+  // Safe to call from several threads. Throws InputError.
   SensorDraw draw(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame) const;
 
-  // Returns sets of values in which both ends of each distribution, and each item of each choice, occur at least once.
+  // Returns test cases: together they contain both ends of each distribution and each item of each random choice.
   const std::vector<SensorDraw>& cases() const { return cases_; }
 
   // Returns a line for each distribution, such as "drawn for each sequence: effects.1.speckle.looks {uniform: [1, 8]}".

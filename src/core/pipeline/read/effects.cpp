@@ -22,7 +22,7 @@ struct MadeEffect {
   const EffectEntry* entry;
   Location where;
   std::unique_ptr<Effect> effect;
-  std::string options;  // see ChosenEffect
+  std::string options;  // the options as YAML text, see ChosenEffect
 };
 
 bool meansSensor(const Value& item) {
@@ -33,7 +33,7 @@ bool meansNone(const NamedOptions& item) {
   return item.options.kind == Value::Kind::Scalar && item.options.text == "none";
 }
 
-// Puts the id of a class in place of its name, and refuses an id that no class has.
+// Replaces the name of a class by its id. Throws InputError for an id that no class has.
 void resolveLabel(Value& label, const EffectClasses& classes) {
   if (label.kind != Value::Kind::Scalar) return;
   const Ontology* const ontology = classes.find();
@@ -60,7 +60,7 @@ void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectCl
   }
 }
 
-// Adds the effects that the items name. The word `sensor` must have been replaced before.
+// Appends the effects that the items name to `made`. The items must no longer contain the word `sensor`.
 void addEffects(const std::vector<Value>& items, const EffectClasses& classes, std::vector<MadeEffect>& made) {
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
@@ -72,7 +72,7 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
                                    "numbers",
                                    named.name, other->where.file, other->where.line));
     }
-    if (meansNone(named)) continue;  // `EFFECT: none` in a list without the word `sensor`
+    if (meansNone(named)) continue;  // `EFFECT: none` changes nothing in a list without the word `sensor`
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
@@ -81,8 +81,8 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
   }
 }
 
-// Adds the effect detection if a beam may have several echoes and the list does not say which are reported: the default
-// is the strongest.
+// Adds the effect `detection` if a beam may have several echoes and the list has no such effect: by default the
+// strongest echo is reported.
 void addDetection(std::vector<MadeEffect>& made) {
   const EffectEntry* const detection = &requireEffect("detection", {});
   const auto several =
@@ -94,7 +94,7 @@ void addDetection(std::vector<MadeEffect>& made) {
   made.push_back({detection, several->where, detection->make(options), ""});
 }
 
-// Returns the effects in the order of their stages, in which they run, whatever their order in the file.
+// Returns the effects sorted by their stages, in which they run, whatever their order in the file.
 Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
   std::stable_sort(made.begin(), made.end(),
@@ -142,7 +142,7 @@ void checkIsList(const Value& own) {
   throw InputError(own.where, "a sensor's effects must be a list such as [range_noise: {sigma_m: 0.01}]");
 }
 
-// Checks the lists in the sensors' files, whether or not they are used.
+// Checks the effects in the sensors' files, also if the pipeline does not use them.
 void checkSensorEffects(const Pipeline& pipeline, const EffectClasses& classes) {
   for (const MountedSensor& sensor : pipeline.sensors) {
     const Value* own = sensor.description.find("effects");

@@ -6,9 +6,10 @@
 //   effects: sensor                                        # the list in each sensor's own file
 //   effects: [sensor, {footprint: {rays: 61}}, light_paths, {speckle: none}]
 //
-// Beside the word `sensor`, an effect that the sensor's own list has too changes the keys that it names, or removes the
-// sensor's effect if its value is `none`; any other effect is added. An item that is only the word `none` adds nothing,
-// so that a random choice among effects can be no effect. The key `label` of an effect is a class, by its id or name.
+// The word `sensor` stands for the list in the sensor's file. Further items change it: an effect that is in the
+// sensor's list replaces the keys that the item states, or is removed if the item's value is `none`; other effects are
+// added. An item that is only the word `none` has no effect, so that a random choice can be between an effect and none.
+// The key `label` of an effect is the id or the name of a class.
 
 #include <mutex>
 #include <optional>
@@ -19,40 +20,41 @@
 
 namespace scanmill {
 
-// The classes of a pipeline's scenes, read at the first call of find(). Safe to call from several threads.
+// The ontology of a pipeline's scenes, read at the first call of find(). Safe to call from several threads.
 class EffectClasses {
  public:
   explicit EffectClasses(const Pipeline& pipeline);
 
-  // Returns null for a recording without an ontology. Throws InputError.
+  // Returns the ontology; null for a recording without an ontology. Throws InputError.
   const Ontology* find() const;
 
  private:
-  std::filesystem::path ontologyFile_, sceneFile_;  // at most one is set; neither: the recording's ontology is used
+  std::filesystem::path ontologyFile_, sceneFile_;  // files to read the ontology from: at most one is set; if neither
+                                                    // is, the recording's ontology is used
   mutable std::once_flag read_;
   mutable std::optional<Ontology> ontology_;
 };
 
-// Returns the key `effects` of a pipeline with its `corruption` applied; Null if it has neither. Distributions are not
-// replaced by random values yet. Throws InputError.
+// Returns the key `effects` of a pipeline after its key `corruption` is applied; Null if the pipeline has neither key.
+// Distributions are still in the result. Throws InputError.
 Value writtenEffects(const Value& root);
 
-// True if an item of Pipeline::effectItems is the word `sensor`: each sensor then has effects of its own.
+// True if Pipeline::effectItems contains the word `sensor`: then each sensor has its own effects.
 bool takesSensorEffects(const Pipeline& pipeline);
 
-// Fills Pipeline::effectItems and MountedSensor::effects. `written`: as writtenEffects() returns it. The pipeline's
-// sequences, sensors and ontology must have been read before. The sensors' own lists are checked whether or not they
-// are used. Throws InputError.
+// Sets Pipeline::effectItems and MountedSensor::effects. `written`: the result of writtenEffects(). The pipeline's
+// sequences, sensors and ontology must have been read before. The lists in the sensors' files are checked even if they
+// are not used. Throws InputError.
 void readEffects(const Value& written, Pipeline& pipeline);
 
 // Returns the effects of a sensor. `list`: the value of the key `effects`; Null: no effects. Throws InputError.
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
 
-// Returns the effect `own` as an item of a list, with the keys of `change` added to its own or in place of them.
+// Returns the effect `own` as an item of an effects list, with its options replaced or extended by those of `change`.
 Value withKeysOf(const NamedOptions& own, const NamedOptions& change);
 
-// Returns the items of a list `effects` with the sensor's own effects in place of the word `sensor`. Each item is a
-// name or a map of one pair. Throws InputError.
+// Returns the effects list `items` with the word `sensor` replaced by the effects in the sensor's file. Each returned
+// item is a name or a map with one key. Throws InputError.
 std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor);
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Reads {size: 0.2, from: [0, -25.6, -2], to: [51.2, 25.6, 4.4]}; these values are the defaults.
+// Reads the voxel grid. Its keys and their defaults (m) are {size: 0.2, from: [0, -25.6, -2], to: [51.2, 25.6, 4.4]}.
 VoxelGrid readVoxels(const Value& value) {
   VoxelGrid grid;
   Fields fields(value, "voxels");

@@ -1,13 +1,13 @@
 #pragma once
 
-// Reads the key `output` of a pipeline: what samples hold, in which formats, and how they are distributed over shards.
+// Reads the key `output` of a pipeline: the contents and formats of samples, and their distribution over shards.
 
 #include "config/value.h"
 #include "pipeline/read/pipeline.h"
 
 namespace scanmill {
 
-// Throws InputError.
+// Returns the checked options. Throws InputError.
 Output readOutput(const Value& value);
 
 }  // namespace scanmill

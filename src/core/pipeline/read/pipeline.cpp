@@ -1,20 +1,20 @@
 // A pipeline, all keys:
 //
 //   name: quickstart                 # default: the file's name
-//   seed: 1                          # of the sensor's noise; scenes have their own
-//   labels: ../labels/x.yaml         # an ontology in place of the scenes' own
+//   seed: 1                          # for the sensors' noise; scenes have separate seeds
+//   labels: ../labels/x.yaml         # replaces the ontologies of the scenes
 //   wavelength_nm: 905               # 850, 905 or 1064: which column of the material table
 //   scenes:
 //     - scene: ../scenes/street.yaml
-//       seeds: [1, 2, 3]             # a sequence each; default [1]
-//       moving: true                 # false: objects that move stand where they are when a drive begins
-//       without: [car, 17]           # classes, names of objects or instance ids that are taken out of the scene
-//       trajectories: [...]          # default: the pipeline's
+//       seeds: [1, 2, 3]             # one sequence for each seed; default [1]
+//       moving: true                 # false: moving objects stay at their positions at time 0 s
+//       without: [car, 17]           # classes, object names or instance ids to remove from the scene
+//       trajectories: [...]          # default: the pipeline's key `trajectories`
 //   trajectories:                    # see sensors/trajectory.h
 //     - {name: lane, waypoints: [...], speed: 8, frames: 10}
 //   sensors:                         # see sensors/sensor.h
 //     - {name: top, preset: sensors/paper_64.yaml, mount: {position: [0, 0, 1.9]}}
-//   vehicle: vehicle.yaml            # the own vehicle, a scene in its frame: it occludes sectors of the lowest rings
+//   vehicle: vehicle.yaml            # scene file of the ego vehicle, which blocks some beams
 //   motion: none                     # none | per_column | {steps: 360, deskew: false}
 //   method: ray_tracing              # or {ray_tracing: {...}}, or auto: see docs/keys.md
 //   effects: [sensor, {footprint: {rays: 61}}]   # see pipeline/read/effects.h
@@ -58,7 +58,7 @@ namespace {
 
 constexpr double kDefaultMaxRays = 1e11;
 
-// Returns a text as it stands after "# " in a comment: each of its further lines begins with "# " too.
+// Returns a text so that it can follow "# " in a YAML comment: "# " is inserted at the start of each further line.
 std::string commented(const std::string& text) {
   std::string comment;
   for (const char c : text) {
@@ -68,8 +68,8 @@ std::string commented(const std::string& text) {
   return comment;
 }
 
-// Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline's sensors are not those of the
-// recording, to which its hits or images belong.
+// Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline's sensors differ from the
+// recording's sensors, for which its hits or images were computed.
 void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& list) {
   const Location& where = list.where;
   std::vector<std::string> names;
@@ -113,8 +113,8 @@ Pose readMount(const Value& mount) {
 
 namespace {
 
-// Reads the key `sensors`. Random values become those of the first frame of the first sequence; `written` receives
-// their distributions.
+// Reads the key `sensors`. Distributions are replaced by the values of the first frame of the first sequence; the
+// values with their distributions are stored in `written`.
 std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, DrawnSensors::Written& written) {
   std::vector<DrawnValue> ignored;
   const auto drawn = [&](const Value& value, std::size_t sensor, const char* key) {
@@ -155,7 +155,8 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
 }  // namespace
 
 bool setsIntensity(const Pipeline& pipeline) {
-  return intensityFullScale(*pipeline.sensors.front().effects) > 0;  // all sensors have an intensity, or none
+  // The first sensor decides: either all sensors have an intensity, or none has.
+  return intensityFullScale(*pipeline.sensors.front().effects) > 0;
 }
 
 std::uint64_t Pipeline::frames() const {
@@ -186,7 +187,7 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// A recording has one hit per beam. For `auto`, which has not chosen yet, takes the most of all methods.
+// A recording has one hit per beam. For `method: auto` before the choice, this is the maximum over all methods.
 std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;
@@ -252,7 +253,7 @@ Pipeline pipelineOf(Value read, std::string text, const std::filesystem::path& f
   if (pipeline.recording == nullptr || fields.find("method") != nullptr) {
     const NamedOptions method = readNamed(fields.require("method"), "method");
     const bool automatic = method.name == "auto";
-    // `auto` has nothing to choose if there is a recording.
+    // If there is a recording, `method: auto` has nothing to choose.
     pipeline.method = {automatic ? nullptr : &requireMethod(method.name, method.where, "auto"), method.options,
                        automatic && pipeline.recording == nullptr};
   }
@@ -293,7 +294,8 @@ Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::
                       std::shared_ptr<const Recording> recording) {
   std::string text = readFile(file);
   Value root = parseYaml(text, file.string());
-  // If the file itself ends with comments that look like overrides, an empty comment line ends them.
+  // If the file itself ends with comments that look like overrides, an empty comment line separates them from the real
+  // overrides.
   const bool own = !overridesIn(text).empty();
   if ((own || !overrides.empty()) && !text.ends_with('\n')) text += '\n';
   if (own) text += "#\n";
@@ -310,8 +312,8 @@ Pipeline readPipelineText(const std::string& text, const std::filesystem::path& 
   return pipelineOf(std::move(root), text, file, nullptr);
 }
 
-// Overrides are comments at the end of the text: "# --set scenes.0.seeds=[3]". Further lines of an override are further
-// comments.
+// Overrides are comments at the end of the text, such as "# --set scenes.0.seeds=[3]". An override of several lines
+// takes several comment lines.
 std::vector<std::string> overridesIn(const std::string& text) {
   constexpr std::string_view kComment = "# ";
   constexpr std::string_view kSet = "# --set ";

@@ -1,8 +1,7 @@
 #pragma once
 
-// A pipeline file: which scenes, sensors and trajectories become which dataset. Everything is checked when it is read.
-//
-//   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {"seed=7", "effects=[]"});  // --set
+// A pipeline file says which scenes, sensors and trajectories become which dataset. All its keys are checked when it is
+// read.
 
 #include <cstdint>
 #include <filesystem>
@@ -25,18 +24,19 @@
 
 namespace scanmill {
 
-// A sensor on the vehicle. Its beam table is built later, by makePlan(), after the total number of rays was checked.
+// A sensor on the vehicle. makePlan() builds its beam table after it has checked the total number of rays.
 struct MountedSensor {
   std::string name;
-  Value description;  // preset and own keys merged
+  Value description;  // the keys of the sensor's preset file, overridden by those of the pipeline
   SensorSize size;
   Pose vehicleFromSensor = {};
-  std::shared_ptr<const Effects> effects;  // never null; shared by all sensors unless the list says `sensor`
+  // Never null; all sensors share one list unless the pipeline's list contains `sensor`.
+  std::shared_ptr<const Effects> effects;
 };
 
 struct MethodChoice {
-  const MethodEntry* entry = nullptr;  // null for `auto`, until settled() has replaced it
-  Value options;                       // map of the options of the method or of `auto`; Null: only the name is given
+  const MethodEntry* entry = nullptr;  // null for `method: auto` until settled() replaces it
+  Value options;                       // map of options for the method or for `auto`; Null: no options are given
   bool automatic = false;              // the pipeline says `method: auto`
 };
 
@@ -46,75 +46,78 @@ struct ChosenFormat {
 };
 
 struct ShardOptions {
-  std::uint64_t bytes = 0;  // upper bound for a shard
-  std::size_t samples = 0;  // in each shard; 0: follows from `bytes`
-  bool shuffled = false;    // samples are spread over the shards of their split at random
+  std::uint64_t bytes = 0;  // maximum size of a shard
+  std::size_t samples = 0;  // number of samples per shard; 0: computed from `bytes`
+  bool shuffled = false;    // samples are distributed at random over the shards of their split
 };
 
-// The contents of samples, their formats and the shards.
+// The contents and formats of samples, and their distribution over shards.
 struct Output {
   ScanLayout layout;
   std::vector<ChosenFormat> formats;
-  std::optional<VoxelGrid> voxels;  // grid around each sensor, written beside the scans, see dataset/voxels.h
-  bool objects = false;             // samples list the objects near their sensors, see dataset/objects.h
+  std::optional<VoxelGrid> voxels;  // voxel grid around each sensor, see dataset/voxels.h; nothing: no voxels
+  bool objects = false;             // samples contain a list of the objects near their sensors, see dataset/objects.h
   ShardOptions shards;
 };
 
 class DrawnSensors;
 
-// A value type; copies share their constant parts.
+// A pipeline as it was read. Copies are cheap, since they share their constant parts.
 struct Pipeline {
   std::string name;
   std::filesystem::path file;
-  std::string text;  // as read, with the overrides as comments
-  Value root;        // the parsed text, from which studies read their own keys
+  std::string text;  // the file's text, with the overrides appended as comments
+  Value root;        // the parsed text; studies read their keys from it
   std::uint64_t seed = 1;
-  std::filesystem::path ontology;  // empty: the scenes' own
-  std::filesystem::path vehicle;   // scene file of the own vehicle, in its frame; empty: none
+  std::filesystem::path ontology;  // file that replaces the scenes' ontologies; empty: each scene's ontology is used
+  std::filesystem::path vehicle;   // scene file of the ego vehicle, in its frame; empty: none
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;
-  // The list `effects` with its corruption, as in the first frame of the first sequence: for studies that vary it. The
-  // word `sensor` stands for the sensors' own.
+  // The list `effects` with the corruption applied, with the random values of the first frame of the first sequence.
+  // The word `sensor` in it is not replaced yet. Studies vary this list.
   std::vector<Value> effectItems;
-  std::shared_ptr<const DrawnSensors> drawn;  // null: sensors and effects are the same in all sequences; else `sensors`
-                                              // has those of the first frame of the first sequence
+  // Random mounts and effects; then `sensors` has the values of the first frame of the first sequence. Null: mounts and
+  // effects are the same in all frames.
+  std::shared_ptr<const DrawnSensors> drawn;
   Motion motion;
   MethodChoice method;
   Output output;
-  bool splitsBySeed = false;  // splits are assigned by the seeds of the scenes
+  bool splitsBySeed = false;  // sequences are assigned to splits by the seeds of their scenes
   double maxRays = 0;
 
-  std::shared_ptr<const Recording> recording;  // source of the hits in place of scenes and a method; null: none
+  // The hits come from this recording instead of from scenes and a method; null: no recording.
+  std::shared_ptr<const Recording> recording;
 
   std::uint64_t frames() const;
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
-  std::uint32_t raysPerBeam(std::size_t sensor) const;  // as the effect footprint says; 1 for a recording
-  const LightPaths* lightPaths(
-      std::size_t sensor) const;      // the paths of the effect light_paths; null: the sensor does not have the effect
-  std::uint32_t mostMet() const;      // most surfaces that a ray hits
-  std::uint32_t mostReturns() const;  // most returns of a beam
-  std::string methodName() const;     // the name of the method that made, or will make, the hits
+  std::uint32_t raysPerBeam(std::size_t sensor) const;  // set by the effect `footprint`; 1 for a recording
+  // Set by the effect `light_paths`; null if the sensor does not have this effect.
+  const LightPaths* lightPaths(std::size_t sensor) const;
+  std::uint32_t mostMet() const;      // maximum number of surfaces that a ray can hit
+  std::uint32_t mostReturns() const;  // maximum number of returns of a beam
+  std::string methodName() const;     // name of the method that computes the hits, or that computed the recorded hits
 };
 
-// Reads the pose of a sensor on the vehicle; Null is the vehicle's origin. Throws InputError.
+// Reads the pose of a sensor in the vehicle's frame; Null means the vehicle's origin. Throws InputError.
 Pose readMount(const Value& mount);
 
 // True if an effect sets the intensity. Either every sensor has such an effect, or none has.
 bool setsIntensity(const Pipeline& pipeline);
 
-// Reads a pipeline file. `overrides` are the arguments of --set. With a recording, the pipeline has the recording's
-// sequences: the key `trajectories` and, for recorded hits, `method` are ignored, and of `scenes` only `without` is
+// Reads a pipeline file. `overrides`: the arguments of --set. With a recording, the pipeline has the recording's
+// sequences: `trajectories` is ignored, `method` is ignored for recorded hits, and of `scenes` only `without` is
 // checked. Throws InputError with file:line:column.
 Pipeline readPipeline(const std::filesystem::path& file, const std::vector<std::string>& overrides,
                       std::shared_ptr<const Recording> recording = nullptr);
 
-// Reads a pipeline from a text such as Pipeline::text or that of a manifest, and applies the overrides in the comments
-// at its end. `file`: the path that the text is taken to have; the files that it names are relative to it.
+// Reads a pipeline from a text such as Pipeline::text or the one in a manifest, and applies the overrides in the
+// comments at its end. `file`: the path that is assumed for the text; relative paths in it start at the folder of
+// `file`.
 Pipeline readPipelineText(const std::string& text, const std::filesystem::path& file);
 
-// Returns the overrides in the comments at the end of such a text.
+// Returns the overrides in the comments at the end of a pipeline's text.
 std::vector<std::string> overridesIn(const std::string& text);
 
 }  // namespace scanmill

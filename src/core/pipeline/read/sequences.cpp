@@ -19,7 +19,7 @@ namespace {
 
 using Trajectories = std::vector<std::shared_ptr<const Trajectory>>;
 
-// Returns the first `along` in a list of trajectories, or null if there is none.
+// Returns the value of the first key `along` in a list of trajectories; null if no trajectory has this key.
 const Value* followsLane(const Value& list) {
   for (const Value& item : list.items) {
     if (const Value* along = item.find("along")) return along;
@@ -27,8 +27,8 @@ const Value* followsLane(const Value& list) {
   return nullptr;
 }
 
-// Reads a list of trajectories. `lanes`: the lanes of the scene's town if a trajectory follows them, else null. `seed`:
-// the scene's, from which the sway of the vehicle follows.
+// Reads a list of trajectories. `lanes`: lanes of the scene's town; may be null if no trajectory follows a lane.
+// `seed`: the scene's seed, which determines the sway of the vehicle.
 Trajectories readTrajectories(const Value& list, const Periods& periods, const SceneLanes* lanes = nullptr,
                               std::uint64_t seed = 0) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
@@ -93,7 +93,8 @@ std::vector<Value> readWithout(const Value* value) {
 
 }  // namespace
 
-// Returns a text of lower-case letters, digits, '-' and '_': sample keys must hold no dot and no slash.
+// Returns the text in lower case, with '_' in place of all characters but letters, digits, '-' and '_': sample keys
+// must not contain dots or slashes.
 std::string keyPart(std::string text) {
   for (char& c : text) {
     const auto byte = static_cast<unsigned char>(c);
@@ -159,7 +160,7 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
     const std::string list = fmt::format("[{}]", fmt::join(s.without, ", "));
     sequences.back().without = parseYaml(list, recording.folder.string()).items;
   }
-  // Objects that recorded beams have hit cannot be taken out later.
+  // Objects cannot be removed from recorded hits.
   const Value* scenes = fields.find("scenes");
   if (scenes == nullptr) return sequences;
   for (const Value& scene : scenes->items) {

@@ -7,7 +7,8 @@
 
 namespace scanmill {
 
-// Buffers that are reused from frame to frame, so that memory use stays constant. Safe to use from several threads.
+// Buffers that are reused for later frames, so that memory use stays constant. take() returns an idle buffer, or a new
+// one if none is idle; give() returns it to the pool. Safe to use from several threads.
 template <class Buffers>
 class BufferPool {
  public:

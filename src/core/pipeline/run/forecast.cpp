@@ -26,12 +26,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStartSeconds = 0.1;  // reading the pipeline, and ending the dataset
-constexpr double kLowMount = 0.5;      // m above the vehicle's origin, which lies on the ground
+constexpr double kStartSeconds = 0.1;  // s, for reading the pipeline and finishing the dataset
+// Height above the vehicle's origin (m). The origin is on the ground; lower sensors count as mounted at the origin.
+constexpr double kLowMount = 0.5;
 
-// These factors scale the costs of the small town to a kind of scene; the spreads bound how far measured values were
-// from forecasts. Both were fitted to the pipelines that come with the program (2 cores of an Intel Xeon;
-// tests/benchmarks/forecast.cpp).
+// Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which
+// measured values were above or below forecasts. All were fitted to the pipelines that come with the program (2 cores
+// of an Intel Xeon; tests/benchmarks/forecast.cpp).
 struct SceneFactors {
   double setup;
   double frame;
@@ -40,7 +41,7 @@ struct SceneFactors {
   double byteSpread;
 };
 
-// The contents of asset files are unknown before they are loaded, so these spreads are wide.
+// The spreads for asset files are wide, since the contents of the files are unknown before they are loaded.
 constexpr SceneFactors kOfFiles{0.5, 0.48, 0.8, 2.5, 2};
 constexpr SceneFactors kOfStreet{0.5, 0.8, 0.97, 1.5, 1.2};
 
@@ -53,9 +54,9 @@ double numberOr(const Value& map, std::string_view key, double otherwise) {
 }
 
 SceneFactors ofTown(const Value& town) {
-  constexpr double kUsualLength = 300;  // m
+  constexpr double kUsualLength = 300;  // m, length of a town whose file states none
   const double setup = 1 + 0.7 * numberOr(town, "length", kUsualLength) / 100;
-  // Towns with bounds on shares are generated up to nine times.
+  // A town with bounds on class shares is generated up to nine times, until the shares are right.
   if (town.find("shares") != nullptr) return {4 * setup, 1, 0.97, 2.5, 1.2};
   return {setup, 1, 0.97, 1.5, 1.2};
 }
@@ -72,17 +73,18 @@ SceneFactors factorsOf(const std::filesystem::path& file) {
   return factors;
 }
 
-// Returns the pipeline with a small town in place of its scenes.
+// Returns the pipeline with its scenes replaced by the small town.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   Value town;
   town.kind = Value::Kind::Scalar;
   town.text = (resourceFolder() / "scenes" / "hamlet.yaml").string();
-  // If the method refuses moving objects, none moves in the pipeline's scenes either.
+  // If the method cannot trace moving objects, the pipeline's scenes have none, so the small town must have none
+  // either.
   const MethodEntry* const method = pipeline.method.entry;
   const bool moving = (method == nullptr || method->can.moving) &&
                       std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
                                   [](const Sequence& sequence) { return sequence.moving; });
-  // A pipeline whose mounts lie on the ground states the sensors' height in the poses of its drives.
+  // If all mounts are on the ground, the poses of the pipeline's drives must contain the sensors' height.
   const bool low = std::all_of(pipeline.sensors.begin(), pipeline.sensors.end(), [](const MountedSensor& sensor) {
     return sensor.vehicleFromSensor.translation.z < kLowMount;
   });
@@ -95,13 +97,14 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   return reread(changes);
 }
 
-// Makes samples of the plan's first sequence, one for each thread, and fills in the costs of the scene and of a frame.
+// Makes samples of the plan's first sequence, one for each thread. Sets the costs of the scene and of a frame to their
+// times and sizes.
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);
   SampleMaker maker(source, {}, {}, false, [](const Sequence&) {});
   const WallTimer whole;
-  const std::clock_t before = std::clock();  // processor time of all threads
+  const std::clock_t before = std::clock();  // processor time, summed over all threads
   maker.prepare(0);
   costs.slowestSceneSeconds = whole.seconds();
   costs.sceneSeconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
@@ -110,7 +113,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   parallelFor(samples, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const MadeSample made = maker.make({0, static_cast<std::uint32_t>(i), i});
-      Sha256 hash;  // writing a shard computes it too
+      Sha256 hash;  // a shard's hash is part of the cost of writing
       for (const Member& member : made.sample.members) hash.add(member.bytes);
       hash.hex();
       bytes[i] = static_cast<double>(bytesInShard(made.sample));
@@ -124,7 +127,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   for (const double b : bytes) costs.frameBytes += b / made;
 }
 
-// Scales the costs of the small town to the pipeline's scenes.
+// Multiplies the costs of the small town by the factors of the pipeline's scenes, averaged over the scenes.
 void scale(const Pipeline& pipeline, SampleCosts& costs) {
   SceneFactors mean{0, 0, 0, 1, 1};
   std::optional<std::pair<std::filesystem::path, SceneFactors>> known;
@@ -150,7 +153,7 @@ void scale(const Pipeline& pipeline, SampleCosts& costs) {
   costs.frameBytes *= mean.bytes;
   costs.timeSpread = mean.timeSpread;
   costs.byteSpread = mean.byteSpread;
-  // The time of other methods depends more on a scene's size and on where its triangles are.
+  // The time of methods other than ray tracing depends more on a scene's size and on where its triangles are.
   constexpr double kOtherMethods = 2.5;
   if (pipeline.methodName() != "ray_tracing") costs.timeSpread = std::max(costs.timeSpread, kOtherMethods);
 }
@@ -195,7 +198,8 @@ std::uint64_t scenesOf(const Pipeline& pipeline) {
 
 Forecast forecast(const SampleCosts& costs, std::uint64_t frames, std::uint64_t scenes) {
   const double threads = costs.threads;
-  // The frames of a scene wait until it is set up; with several scenes each thread sets up one.
+  // The frames of a scene cannot start before the scene is set up. If there are several scenes, each thread sets up
+  // one.
   const double setup =
       std::max(static_cast<double>(scenes) * costs.sceneSeconds / costs.cores, costs.slowestSceneSeconds);
   const double rounds = std::max(static_cast<double>(frames) / threads, 1.0);

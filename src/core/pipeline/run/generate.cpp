@@ -37,16 +37,17 @@ FolderUse useOf(const GenerateOptions& options) {
   return options.resume ? FolderUse::Resume : options.overwrite ? FolderUse::Replace : FolderUse::New;
 }
 
-// A shard that is being made.
+// A shard that is being written.
 struct OpenShard {
   OpenShard(const std::filesystem::path& folder, const ShardJob& job, DatasetPart begun,
             std::unique_ptr<FolderLock> held)
       : claim(std::move(held)), writer(folder, job.file, job.split), part(std::move(begun)), made(job.samples.size()) {}
 
-  std::unique_ptr<FolderLock> claim;  // null if the folder is not shared
+  // This process's lock on the shard; null if the folder is not shared with other processes.
+  std::unique_ptr<FolderLock> claim;
   ShardWriter writer;
   DatasetPart part;
-  std::vector<std::unique_ptr<MadeSample>> made;  // samples that are not written yet
+  std::vector<std::unique_ptr<MadeSample>> made;  // by index in the shard; null: not made yet, or written already
   std::shared_ptr<const SceneFacts> scene;        // the scene of the sample that was written last
 };
 
@@ -67,7 +68,8 @@ class DatasetRun {
     summary_.manifest = base_;
   }
 
-  // Makes each shard by itself, and the manifest last.
+  // Makes the shards that this process has to make, waits for shards that other processes make, and writes the
+  // manifest.
   GenerateSummary run() {
     if (folder_.isWhole()) return endedByOthers();
     std::vector<std::size_t> left = chosenJobs();
@@ -102,7 +104,7 @@ class DatasetRun {
 
   std::size_t open(std::size_t job) {
     const ShardJob& own = jobs_[job];
-    // Checking bytes would, with Any, make each process read the shards of all others.
+    // If the bytes were checked with ShardChoice::Kind::Any, each process would read the shards of all other processes.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;
@@ -119,7 +121,7 @@ class DatasetRun {
       claimed_.push_back(job);
       return 0;
     }
-    folder_.checkPlace();  // throws if another folder has taken this one's place
+    folder_.checkPlace();  // throws if the output folder was replaced by another folder meanwhile
     DatasetPart begun{planned_.hash, {}, base_};
     for (const SampleAddress& sample : own.samples) begun.numbers.push_back(sample.number);
     open_[job] = std::make_unique<OpenShard>(folder_.staging(), own, std::move(begun), std::move(claim));
@@ -152,7 +154,8 @@ class DatasetRun {
     ShardPart made = shard->writer.finish();
     shard->part.manifest.shards = {std::move(made.shard)};
     shard->part.manifest.samples = std::move(made.samples);
-    folder_.keep(shard->part);  // read back at the end, since the records of all samples could fill the memory
+    folder_.keep(shard->part);  // written to disk and read again at the end, since the records of all samples might not
+                                // fit into memory
     const std::scoped_lock lock(mutex_);
     count(shard->part.manifest);
     ++summary_.shards;
@@ -180,7 +183,7 @@ class DatasetRun {
     progress_.say(doing);
   }
 
-  // Returns the summary of a dataset that other processes completed before this one could help.
+  // Returns the summary of a dataset that other processes completed before this process made a shard.
   GenerateSummary endedByOthers() {
     std::optional<Manifest> made = wholeDatasetOf(planned_, options_.folder);
     if (!made) {
@@ -225,7 +228,7 @@ class DatasetRun {
     }
   }
 
-  // Adds a shard that this process has made or found to the summary.
+  // Adds a shard that this process has made, or has found complete, to the summary.
   void count(const Manifest& part) {
     summary_.manifest.ontology = part.ontology;
     summary_.samples += part.samples.size();
@@ -261,10 +264,10 @@ class DatasetRun {
   std::vector<ShardJob> jobs_;
   DatasetPlan planned_;
   DatasetFolder folder_;
-  Manifest base_;                                 // the manifest of each part starts as a copy of it
-  std::vector<std::unique_ptr<OpenShard>> open_;  // by job
+  Manifest base_;                                 // initial contents of each part's manifest
+  std::vector<std::unique_ptr<OpenShard>> open_;  // indexed by job; null: not open
   std::mutex mutex_;                              // guards claimed_, summary_ and progress_
-  std::vector<std::size_t> claimed_;              // jobs that other processes work on
+  std::vector<std::size_t> claimed_;              // jobs whose shards other processes are making
   GenerateSummary summary_;
   Progress progress_;
   StageClock clock_;

@@ -20,42 +20,46 @@
 
 namespace scanmill {
 
-// The shards of the plan that a process makes. With Listed and Any, other processes may work in the same folder, also
-// from other machines: the process waits for shards that another one is making, and leaves existing shards as they are.
+// The shards of the plan that a process makes. With Listed and Any, other processes, also on other machines, may work
+// in the same folder at the same time. The process then skips complete shards, and waits for shards that another
+// process is making.
 struct ShardChoice {
   enum class Kind {
-    All,     // all shards, without other processes; the dataset is complete at the end
-    Listed,  // the shards in `listed`; mergeDataset() completes the dataset
-    Any,     // shards that no other process makes; the last process completes the dataset
+    All,     // all shards; no other process may use the folder; the dataset is complete at the end
+    Listed,  // the shards in `listed`; mergeDataset() later completes the dataset
+    Any,     // all shards that no other process makes; the last process completes the dataset
   };
   Kind kind = Kind::All;
-  std::vector<std::uint64_t> listed;  // numbers of shards, sorted
+  std::vector<std::uint64_t> listed;  // indices of shards in shardJobs(), sorted; only for Listed
 };
 
 struct GenerateOptions {
   std::filesystem::path folder;
-  std::filesystem::path keepHits;    // folder of a recording, or empty
-  std::filesystem::path keepPasses;  // folder for passes, or empty; only for methods that render passes
-  bool overwrite = false;            // replaces an existing dataset and existing recordings
-  bool resume = false;               // continues an unfinished dataset; impossible with recordings
-  ShardChoice shards;                // the shards that this process makes
+  std::filesystem::path keepHits;  // folder in which the hits are recorded; empty: no recording
+  // Folder in which the passes are recorded, if the method renders passes; empty: no recording.
+  std::filesystem::path keepPasses;
+  bool overwrite = false;  // replaces an existing dataset and existing recordings
+  bool resume = false;     // continues an unfinished dataset; cannot be combined with recordings
+  ShardChoice shards;      // the shards that this process makes
   bool quiet = false;
-  const std::atomic<bool>* stop = nullptr;  // set by a signal handler: generate() then throws Error
+  // Set by a signal handler; once it is true, generate() throws Error; may be null.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 struct GenerateSummary {
-  Manifest manifest;            // the manifest of the complete dataset; without shards and samples if `whole` is false
-  bool whole = false;           // the dataset is complete, by this process or by another one that shares the folder
-  std::size_t shards = 0;       // shards that this process has made
-  std::size_t samplesMade = 0;  // samples in these shards
-  std::size_t samples = 0;      // samples in all shards that it has made or found; beams, points and bytes are of these
+  Manifest manifest;            // of the dataset; without shards and samples if `whole` is false
+  bool whole = false;           // the dataset is complete, whichever process completed it
+  std::size_t shards = 0;       // number of shards that this process has made
+  std::size_t samplesMade = 0;  // number of samples in the shards that this process has made
+  std::size_t samples = 0;  // number of samples in all shards that this process has made or found; `beams`, `points`
+                            // and `bytes` belong to them
   double seconds = 0;
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
   std::uint64_t bytes = 0;
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
-  StageSeconds stages;                // processor time of "trace", "effects", "encode", "write", ...
-  std::size_t resumedShards = 0;      // shards that were complete already, or were made by others meanwhile
+  StageSeconds stages;            // processor time (s) of "trace", "effects", "encode", "write" and other stages
+  std::size_t resumedShards = 0;  // number of shards that were complete before, or that other processes made meanwhile
   std::vector<std::string> warnings;  // see pipeline/checks/warnings.h
 };
 
@@ -63,9 +67,9 @@ struct GenerateSummary {
 // shards of it are missing or have the wrong size.
 [[nodiscard]] std::optional<Manifest> wholeDatasetOf(const DatasetPlan& plan, const std::filesystem::path& folder);
 
-// Makes the dataset of a plan, or some shards of it. Throws InputError for an unusable scene or folder, Error if the
-// work fails. A folder without a manifest does not count as a dataset; an unfinished one can be resumed, which gives
-// the same bytes (see dataset_folder.h).
+// Makes the dataset of a plan, or some of its shards. Throws InputError for an unusable scene or folder, and Error if
+// the work fails. An unfinished dataset has no manifest; it can be resumed, which gives the same bytes as an
+// uninterrupted run (see dataset_folder.h).
 GenerateSummary generate(const Plan& plan, const GenerateOptions& options);
 
 }  // namespace scanmill

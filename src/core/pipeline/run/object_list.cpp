@@ -10,10 +10,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kGridsInMemory = 16;  // cached grids: one per sensor, or per revolution of a rosette
-constexpr int kCells = 6;                   // samples per edge of a box's face, to find its truncation
+constexpr std::size_t kGridsInMemory = 16;  // maximum number of cached grids; there is one per sensor, or one per
+                                            // revolution of a sensor with a rosette pattern
+constexpr int kCells = 6;                   // samples along each edge of a box's face, to compute its truncation
 
-// The points, beams and least range (m) that a shot has on an object.
+// A shot's view of one object: the number of its points and of beams that hit it, and the least range (m).
 struct Seen {
   std::uint64_t points = 0;
   std::uint32_t beams = 0;
@@ -37,21 +38,23 @@ std::unordered_map<std::uint32_t, Seen> seenThings(const Hits& hits, const Retur
   return seen;
 }
 
-// Returns the distance (m) from a box to a point given in the box's frame.
+// Returns the distance (m) from a box to a point in the box's frame; 0 inside of the box. `size`: edge lengths of the
+// box (m).
 double distanceTo(const Vec3d& size, const Vec3d& point) {
   const auto beyond = [](double p, double extent) { return std::max(std::abs(p) - extent / 2, 0.0); };
   return length(Vec3d{beyond(point.x, size.x), beyond(point.y, size.y), beyond(point.z, size.z)});
 }
 
-// Returns the share of a box, by solid angle of the faces that the sensor sees, that is outside of the field of view or
-// out of range; 0 if the sensor is inside of the box.
+// Returns the fraction of a box that is outside of the field of view or out of range, measured as solid angle of the
+// faces that the sensor sees; 0 if the sensor is inside of the box. `maxRange`: in m.
 double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRange, const BeamGrid& grid) {
   const Vec3d sensor = inverse(sensorFromBox).translation;
   double all = 0;
   double outside = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double side = sensor.*axis > 0 ? 1 : -1;
-    const double height = std::abs(sensor.*axis) - size.*axis / 2;  // m, of the sensor above the face
+    // Height of the sensor above the face's plane (m). If it is not positive, the sensor does not see the face.
+    const double height = std::abs(sensor.*axis) - size.*axis / 2;
     if (!(height > 0)) continue;
     const auto second = axis == &Vec3d::x ? &Vec3d::y : &Vec3d::x;
     const auto third = axis == &Vec3d::z ? &Vec3d::y : &Vec3d::z;
@@ -102,7 +105,7 @@ std::shared_ptr<const BeamGrid> SceneObjects::gridOf(const std::shared_ptr<const
   }
   auto made = std::make_shared<const BeamGrid>(*beams);
   const std::scoped_lock lock(mutex_);
-  if (auto known = find()) return known;  // another thread was faster
+  if (auto known = find()) return known;  // another thread has built the same grid meanwhile
   if (grids_.size() >= kGridsInMemory) grids_.pop_back();
   grids_.push_front({beams, made});
   return made;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Lists what the sensors of a sample see of each object of the scene, for the member `<key>.objects.json`.
+// Lists what the sensors of a sample see of each object of the scene. The list is the sample's member
+// `<key>.objects.json`.
 
 #include <cstdint>
 #include <list>
@@ -21,16 +22,17 @@
 
 namespace scanmill {
 
-// The objects of a scene, with all that visibility tests of them need. Built once; safe to use from several threads.
+// The objects of a scene, with the data that tests of their visibility need. Built once; safe to use from several
+// threads.
 class SceneObjects {
  public:
-  // Tests visibility in the Worlds of the method if it has some, else in Worlds of its own. Scene and method must
-  // outlive this object.
+  // Tests visibility with the ray-tracing hierarchies (Worlds) of the method, or builds them if the method has none.
+  // Scene and method must outlive this object.
   SceneObjects(const Scene& scene, const Method& method);
 
   const ThingBoxes& boxes() const { return boxes_; }
   const Unobstructed& unobstructed() const { return unobstructed_; }
-  // Returns the bytes that it takes besides those of the method.
+  // Returns the memory of this object in bytes, without the memory of the method.
   std::uint64_t memoryBytes() const;
   std::shared_ptr<const BeamGrid> gridOf(const std::shared_ptr<const BeamTable>& beams) const;
 
@@ -41,20 +43,21 @@ class SceneObjects {
   };
 
   ThingBoxes boxes_;
-  std::unique_ptr<const Worlds> own_;  // null: those of the method are used
+  std::unique_ptr<const Worlds> own_;  // null: the method's Worlds are used
   Unobstructed unobstructed_;
   mutable std::mutex mutex_;
-  mutable std::list<Grid> grids_;  // the most recently used first
+  mutable std::list<Grid> grids_;  // the most recently used grid first
 };
 
 // The object list of one sample.
 class ObjectList {
  public:
-  // `time`: of the sample (s since the start of the sequence); the boxes are given for this time.
+  // `time`: the time of the sample (s since the start of the sequence), for which the boxes are computed.
   ObjectList(const SceneObjects& objects, std::string key, double time);
 
-  // Adds what a shot sees of each object within its reach. `hits` and `returns` are those from which the shot's scan
-  // was made; hits need the channel Instance. `raysPerBeam`: rays of a beam, of which the first is the beam's axis.
+  // Adds what a shot sees of each object within the sensor's range. `hits`, `returns`: the hits and returns from which
+  // the shot's scan was made; hits need the channel Instance. `raysPerBeam`: number of rays per beam; the first ray of
+  // each beam is its axis.
   void add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns);
 
   // Returns the objects that were within the reach of any shot, sorted by id.
@@ -66,8 +69,8 @@ class ObjectList {
   const SceneObjects& objects_;
   std::string key_;
   double time_;
-  std::vector<OrientedBox> boxes_;              // one per thing
-  std::vector<std::vector<ObjectView>> views_;  // one list per thing
+  std::vector<OrientedBox> boxes_;              // one per object instance, in the order of SceneObjects::boxes()
+  std::vector<std::vector<ObjectView>> views_;  // for each object instance, one view per shot that reaches it
 };
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Shows the progress of long work on standard error: as a bar on a terminal, elsewhere as a plain line now and then.
+// Shows the progress of long work on standard error: as a bar on a terminal, otherwise as a line every few seconds.
 
 #include <cstdint>
 #include <string>
@@ -11,15 +11,17 @@ namespace scanmill {
 
 class Progress {
  public:
-  // `unit` is the unit of the count ("frames"), `workUnit` that of the rate ("rays").
+  // `what`: name of the work. `total`: count at which the work is done. `unit`: unit of the count, such as "frames".
+  // `workUnit`: unit of the rate, such as "rays". `quiet`: shows nothing.
   Progress(std::string what, std::uint64_t total, std::string unit, std::string workUnit, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void setTotal(std::uint64_t total) { total_ = total; }  // for a total that is unknown before the work starts
+  void setTotal(std::uint64_t total) { total_ = total; }  // for a total that is unknown when the work starts
   void advance(std::uint64_t count, double work);
-  // Shows what is being done while nothing advances: on a terminal in place of the bar, elsewhere now and then.
+  // Shows a text about the current activity while the count does not advance: on a terminal in place of the bar,
+  // otherwise as a line at most every few seconds.
   void say(const std::string& doing);
   double seconds() const { return timer_.seconds(); }
 
@@ -35,7 +37,7 @@ class Progress {
   bool shown_ = false;
   bool said_ = false;
   WallTimer timer_;
-  double lastShown_ = 0;  // s, by the timer
+  double lastShown_ = 0;  // s since the start
 };
 
 }  // namespace scanmill

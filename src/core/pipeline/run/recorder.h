@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes what a run traces as recordings: hits, passes, both or none.
+// Records what a run traces: hits, passes, both or neither.
 
 #include <cstdint>
 #include <filesystem>
@@ -18,31 +18,34 @@
 
 namespace scanmill {
 
-// Returns the channels that a recording of hits holds besides those that the run's own scans need: all channels that
-// effects and columns of another run may read.
+// Returns the channels that a recording of hits stores in addition to the channels that this run's scans need: all that
+// effects and columns of later runs may read.
 Channels recordedChannels();
 
 class Recorder {
  public:
   explicit Recorder(const Plan& plan) : plan_(plan) {}
 
-  // Prepares the folders whose paths are not empty. Throws InputError.
+  // Prepares the folders for the recordings of hits and passes; an empty path means no such recording. Throws
+  // InputError.
   void open(const std::filesystem::path& hits, const std::filesystem::path& passes, bool overwrite);
   bool recordsHits() const { return hits_.has_value(); }
   bool recordsPasses() const { return passes_.has_value(); }
 
-  // The following calls are safe from any thread.
+  // The following functions may be called from any thread.
 
-  // Must be called before shots of a sequence are written; further calls for the same sequence do nothing.
+  // Registers a sequence. Must be called before shots of the sequence are written; later calls for the same sequence do
+  // nothing.
   void enter(std::size_t sequence, const Scene& scene, const Method& method);
   void writeHits(const Shot& shot, const Hits& hits);
-  // Returns the record of a shot's passes. writeStep() adds its steps one after the other, writePasses() writes it.
+  // Starts the record of a shot's passes. writeStep() writes the images of one step and adds them to the record;
+  // writePasses() writes the record.
   static RecordedShot beginPasses(const Shot& shot);
   void writeStep(const PassStep& step, RecordedShot& record);
   void writePasses(const RecordedShot& record);
 
   void finish();
-  // Returns the time spent on writing so far: "write_hits" and "write_passes", as far as they are recorded.
+  // Returns the seconds spent on writing so far, under the names "write_hits" and "write_passes".
   StageSeconds stageSeconds() const { return clock_.seconds(); }
 
  private:
@@ -51,7 +54,7 @@ class Recorder {
   const Plan& plan_;
   std::optional<RecordingWriter> hits_;
   std::optional<RecordingWriter> passes_;
-  // The facts about a sequence that was entered.
+  // The facts about a sequence that enter() has registered.
   struct Entered {
     RecordedSequence record;
     std::vector<Material> materials;

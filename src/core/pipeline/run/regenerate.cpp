@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kScratch = "again";  // within the dataset's hidden folder
+constexpr const char* kScratch = "again";  // name of the scratch folder within the dataset's hidden folder
 
 [[noreturn]] void failDifferent(const std::string& what, const Manifest& manifest) {
   throw Error(
@@ -34,8 +34,8 @@ constexpr const char* kScratch = "again";  // within the dataset's hidden folder
                   what, manifest.programVersion, kVersion));
 }
 
-// Locks a dataset and provides a scratch folder within its hidden folder. The destructor removes the scratch folder
-// with all its files.
+// Locks a dataset and creates a scratch folder within the dataset's hidden folder. The destructor removes the scratch
+// folder with all its files.
 class Scratch {
  public:
   explicit Scratch(const fs::path& dataset)
@@ -59,7 +59,7 @@ class Scratch {
   std::unique_ptr<FolderLock> lock_;
 };
 
-// Returns an empty text if the file cannot be read.
+// Returns the SHA-256 of a file; an empty text if the file cannot be read.
 std::string hashOf(const fs::path& file) {
   try {
     return sha256OfFile(file);
@@ -101,7 +101,7 @@ std::vector<std::uint64_t> damagedShards(const fs::path& folder, const Manifest&
 void regenerateShards(const fs::path& folder, const Manifest& manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop) {
   const Scratch scratch(folder);
-  fs::remove_all(scratch.folder());  // left behind by a process that was killed
+  fs::remove_all(scratch.folder());  // a process that was killed may have left files behind
   GenerateOptions options;
   options.folder = scratch.folder();
   options.shards = {ShardChoice::Kind::Listed, shards};
@@ -116,7 +116,7 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
   const auto made = [&](std::uint64_t shard) { return scratch.folder() / kHiddenName / manifest.shards[shard].file; };
   for (const std::uint64_t shard : shards) {
     const ShardRecord& stated = manifest.shards[shard];
-    // The hash is that of the file on the disk, so that only sound files are moved into place.
+    // The file is read back from the disk to compute its hash, so that only sound files are moved into the dataset.
     if (sha256OfFile(made(shard)) != stated.sha256) failDifferent(stated.file, manifest);
   }
   for (const std::uint64_t shard : shards) {

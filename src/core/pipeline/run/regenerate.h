@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes parts of a dataset again, byte for byte, from its manifest.
+// Recreates parts of a dataset from its manifest, byte for byte.
 
 #include <atomic>
 #include <cstdint>
@@ -13,18 +13,18 @@
 
 namespace scanmill {
 
-// Returns the numbers of the shards that are missing, or whose bytes differ from what the manifest states.
+// Returns the indices of the shards that are missing, or whose bytes differ from the hashes in the manifest.
 std::vector<std::uint64_t> damagedShards(const std::filesystem::path& folder, const Manifest& manifest);
 
-// Makes shards again and puts them into the folder, where they replace existing files. `plan`: see planOfDataset().
-// Throws Error if a new shard has other bytes than the manifest states, because the program or a file that the pipeline
-// names has changed; then nothing is replaced.
+// Recreates shards, given by index, and moves them into the folder, where they replace existing files. `plan`: see
+// planOfDataset(). Throws Error if the bytes of a new shard differ from the hash in the manifest, because the program
+// or a file that the pipeline names has changed; then nothing is replaced.
 void regenerateShards(const std::filesystem::path& folder, const Manifest& manifest, const Plan& plan,
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop);
 
-// Makes a sample again, writes its members as files into a folder, which is created, and returns their names. Throws
-// InputError for a key that the manifest does not list, and Error for other bytes than the manifest states. Bytes are
-// not compared if the manifest has no XXH3 of them.
+// Recreates the sample `key`, writes its members as files into the folder `into`, which is created, and returns the
+// file names. Throws InputError for a key that the manifest does not list, and Error if bytes differ from the XXH3
+// hashes in the manifest. If the manifest has no such hashes, bytes are not compared.
 std::vector<std::string> regenerateSample(const Manifest& manifest, const Plan& plan, const std::string& key,
                                           const std::filesystem::path& into);
 

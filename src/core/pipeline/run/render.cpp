@@ -18,7 +18,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
   ShotSource source(plan);
   RenderSummary summary;
   StageClock clock({"setup"});
-  TraceAccount account;  // what the method did in the current scene
+  TraceAccount account;  // times and warnings of the method in the current scene
   Recorder recorder(plan);
   bool open = false;
   std::unique_ptr<Scene> scene;

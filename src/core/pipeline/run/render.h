@@ -19,7 +19,7 @@ struct RenderOptions {
   PassChoice passes;
   bool overwrite = false;
   bool quiet = false;
-  const std::atomic<bool>* stop = nullptr;  // as in GenerateOptions
+  const std::atomic<bool>* stop = nullptr;  // see GenerateOptions::stop
 };
 
 struct RenderSummary {
@@ -31,7 +31,8 @@ struct RenderSummary {
   std::vector<std::string> warnings;
 };
 
-// Throws InputError if the pipeline's method renders no passes, Error if the work fails.
+// Renders and records the passes of all frames. Throws InputError if the pipeline's method renders no passes, and Error
+// if the work fails.
 RenderSummary render(const Plan& plan, const RenderOptions& options);
 
 }  // namespace scanmill

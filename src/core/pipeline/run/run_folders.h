@@ -5,8 +5,8 @@
 
 namespace scanmill {
 
-// Throws InputError unless the dataset and each of its recordings have a folder of their own, none within another:
-// otherwise --overwrite for one of them could remove files of another.
+// Throws InputError if two of the folders for the dataset and its recordings are the same, or one is within another:
+// --overwrite for one of them could then remove files of the other.
 void checkFolders(const Plan& plan, const GenerateOptions& options);
 
 }  // namespace scanmill

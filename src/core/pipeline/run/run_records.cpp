@@ -11,7 +11,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns the number of beams with an unresolved ray. The rays of a beam need not be adjacent.
+// Returns the number of beams of which at least one ray is unresolved. The rays of a beam need not be adjacent in
+// `hits`.
 std::uint64_t unresolvedBeams(const Hits& hits) {
   if (hits.beamOfRay.empty()) return hits.unresolved.size();
   std::vector<std::uint32_t> beams;
@@ -20,8 +21,8 @@ std::uint64_t unresolvedBeams(const Hits& hits) {
   return static_cast<std::uint64_t>(std::unique(beams.begin(), beams.end()) - beams.begin());
 }
 
-// Counts points by class, and instances. Consecutive points mostly have the same class and instance, so each run of
-// such points is counted at once.
+// Counts the points of each class and the different instances of a scan. Consecutive points mostly have the same class
+// and instance, so a group of points with the same class and instance is counted in one step.
 void countPoints(const Scan& scan, ScanRecord& record) {
   std::vector<std::uint64_t> perClass;
   std::vector<std::uint32_t> instances;
@@ -77,7 +78,7 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
     const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
     if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
     BeamTable& beams = manifest.sensors.back().beams;
-    // fillBeams() computes these tables from the values per ring, which are all that the manifest keeps.
+    // The manifest stores only values per ring, from which fillBeams() computes these tables.
     beams.direction = {};
     beams.origin = {};
     beams.time = {};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes the records of a run and of its scans for a dataset's manifest.
+// Creates a dataset's manifest and the records of its scans.
 
 #include <string_view>
 
@@ -13,10 +13,10 @@
 
 namespace scanmill {
 
-// Returns a manifest with all that is known before the first ray is traced.
+// Returns a manifest with everything that is known before the first ray is traced.
 Manifest startManifest(const ShotSource& source, const DatasetPlan& planned);
 
-// Returns the poses, time and counts of a scan.
+// Returns the manifest's record of a scan: its poses, time and counts.
 ScanRecord recordOf(const Shot& shot, const Hits& hits, const Scan& scan, std::string_view method);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs one shot, from its beams to its scan. Datasets, studies and measurements all use it.
+// Runs one shot: traces its beams and makes its scan. Datasets, studies and measurements use it.
 
 #include "base/stage_clock.h"
 #include "methods/interface/light_paths.h"
@@ -15,19 +15,19 @@
 
 namespace scanmill {
 
-// All that turns the shots of a sensor into scans. The objects that it refers to must outlive it.
+// Everything that is needed to turn a sensor's shots into scans. The referenced objects must outlive it.
 struct ShotSetup {
   const Method& method;
   Channels channels;                     // channels to trace
-  Receiver receiver;                     // without its `motions`, which are set for each shot
-  const Footprint* footprint = nullptr;  // the rays of beams that fire several; null: each fires one
-  const Hits* vehicle = nullptr;         // hits of the rays on the own vehicle; null: no own vehicle
-  const LightPaths* paths = nullptr;     // how rays continue behind a hit; null: they end there
-  const Scene* moving = nullptr;         // the scene, if the scan says how its objects move; else null
+  Receiver receiver;                     // the receiver model, without `motions`, which senseShot() sets for each shot
+  const Footprint* footprint = nullptr;  // the rays that sample a beam's width; null: each beam fires one ray
+  const Hits* vehicle = nullptr;         // hits of the sensor's rays on the ego vehicle; null: no ego vehicle
+  const LightPaths* paths = nullptr;     // how rays continue behind a hit; null: rays end at their first hit
+  const Scene* moving = nullptr;         // the scene, if the scan has columns about its objects' motion; otherwise null
 };
 
-// Returns the setup of a sensor for a frame. `settings`: those of the frame, which must outlive the setup; the overload
-// without them uses ShotSource::settings().
+// Returns the setup of a sensor for a frame. `sensor`: index in Pipeline::sensors. `settings`: the frame's settings,
+// which must outlive the setup; the overload without them uses ShotSource::settings().
 ShotSetup setupOf(const ShotSource& source, const Scene& scene, const Method& method, std::size_t sensor);
 ShotSetup setupOf(const Plan& plan, const FrameSettings& settings, const Scene& scene, const Method& method,
                   std::size_t sensor);
@@ -39,12 +39,12 @@ struct ShotBuffers {
   Scan scan;
 };
 
-// Fills buffers.hits and then, from the hits, buffers.scan. Adds the times of the stages "trace" and "effects" to the
-// clock, and returns the account of the method, which has the times of its own stages.
+// Traces a shot into buffers.hits and makes buffers.scan from the hits. Adds the times of the stages "trace" and
+// "effects" to the clock. Returns the method's account, which has the times of the method's own stages.
 TraceAccount runShot(const ShotSetup& setup, const Shot& shot, ShotBuffers& buffers, StageClock& clock);
-// Does the first half alone: traces the hits.
+// Traces the hits of a shot, without making a scan.
 TraceAccount traceShot(const ShotSetup& setup, const Shot& shot, Hits& hits);
-// Does the second half alone: makes the scan from existing hits.
+// Makes the scan of a shot from existing hits.
 void senseShot(const ShotSetup& setup, const Shot& shot, const Hits& hits, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

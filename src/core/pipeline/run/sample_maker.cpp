@@ -39,7 +39,8 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   const Pipeline& pipeline = plan_.pipeline;
   const Sequence& sequence = pipeline.sequences[address.sequence];
   const std::shared_ptr<const ReadyScene> ready = scenes_.enter(address.sequence);
-  // Recordings are opened only now: if the scene or the method is unusable, --overwrite has not removed old ones yet.
+  // Open recordings only after the scene and the method are set up: --overwrite removes old recordings, which must not
+  // happen if the new ones cannot be made.
   std::call_once(opened_, [&] { recorder_.open(keepHits_, keepPasses_, overwrite_); });
   recorder_.enter(address.sequence, ready->scene, *ready->method);
   MadeSample made{{sequence.key(address.frame), sequence.split, {}, {}, {}}, ready->facts};
@@ -84,7 +85,8 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   return made;
 }
 
-// Encodes a scan, whose record must be the sample's last, in all formats and adds the members to the sample.
+// Encodes a scan in all formats and adds the results to the sample's members. The scan's record must be the last in
+// `sample.scans`.
 void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
   const StageTimer timer(clock_, "encode");
   const Pipeline& pipeline = plan_.pipeline;
@@ -106,7 +108,7 @@ void SampleMaker::addVoxels(const SceneVoxels& voxels, const Shot& shot, const S
                                                     pipeline.raysPerBeam(shot.sensor), buffers.hits, buffers.scan))});
 }
 
-// Renders the passes of a shot, records them, and samples the hits from them.
+// Renders the passes of a shot, records them, and fills `hits` by sampling the passes.
 TraceAccount SampleMaker::drawAndRecord(const ReadyScene& ready, const Shot& shot, Hits& hits) {
   const DepthCamera& camera = *ready.method->depthCamera();
   hits.reset(shot.beams->rings, shot.beams->columns, plan_.channels);
@@ -129,7 +131,7 @@ void SampleMaker::finish() {
 StageSeconds SampleMaker::stageSeconds() const {
   StageSeconds stages = clock_.seconds();
   const StageSeconds ofMethod = scenes_.methodSeconds();
-  if (!ofMethod.empty()) stages.erase("trace");  // the parts of the stage are listed instead
+  if (!ofMethod.empty()) stages.erase("trace");  // the method's own stages are listed instead of their sum
   for (const StageSeconds& own :
        {ofMethod, recorder_.stageSeconds(), StageSeconds{{"setup", scenes_.setupSeconds()}}}) {
     for (const auto& [stage, seconds] : own) stages[stage] = seconds;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes the samples of a run: all sensors of a frame, traced, sensed and encoded.
+// Makes the samples of a dataset. For a sample, all sensors of a frame are traced, sensed and encoded.
 
 #include <cstdint>
 #include <filesystem>
@@ -24,27 +24,28 @@ struct MadeSample {
   std::shared_ptr<const SceneFacts> scene;
 };
 
-// Makes samples, and writes recordings of their hits or passes. Safe to use from several threads at once.
+// Makes samples and records their hits or passes. Safe to use from several threads at once.
 class SampleMaker {
  public:
-  // Recordings are written to the folders whose paths are not empty. `loading`: see SceneStore.
+  // `keepHits`, `keepPasses`: folders for recordings; an empty path means no recording. `overwrite`: replaces existing
+  // recordings. `loading`: see SceneStore.
   SampleMaker(ShotSource& source, std::filesystem::path keepHits, std::filesystem::path keepPasses, bool overwrite,
               std::function<void(const Sequence&)> loading);
 
-  // expect() announces a sample that will be made, leaveOut() takes an announcement back. A scene is unloaded after its
-  // last announced sample. Samples that were not announced may be made as well.
+  // expect() announces that a sample will be made; leaveOut() cancels an announcement. A scene is unloaded after its
+  // last announced sample. Samples may also be made without announcement.
   void expect(const SampleAddress& address) { scenes_.expect(address.sequence); }
   void leaveOut(const SampleAddress& address) { scenes_.leave(address.sequence); }
 
-  // Sets up the scene of a sequence now; otherwise make() does it.
+  // Sets up the scene of a sequence now instead of at the first call of make().
   void prepare(std::size_t sequence) { scenes_.enter(sequence); }
   MadeSample make(const SampleAddress& address);
 
-  // Ends the recordings. Call it after all samples are made.
+  // Completes the recordings. Call it after all samples are made.
   void finish();
   const SceneStore& scenes() const { return scenes_; }
-  // Returns the time of each stage, added up over threads. It is close to the processor time, but not equal: each stage
-  // runs on one thread, except that idle threads may help with tracing.
+  // Returns the seconds spent in each stage, summed over threads. The times are close to processor time, since each
+  // stage runs on one thread; only tracing may get help from idle threads.
   StageSeconds stageSeconds() const;
 
  private:
@@ -58,7 +59,7 @@ class SampleMaker {
   bool overwrite_;
   SceneStore scenes_;
   Recorder recorder_;
-  std::once_flag opened_;  // for opening the recorder
+  std::once_flag opened_;  // the recorder is opened once, by the first call of make()
   BufferPool<ShotBuffers> buffers_;
   StageClock clock_;
 };

@@ -23,7 +23,8 @@ namespace scanmill {
 
 namespace {
 
-// While the program takes less than 1 / kSmallShare of its memory limit, its first scenes are set up at the same time.
+// Scenes may be loaded beside a first scene, whose size is not known yet, while the program takes less than 1 /
+// kSmallShare of its memory limit.
 constexpr std::uint64_t kSmallShare = 8;
 
 bool memoryIsScarce() {
@@ -34,7 +35,7 @@ bool memoryIsScarce() {
 
 struct SceneStore::Slot {
   tbb::collaborative_once_flag once;
-  TaskOrder loaded;  // the work of the loading thread happens before that of others with the scene
+  TaskOrder loaded;  // for the thread sanitizer: loading happens before any other use of the scene
   std::exception_ptr failure;
   ReadyScene ready;
   std::uint64_t lastUse = 0;
@@ -56,25 +57,26 @@ SceneStore::SceneStore(ShotSource& source, std::function<void(const Sequence&)> 
 
 SceneStore::~SceneStore() = default;
 
-// True if one more scene fits into memory beside those in use.
+// True if one more scene fits into memory in addition to the scenes in use.
 bool SceneStore::fitsOneMore() const {
   const auto used = std::count_if(slots_.begin(), slots_.end(), [](const auto& s) { return s.second.use_count() > 1; });
   if (used == 0) return true;
-  if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();  // the first scene is being loaded
+  // Here the first scene is still being loaded.
+  if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();
   return plan_.bytesInMemory(static_cast<std::uint64_t>(used + 1) * largest_) <= memoryLimitBytes();
 }
 
 std::shared_ptr<SceneStore::Slot> SceneStore::slotOf(std::size_t scene) {
-  std::list<std::shared_ptr<Slot>> gone;  // destroyed without the lock
+  std::list<std::shared_ptr<Slot>> gone;  // removed scenes; the destructors run after the lock is released
   std::unique_lock lock(mutex_);
   while (!slots_.contains(scene) && !fitsOneMore()) {
     lock.unlock();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // no signal tells that a scene was released
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // polls, since nothing signals when a scene is released
     lock.lock();
   }
   if (!slots_.contains(scene)) {
-    // Unload unused scenes, the least recently used first: as many as it takes to make room for the new scene, and at
-    // least one if memory is scarce.
+    // Unload unused scenes, starting with the least recently used one, until the new scene fits. Unload at least one if
+    // memory is scarce.
     for (;;) {
       auto oldest = slots_.end();
       for (auto slot = slots_.begin(); slot != slots_.end(); ++slot) {
@@ -99,7 +101,7 @@ void SceneStore::expect(std::size_t sequence) {
 }
 
 void SceneStore::leave(std::size_t sequence) {
-  std::shared_ptr<Slot> last;  // destroyed without the lock
+  std::shared_ptr<Slot> last;  // the destructor runs after the lock is released
   const std::scoped_lock lock(mutex_);
   const auto expected = expected_.find(sceneOf_[sequence]);
   if (expected == expected_.end() || --expected->second > 0) return;
@@ -127,7 +129,8 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const Sequence& own = pipeline.sequences[sequence];
     loading_(own);
     ReadyScene& ready = slot.ready;
-    ::malloc_trim(0);  // returns the memory of unloaded scenes, which the allocator would keep for each thread
+    // Returns the memory of unloaded scenes to the system, since the allocator would retain it for each thread.
+    ::malloc_trim(0);
     ready.scene = source_.load(sequence);
     ready.method = source_.method(ready.scene);
     if (pipeline.output.objects) ready.objects = std::make_unique<SceneObjects>(ready.scene, *ready.method);
@@ -153,11 +156,11 @@ void SceneStore::load(std::size_t sequence, Slot& slot) {
     const std::scoped_lock lock(mutex_);
     largest_ = std::max(largest_, bytes);
     Told& told = told_[sceneOf_[sequence]];
-    if (std::exchange(told.loaded, true)) return;  // the scene was loaded and checked before
+    if (std::exchange(told.loaded, true)) return;  // the scene was loaded and checked before, so its warnings are known
     told.ofScene = std::move(lines);
     told.account += account;
   } catch (...) {
-    slot.failure = std::current_exception();  // thrown again in each thread that needs the scene
+    slot.failure = std::current_exception();  // rethrown in each thread that needs the scene
   }
 }
 

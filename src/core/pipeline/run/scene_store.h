@@ -1,6 +1,6 @@
 #pragma once
 
-// The scenes of a run, loaded when a frame needs them.
+// The scenes of a run. A scene is loaded when a frame first needs it.
 
 #include <cstddef>
 #include <functional>
@@ -28,52 +28,54 @@ struct SceneFacts {
   Ontology ontology;
 };
 
-// A scene and the method that traces it.
+// A loaded scene and the method that traces it.
 struct ReadyScene {
   Scene scene;
   std::unique_ptr<Method> method;
   std::shared_ptr<const SceneFacts> facts;
-  std::optional<SceneProbe> probe;        // none for a recording
-  std::unique_ptr<SceneObjects> objects;  // null if the output has no objects
-  std::unique_ptr<SceneVoxels> voxels;    // null if the output has no voxels
+  std::optional<SceneProbe> probe;        // nothing if the pipeline has a recording
+  std::unique_ptr<SceneObjects> objects;  // null if the pipeline does not write object lists
+  std::unique_ptr<SceneVoxels> voxels;    // null if the pipeline does not write voxels
 };
 
-// Safe to use from several threads at once; threads that need the same scene load it together.
+// Loads and unloads scenes. Safe to use from several threads at once; threads that need the same scene load it
+// together.
 class SceneStore {
  public:
-  // `loading` is called, by any thread, before a scene is loaded for a sequence.
+  // `loading`: called before a scene is loaded, with the sequence that needs it, on any thread.
   SceneStore(ShotSource& source, std::function<void(const Sequence&)> loading);
   ~SceneStore();
   SceneStore(const SceneStore&) = delete;
   SceneStore& operator=(const SceneStore&) = delete;
 
-  // expect() announces a frame of the sequence; leave() says that an announced frame is done or will not be made.
+  // expect() announces a frame of the sequence. leave() must be called for each announced frame once it is done or
+  // cancelled.
   void expect(std::size_t sequence);
   void leave(std::size_t sequence);
 
-  // Returns the scene of a sequence, which stays loaded as long as the returned pointer exists. Unused scenes stay
-  // loaded while frames of them are expected and the program takes less than half of its memory limit. If one more
-  // scene would exceed the limit, waits until scenes in use are released; holding a scene while waiting for another
-  // thread's enter() therefore deadlocks. Also checks the scene and the sequence, for warnings(). Throws InputError for
-  // scenes and methods that cannot be used.
+  // Returns the scene of a sequence; loads it if needed. The scene stays loaded as long as the returned pointer exists,
+  // and longer if more frames of it are expected and the program takes less than half of its memory limit. Blocks while
+  // another scene does not fit into memory beside the scenes in use. A thread that holds a scene must therefore not
+  // wait for another thread's enter(): both could deadlock. Also checks the scene and the sequence for warnings().
+  // Throws InputError for scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
-  // Adds the account of tracing a frame of a sequence. The accounts of all frames of a scene are added up.
+  // Adds the method's account of a frame of a sequence to the account of the scene.
   void account(std::size_t sequence, const TraceAccount& account);
 
-  // Returns the warnings, each once, in the order of the pipeline's scenes and sequences, whatever the order in which
-  // they were entered. Call it after the work is done.
+  // Returns all warnings without repetitions, in the order of the pipeline's scenes and sequences. Call it after all
+  // frames are done.
   std::vector<std::string> warnings() const;
-  // Returns the times of the method's own stages; empty if it has only one.
+  // Returns the seconds spent in each of the method's own stages; empty if the method has no separate stages.
   StageSeconds methodSeconds() const;
   double setupSeconds() const;
 
  private:
   struct Slot;
-  // Warnings about a sequence, and about its scene if it is the first sequence with this scene.
+  // Warnings about a sequence. The first sequence of each scene also has the warnings and the account of its scene.
   struct Told {
     bool loaded = false;  // the scene was loaded at least once
-    bool looked = false;  // the trajectory was checked
+    bool looked = false;  // the trajectory was checked for warnings
     std::vector<std::string> ofScene;
     std::vector<std::string> ofWay;
     TraceAccount account;
@@ -87,13 +89,14 @@ class SceneStore {
   ShotSource& source_;
   const Plan& plan_;
   std::function<void(const Sequence&)> loading_;
-  std::vector<std::size_t> sceneOf_;  // for each sequence, the first sequence with the same scene
+  std::vector<std::size_t> sceneOf_;  // for each sequence, the index of the first sequence with the same scene; this
+                                      // index identifies the scene
   mutable std::mutex mutex_;
-  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by scene
-  std::vector<Told> told_;                              // by sequence
-  std::map<std::size_t, std::uint64_t> expected_;       // number of frames, by scene
+  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by the scene's index in sceneOf_
+  std::vector<Told> told_;                              // indexed by sequence
+  std::map<std::size_t, std::uint64_t> expected_;       // number of frames still expected for each scene
   std::uint64_t uses_ = 0;
-  std::uint64_t largest_ = 0;  // bytes of the largest scene so far, including what its method has built
+  std::uint64_t largest_ = 0;  // size of the largest scene so far in bytes, including what its method has built
   StageClock clock_;
 };
 

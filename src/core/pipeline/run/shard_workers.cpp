@@ -18,15 +18,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kAhead = 2;  // samples per worker that are being made or wait to be taken
+constexpr std::size_t kAhead = 2;  // maximum number of samples per worker that are being made or wait to be taken
 
 struct OpenShard {
   std::size_t shard = 0;
   std::size_t samples = 0;
   std::size_t begun = 0;
   std::size_t taken = 0;
-  std::set<std::size_t> made;  // samples that are made and not taken
-  bool beingTaken = false;     // a thread is taking samples
+  std::set<std::size_t> made;  // samples that are made but not taken yet
+  bool beingTaken = false;     // true while a thread takes samples of this shard
 };
 
 class ShardWorkers {
@@ -39,7 +39,8 @@ class ShardWorkers {
     TaskOrder done;
     {
       const TaskOrder::Wait wait(begun, done);
-      // Unlike parallelFor(), this is not isolated, so that threads that are done here help the others.
+      // Unlike parallelFor(), tbb::parallel_for is not isolated here: threads without work help other threads' inner
+      // loops.
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, workers_, 1),
           [&](const tbb::blocked_range<std::size_t>&) SCANMILL_UNWATCHED {
@@ -90,7 +91,7 @@ class ShardWorkers {
     return open_.emplace_back(std::make_shared<OpenShard>(OpenShard{shard, samples, 0, 0, {}, false}));
   }
 
-  // Returns the open shard with the most samples that no thread has begun; null if there is none.
+  // Returns the open shard with the most samples that no thread has started; null if all samples are started.
   std::shared_ptr<OpenShard> mostLeft() const {
     std::shared_ptr<OpenShard> most;
     for (const auto& shard : open_) {
@@ -133,11 +134,11 @@ class ShardWorkers {
   const std::atomic<bool>* stop_;
   const ShardWork& work_;
   std::mutex mutex_;
-  std::condition_variable changed_;  // a sample was taken, or the work has ended early
-  std::size_t next_ = 0;             // next shard to open
+  std::condition_variable changed_;  // signals that a sample was taken, or that the work ends early
+  std::size_t next_ = 0;             // index of the next shard to open
   std::list<std::shared_ptr<OpenShard>> open_;
-  std::size_t inFlight_ = 0;    // samples that are begun and not taken
-  std::exception_ptr failure_;  // the first exception
+  std::size_t inFlight_ = 0;    // number of samples that are started but not taken yet
+  std::exception_ptr failure_;  // the first exception of any call; null: none
 };
 
 }  // namespace

@@ -38,7 +38,7 @@ std::vector<std::uint16_t> distinct(const std::vector<std::uint16_t>& ids) {
   return list;
 }
 
-// Returns the first few values as a text such as "3, 7, 9".
+// Returns up to eight of the values as a text such as "3, 7, 9".
 template <class Values>
 std::string listOf(const Values& values) {
   constexpr std::size_t kMost = 8;
@@ -51,9 +51,9 @@ std::string listOf(const Values& values) {
   return text;
 }
 
-// An image, with facts from the scans that name it.
+// An image file, with facts from the recorded scans that refer to it.
 struct Image {
-  std::string namedBy;  // the first scan
+  std::string namedBy;  // file of the first scan that refers to the image
   std::set<std::uint32_t> tables;
   std::set<std::size_t> sensors;
 };
@@ -83,7 +83,7 @@ class RecordingCheck {
   }
 
  private:
-  // A scan as its file describes it.
+  // The contents of a recorded scan's file.
   struct Scan {
     std::string file;
     bool missing = false;
@@ -91,13 +91,14 @@ class RecordingCheck {
     std::vector<std::string> images;
   };
 
-  // Returns a message without the folder's path at its start: problems name files as recording.json does.
+  // Returns a message without the recording's folder at its start, so that it names files like recording.json does.
   std::string relative(std::string_view message) const {
     if (message.starts_with(prefix_)) message.remove_prefix(prefix_.size());
     return std::string(message);
   }
 
-  // Checks a sensor's scans of all frames of a sequence. Missing frames in a row count as one problem.
+  // Checks the scans of one sensor for all frames of a sequence. Consecutive missing frames are reported as one
+  // problem.
   void checkScans(const RecordedSequence& recorded, std::size_t sensor) {
     Sequence sequence;
     sequence.scene = recorded.scene;
@@ -180,7 +181,7 @@ class RecordingCheck {
     result_.images = list.size();
   }
 
-  // Checks an image and returns its number of pixels; 0 if it cannot be read.
+  // Checks an image and appends its problems. Returns its number of pixels; 0 if the image cannot be read.
   std::uint64_t checkImage(const std::string& file, const Image& image, std::vector<std::string>& problems) const {
     if (!files_.contains(file)) {
       problems.push_back(fmt::format("{}: is missing, but {} names it", file, image.namedBy));
@@ -237,7 +238,7 @@ class RecordingCheck {
 
   const Recording& recording_;
   std::string prefix_;
-  std::set<std::string> files_;  // names of the files in the folder
+  std::set<std::string> files_;  // names of all files in the recording's folder
   std::set<std::string> named_;
   std::map<std::string, Image> images_;  // by file name
   RecordingVerification result_;

@@ -11,16 +11,16 @@
 namespace scanmill {
 
 struct RecordingVerification {
-  std::uint64_t scans = 0;            // scans that recording.json names
-  std::uint64_t images = 0;           // images that the scans name
-  std::uint64_t pixels = 0;           // pixels of the images that could be read; for hits: beams
-  std::vector<std::string> problems;  // one line each, with the file; empty: the recording is sound
-  std::vector<std::string> warnings;  // about what is legal, but seldom meant so
+  std::uint64_t scans = 0;            // number of scans that recording.json lists
+  std::uint64_t images = 0;           // number of images that the scans refer to
+  std::uint64_t pixels = 0;           // pixels of all images that could be read; for recorded hits, the number of beams
+  std::vector<std::string> problems;  // one line each, starting with the file; empty: the recording is sound
+  std::vector<std::string> warnings;  // one line each, about valid contents that were probably not intended
 };
 
-// Returns a list of all problems with scans and images: files that are missing, damaged or of the wrong size, steps
-// that do not cover the columns, classes that the recording's ontology lacks, materials that its table lacks. Throws
-// InputError only for an unreadable recording.json or folder. progress(done, total) counts images.
+// Returns all problems with scans and images: missing or damaged files, wrong sizes, steps that do not cover the
+// columns, classes that are not in the recording's ontology, and materials that are not in its table. Throws InputError
+// only if recording.json or the folder cannot be read. progress(done, total) counts images.
 RecordingVerification verifyRecording(const std::filesystem::path& folder,
                                       const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 

@@ -14,28 +14,28 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBeams = 1024;  // beams that a thread takes at a time
+constexpr std::size_t kBeams = 1024;  // number of beams that a thread processes at a time
 
-// Marks of a voxel: a beam ends in it, a beam passes through it.
+// Bits of a voxel's mark: a beam ends in the voxel, a beam passes through the voxel.
 constexpr std::uint8_t kEnds = 1;
 constexpr std::uint8_t kPasses = 2;
 
-// Adds a mark to a voxel. Several threads may mark the same voxel; marks are never removed.
+// Sets the bit `what` of a voxel's mark. Several threads may mark the same voxel at a time; bits are never cleared.
 void mark(std::uint8_t& voxel, std::uint8_t what) {
   const std::atomic_ref<std::uint8_t> marks(voxel);
   if ((marks.load(std::memory_order_relaxed) & what) == 0) marks.fetch_or(what, std::memory_order_relaxed);
 }
 
-// Marks the voxels that a ray of the given length (m) passes through, and the one that it ends in (Amanatides and Woo,
-// "A fast voxel traversal algorithm for ray tracing", Eurographics 1987). `origin` (m) and `direction` (unit) are in
-// the grid's frame.
+// Marks the voxels that a ray of the given length (m) passes through, and the voxel in which the ray ends (Amanatides
+// and Woo, "A fast voxel traversal algorithm for ray tracing", Eurographics 1987). `origin` (m) and `direction` (unit
+// vector) are in the grid's frame.
 void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, double length,
           std::vector<std::uint8_t>& marks) {
   if (const auto end = grid.at(origin + direction * length)) mark(marks[*end], kEnds);
   const Vec3d o = grid.inVoxels(origin);
   const std::array<double, 3> from{o.x, o.y, o.z};
   const std::array<double, 3> step{direction.x / grid.size, direction.y / grid.size, direction.z / grid.size};
-  double enters = 0;  // m
+  double enters = 0;  // m along the ray, where it enters the grid
   double leaves = length;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double side = grid.counts[axis];
@@ -52,7 +52,7 @@ void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, do
   std::array<std::int64_t, 3> at{};
   std::array<std::int64_t, 3> towards{};
   std::array<std::int64_t, 3> stride{std::int64_t{grid.counts[1]} * grid.counts[2], grid.counts[2], 1};
-  std::array<double, 3> next{};  // m, where the ray crosses the next face
+  std::array<double, 3> next{};  // m along the ray to the next face, for each axis
   std::array<double, 3> apart{};
   std::int64_t voxel = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -76,7 +76,8 @@ void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, do
   }
 }
 
-// Returns the length of each beam's axis (m); 0 if the beam is unresolved, or has no hit and the own vehicle blocks it.
+// Returns the length of each beam's axis (m): the distance to its hit, or the maximum range. The length is 0 if the
+// beam is unresolved, or if it has no hit because the ego vehicle blocks it.
 std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits) {
   std::vector<double> lengths(hits.size());
   for (std::size_t beam = 0; beam < hits.size(); ++beam) {
@@ -88,7 +89,8 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  // If beams have several rays, it is not known which of them continued through glass.
+  // If beams have several rays, a hit behind glass cannot be assigned to the axis, so only beams with a single ray are
+  // extended.
   const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;
@@ -99,11 +101,12 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
   return lengths;
 }
 
-// Returns the transforms from the sensor's frame in each step of the revolution to the grid's frame.
+// Returns, for each pose of the shot, the transform from the sensor's frame at this pose to the grid's frame.
 std::vector<Affine> gridFromSteps(const Shot& shot) {
   const Pose& front = shot.worldFromSensor.front();
   const Mat3 frontFromWorld = transposed(toMatrix(front.rotation));
-  std::vector<Affine> gridFromStep;  // positions are subtracted first: they may be far from the world's origin
+  std::vector<Affine> gridFromStep;  // one transform per pose; translations are subtracted before rotation, since large
+                                     // world coordinates lose precision
   for (const Pose& pose : shot.worldFromSensor) {
     gridFromStep.push_back(
         {frontFromWorld * toMatrix(pose.rotation), frontFromWorld * (pose.translation - front.translation)});
@@ -111,8 +114,8 @@ std::vector<Affine> gridFromSteps(const Shot& shot) {
   return gridFromStep;
 }
 
-// Returns 1 for each voxel with a point in it. Points of a moving sensor are in the frame of their own column, unless
-// they are deskewed.
+// Returns for each voxel 1 if it contains a point, otherwise 0. The points of a moving sensor are in the sensor's frame
+// at the time of their column, unless they are deskewed.
 std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const Scan& scan) {
   const std::vector<Affine> gridFromStep = gridFromSteps(shot);
   const bool skewed = gridFromStep.size() > 1 && !shot.deskew;
@@ -129,7 +132,7 @@ std::vector<std::uint8_t> inputOf(const VoxelGrid& grid, const Shot& shot, const
   return input;
 }
 
-// Returns the marks that the beams leave in each voxel.
+// Returns the mark of each voxel (kEnds, kPasses), set by the axes of all beams.
 std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::uint32_t raysPerBeam,
                                   const Hits& hits) {
   const BeamTable& beams = *shot.beams;
@@ -147,7 +150,7 @@ std::vector<std::uint8_t> marksOf(const VoxelGrid& grid, const Shot& shot, std::
   return marks;
 }
 
-// Calls visit(index) for each voxel that shares a face with `voxel`.
+// Calls visit(index) for each voxel of the grid that shares a face with `voxel`.
 template <class Visit>
 void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visit) {
   std::size_t rest = voxel;
@@ -161,7 +164,9 @@ void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visi
   }
 }
 
-// Returns 1 for each open voxel: an empty one that is connected to a voxel that a beam passes through.
+// Returns for each voxel 1 if it is open, otherwise 0. A voxel is open if it is empty and connected to a voxel that a
+// beam passes through by empty voxels that share faces. `solid`: not 0 for voxels with surfaces. `marks`: as marksOf()
+// returns them.
 std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::uint8_t>& solid,
                                  const std::vector<std::uint8_t>& marks) {
   std::vector<std::uint8_t> open(solid.size());

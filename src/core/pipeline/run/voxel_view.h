@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds which voxels around a sensor its scan has points in, and which it sees.
+// Finds which voxels around a sensor contain points of its scan, and which of them the sensor sees.
 
 #include <cstdint>
 
@@ -12,22 +12,22 @@
 
 namespace scanmill {
 
-// Returns the voxels of a scan. `labels`: the labels of the grid, whose frame is the sensor's at the start of the
-// revolution. `hits`: those from which the scan was made. `raysPerBeam`: rays of a beam, of which the first is the
-// beam's axis.
+// Returns the voxels of a scan. `labels`: the labels of the grid, whose frame is the sensor's frame at the start of the
+// revolution. `hits`: the hits from which the scan was made. `raysPerBeam`: number of rays per beam; the first ray of
+// each beam is its axis.
 //
-// - `input` are the voxels with points in them, after all effects. Points of a moving sensor are transformed from the
-//   frames of their columns to the grid's, unless the shot is deskewed and they are in the grid's frame already; a
-//   dense scan needs the column `column` for the transform.
-// - `unseen` are the voxels that no beam's axis passes through or ends in, whether or not they are empty. An axis runs
-//   from the sensor, at the time when the beam fires, to the first hit; through clear glass it continues if the beam
-//   has a single ray. Without a hit it runs to the sensor's maximum range, since a surface below the minimum range is
-//   not known to block it; but a beam without a hit that the own vehicle blocks does not count.
-// - `invalid` are voxels about which nothing can be known. An empty voxel is open if one that a beam passes through is
-//   connected to it by empty voxels of the grid that share faces. Unseen empty voxels that are not open are invalid:
-//   they are under ground or inside of closed solids. Unseen voxels with surfaces are invalid if no open voxel shares a
-//   face with them: they are inside of objects. Voxels with surfaces of no class are invalid too, since their label
-//   would say that they are empty.
+// - `input` is set for voxels that contain points of the scan, after all effects. The points of a moving sensor are
+//   transformed from the sensor's frame at the time of their column to the grid's frame; if the scan is dense, it needs
+//   the column `column` for this. Deskewed points are in the grid's frame already.
+// - `unseen` is set for voxels that no beam's axis passes through or ends in, empty or not. The axis goes from the
+//   sensor, at the time when the beam fires, to the first hit; if the beam has a single ray, it continues through clear
+//   glass. If there is no hit, the axis goes to the sensor's maximum range, even if a surface nearer than the minimum
+//   range may block the beam. Beams that have no hit because the ego vehicle blocks them are ignored.
+// - `invalid` is set for unseen voxels that no sensor could see, and for voxels whose surfaces have no class. A voxel
+//   is called open if it is empty and connected to a voxel that a beam passes through by empty voxels that share faces.
+//   Unseen empty voxels are invalid if they are not open: they are under ground or inside of closed solids. Unseen
+//   voxels with surfaces are invalid if none of the voxels that share a face with them is open: they are inside of
+//   objects. Voxels with surfaces without a class are invalid since their label would say that they are empty.
 ScanVoxels viewVoxels(const VoxelGrid& grid, VoxelLabels labels, const Shot& shot, std::uint32_t raysPerBeam,
                       const Hits& hits, const Scan& scan);
 

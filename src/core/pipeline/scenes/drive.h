@@ -1,6 +1,6 @@
 #pragma once
 
-// Completes trajectories whose poses depend on the scene.
+// Computes trajectories that depend on the scene: random paths and heights above the ground.
 
 #include <memory>
 #include <string>
@@ -11,11 +11,12 @@
 
 namespace scanmill {
 
-// True if a trajectory has no poses until its scene is known.
+// True if the trajectory's poses can only be computed when its scene is loaded.
 bool needsScene(const Trajectory& trajectory);
 
-// Returns the trajectory with the random path and on the ground that it asks for, both found in the probe's scene.
-// Throws InputError if the scene has no such path or ground.
+// Returns the trajectory with its random path, and with its poses moved onto the ground, as far as the trajectory asks
+// for these. Both are found in the scene of `probe`. `seed`: determines the random path. Throws InputError if the scene
+// has no suitable path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 #pragma once
 
-// How sensors are mounted in a frame, and the effects of their receivers: the same in all frames, unless the pipeline
-// gives random distributions for them.
+// The mounts of the sensors and the effects of their receivers in a frame. They are the same in all frames, unless the
+// pipeline gives random distributions for them.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,8 +20,9 @@ namespace scanmill {
 struct SensorSetting {
   Pose vehicleFromSensor;
   std::shared_ptr<const Effects> effects;
-  const LightPaths* paths = nullptr;    // those of one of the effects; null: rays end at their first hit
-  std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the own vehicle; null: no own vehicle
+  // How rays continue behind a hit, from the effect light_paths; null: rays end at their first hit.
+  const LightPaths* paths = nullptr;
+  std::shared_ptr<const Hits> vehicle;  // hits of the sensor's rays on the ego vehicle; null: no ego vehicle
 };
 
 struct FrameSettings {
@@ -29,17 +30,18 @@ struct FrameSettings {
   std::vector<DrawnValue> draws;  // the random values in these settings
 };
 
-using VehicleHits = std::vector<std::shared_ptr<const Hits>>;  // one per sensor; empty: no own vehicle
+// Hits on the ego vehicle, one table per sensor; empty: no ego vehicle.
+using VehicleHits = std::vector<std::shared_ptr<const Hits>>;
 
-// Returns the settings with the mounts and effects of Pipeline::sensors.
+// Returns the settings with the mounts and effects in Pipeline::sensors. `vehicles`: hits on the ego vehicle.
 FrameSettings settingsOf(const Pipeline& pipeline, const VehicleHits& vehicles);
 
-// Settings of a pipeline in which some are random. Caches those of the sequences that were used last. Safe to call from
-// several threads.
+// The settings of a pipeline with random mounts or effects. Caches the settings of the most recently used sequences.
+// Safe to call from several threads.
 class DrawnSettings {
  public:
-  // Returns the settings of a frame. `first`: the result of settingsOf(). `traceVehicles`: returns the hits of the rays
-  // on the own vehicle for given mounts of the sensors.
+  // Returns the settings of a frame. `first`: the result of settingsOf(). traceVehicles(mounts) returns the sensors'
+  // hits on the ego vehicle for these mounts.
   template <class TraceVehicles>
   std::shared_ptr<const FrameSettings> of(const Pipeline& pipeline, std::size_t sequence, std::uint32_t frame,
                                           const FrameSettings& first, const TraceVehicles& traceVehicles) {
@@ -62,7 +64,8 @@ class DrawnSettings {
   struct Kept {
     std::size_t sequence = 0;
     std::shared_ptr<const VehicleHits> vehicles;
-    std::shared_ptr<const FrameSettings> whole;  // null if frames differ
+    // Settings of all frames of the sequence; null if frames have different settings.
+    std::shared_ptr<const FrameSettings> whole;
   };
 
   static VehicleHits vehiclesOf(const FrameSettings& settings);
@@ -71,7 +74,7 @@ class DrawnSettings {
   void keep(Kept kept);
 
   std::mutex mutex_;
-  std::list<Kept> kept_;  // the most recently used first
+  std::list<Kept> kept_;  // the most recently used sequence first
 };
 
 }  // namespace scanmill

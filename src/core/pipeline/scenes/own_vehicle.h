@@ -1,6 +1,6 @@
 #pragma once
 
-// The vehicle that carries the sensors: it occludes sectors of their lowest rings.
+// The ego vehicle (the own vehicle in messages), which carries the sensors and blocks some of their beams.
 
 #include <filesystem>
 
@@ -11,16 +11,17 @@
 
 namespace scanmill {
 
-// Returns the hit of each ray of a sensor's beam table on its own vehicle, however near. All shots have the same hits,
-// since sensor and vehicle move together. `vehicle`: a scene in the vehicle's frame.
+// Returns the hit of each ray of a sensor's beam table on the vehicle that carries the sensor, at any distance, even
+// below the sensor's minimum range. The hits are the same for all shots, since sensor and vehicle move together.
+// `vehicle`: a scene in the vehicle's frame.
 Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehicleFromSensor);
 
-// Returns the share of the rays that hit the vehicle.
+// Returns the fraction of the rays that hit the vehicle.
 double blockedShare(const Hits& vehicle);
 
-// Replaces each hit that lies behind the vehicle by the ray's hit on the vehicle (path OwnVehicle, no instance, no
-// material, matt), or by a miss if the vehicle is nearer than the sensor's least range `minRange` (m). Both tables have
-// the same rays.
+// Replaces each hit that lies behind the vehicle by the ray's hit on the vehicle, with path OwnVehicle, no instance, no
+// material and a matt surface. If the vehicle is nearer than the sensor's minimum range `minRange` (m), the hit becomes
+// a miss. `vehicle` and `hits` must have the same rays.
 void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits);
 
 }  // namespace scanmill

@@ -18,26 +18,28 @@
 namespace scanmill {
 namespace {
 
-constexpr double kCell = 0.25;        // m, cell size of the cached heights
-constexpr double kReach = 1;          // m by which the surface may rise or fall from one test to the next
-constexpr double kClear = 2.5;        // m of free height above the surface
-constexpr double kHalfWidth = 1;      // m, of a vehicle
-constexpr double kHalfLength = 2;     // m
-constexpr double kStep = 4;           // m, length of an arc
-constexpr double kTightest = 6;       // m, least radius
-constexpr double kFromEdge = 2;       // m to the edge of the road on the vehicle's side
-constexpr double kOpen = 12;          // m to the edge, from which on the surface is an open place, not a road
-constexpr double kWishLasts = 24;     // m of path for which a vehicle means to turn or to go straight
-constexpr double kTurns = 0.4;        // share of these stretches on which it means to turn
-constexpr int kLook = 12;             // m that are tested ahead of an arc
-constexpr int kStarts = 24;           // starting points that are tried
-constexpr int kMostTurnsBack = 2000;  // backtracking steps of a search
+constexpr double kCell = 0.25;     // m, cell size of the cached heights
+constexpr double kReach = 1;       // m by which the surface may rise or fall between two tested positions
+constexpr double kClear = 2.5;     // m of free height that a vehicle needs above the surface
+constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
+constexpr double kHalfLength = 2;  // half of a vehicle's length (m)
+constexpr double kStep = 4;        // length of an arc (m); a path consists of such arcs
+constexpr double kTightest = 6;    // minimum radius of an arc (m)
+// m from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
+constexpr double kFromEdge = 2;
+// If the edge is at least this far away (m), the surface counts as an open place, not as a road.
+constexpr double kOpen = 12;
+constexpr double kWishLasts = 24;     // m of path after which a vehicle in an open place chooses again whether to turn
+constexpr double kTurns = 0.4;        // probability that a vehicle in an open place chooses to turn
+constexpr int kLook = 12;             // m that are tested beyond the end of an arc
+constexpr int kStarts = 24;           // maximum number of starting points
+constexpr int kMostTurnsBack = 2000;  // maximum number of backtracking steps of a search
 
 struct State {
   Vec3d place;
   double yaw = 0;
 
-  // Returns the state `metres` further along an arc of this curvature (rad/m, positive to the left).
+  // Returns the state after driving `metres` along an arc of this curvature (rad/m, positive to the left).
   State on(double metres, double curvature) const {
     const double middle = yaw + curvature * metres / 2;
     const double bend = curvature * metres / 2;
@@ -47,14 +49,14 @@ struct State {
   Vec3d left(double metres) const { return place + Vec3d{-std::sin(yaw), std::cos(yaw), 0} * metres; }
 };
 
-// Tells where surfaces of these classes are free of obstacles; caches the answers by cell.
+// Finds where surfaces of given classes are free of obstacles. Caches the results in cells.
 class FreeSurface {
  public:
   FreeSurface(const SceneProbe& probe, std::vector<std::uint16_t> classes)
       : probe_(probe), classes_(std::move(classes)) {}
 
-  // Returns the height of the surface at a place (m); nothing if no surface of these classes is about as high as the
-  // place, or if something hangs less than kClear above it.
+  // Returns the height of the surface at a place (m). Returns nothing if there is no surface of the given classes at
+  // most about 1.5 m above or below the place, or if something is less than kClear above the surface.
   std::optional<double> height(const Vec3d& place) const {
     const auto cell = [](double d) { return static_cast<std::int64_t>(std::floor(d / kCell)); };
     const auto layer = static_cast<std::int64_t>(std::floor(place.z));
@@ -65,14 +67,15 @@ class FreeSurface {
     return known_[key] = look(middle);
   }
 
-  // Returns the height of the surface under the vehicle's middle (m) if the vehicle has room there, else nothing.
+  // Returns the height of the surface under the vehicle's middle (m); nothing if a vehicle has no room in this state.
   std::optional<double> room(const State& s) const {
     const std::optional<double> middle = height(s.place);
     if (!middle || !height(s.left(kHalfWidth)) || !height(s.left(-kHalfWidth))) return std::nullopt;
     return middle;
   }
 
-  // True if there is no obstacle between two states. Both must have room and be less than a few metres apart.
+  // True if a vehicle can drive straight from one state to the other without touching an obstacle. Both states must
+  // have room for a vehicle and be less than a few metres apart.
   bool passes(const State& from, const State& to) const {
     std::vector<SceneProbe::Ray> rays;
     double reach = 0;
@@ -90,7 +93,8 @@ class FreeSurface {
     return std::none_of(met.begin(), met.end(), [](const auto& m) { return m.has_value(); });
   }
 
-  // Returns the state one metre further along an arc; nothing if it has no room or an obstacle lies before it.
+  // Returns the state one metre further along an arc; nothing if there is no room for a vehicle or an obstacle is in
+  // between.
   std::optional<State> metreOn(const State& from, double curvature) const {
     State s = from.on(1, curvature);
     const std::optional<double> height = room(s);
@@ -99,7 +103,8 @@ class FreeSurface {
     return passes(from, s) ? std::optional(s) : std::nullopt;
   }
 
-  // Returns the distance to the edge of the surface (m), at most kOpen. `side`: 1 to the left, -1 to the right.
+  // Returns the distance from the vehicle's middle to the edge of the surface (m), at most kOpen. `side`: 1 for the
+  // left side, -1 for the right side.
   double toEdge(const State& s, double side) const {
     double far = 0;
     while (far < kOpen && height(s.left(side * (far + kCell)))) far += kCell;
@@ -111,7 +116,7 @@ class FreeSurface {
     const double high = 0.5 + kReach;
     const auto below = probe_.first({middle + Vec3d{0, 0, high}, {0, 0, -1}}, 2 * high);
     if (!below || std::find(classes_.begin(), classes_.end(), below->semantic) == classes_.end()) return std::nullopt;
-    // The ray down has already tested the space below its start; the ray up tests the rest.
+    // The downward ray has already tested the space below its start; the upward ray tests the space above.
     const double over = below->place.z + kClear - (middle.z + high);
     if (over > 0 && probe_.first({middle + Vec3d{0, 0, high}, {0, 0, 1}}, over)) return std::nullopt;
     return below->place.z;
@@ -122,7 +127,7 @@ class FreeSurface {
   mutable std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, std::optional<double>> known_;
 };
 
-// A sequence of random numbers that follows from the seed and the name.
+// A sequence of random numbers that depends on the seed and the drive's name.
 class Draws {
  public:
   Draws(std::uint64_t seed, const std::string& name) {
@@ -134,7 +139,7 @@ class Draws {
     ++address_.frame;
     return uniform(randomBlock(address_)[0]);
   }
-  // Returns a random number that depends on `number` alone, not on earlier calls.
+  // Returns a random number that depends only on `number`, the seed and the name, not on earlier calls.
   double at(std::uint32_t number) const {
     RandomAddress a = address_;
     a.frame = number;
@@ -146,7 +151,8 @@ class Draws {
   RandomAddress address_;
 };
 
-// Triangles less than 60 degrees steep, with the running sums of their areas (m^2) as seen from above.
+// The triangles that are less than 60 degrees steep. `sums` are the cumulative sums of their areas (m^2) projected onto
+// the horizontal plane.
 struct Floor {
   std::vector<std::array<Vec3d, 3>> triangles;
   std::vector<double> sums;
@@ -181,7 +187,8 @@ class Search {
   Search(const FreeSurface& surface, const RandomWay& random, const Draws& draws)
       : surface_(surface), random_(random), draws_(draws) {}
 
-  // Returns the longest path from `start` that was found; the search ends once it is as long as `random` asks.
+  // Returns the points of the longest path from `start` that the search finds. The search ends when a path has the
+  // length that `random` asks for.
   std::vector<Vec3d> from(const State& start) {
     std::vector<Node> nodes{open({start, 0}, 0)};
     std::vector<Vec3d> longest;
@@ -215,12 +222,13 @@ class Search {
   };
   struct Node {
     End at;
-    std::vector<Arc> arcs;  // from this node, the cheapest first
+    std::vector<Arc> arcs;  // arcs that start at this node, the cheapest first
     std::size_t next = 0;
   };
   using Spot = std::tuple<std::int64_t, std::int64_t, std::int64_t, int>;
 
-  // Returns a key that states of about the same position and heading share.
+  // Returns a key that is equal for states of similar position and heading. `size`: size of a position cell (m).
+  // `headings`: number of sectors into which headings are divided.
   static Spot spotOf(const State& s, double size, int headings) {
     const auto heading = static_cast<int>(std::lround(s.yaw / (2 * kPi) * headings));
     return {std::llround(s.place.x / size), std::llround(s.place.y / size), std::llround(s.place.z / kClear),
@@ -250,7 +258,8 @@ class Search {
     return node;
   }
 
-  // Returns the arc of this curvature from `at`; nothing if a vehicle has no room on it or its end is a dead end.
+  // Returns the arc of this curvature (rad/m) that starts at `at`. Returns nothing if a vehicle has no room on the arc,
+  // or if its end is known as a dead end. `wished`: curvature that the vehicle prefers in open places.
   std::optional<Arc> arcOf(const End& at, double curvature, double wished) const {
     State s = at.state;
     for (int i = 0; i < static_cast<int>(kStep); ++i) {
@@ -262,7 +271,7 @@ class Search {
     const double bend = kTightest * curvature;
     const double change = kTightest * (curvature - at.curvature);
     double cost = 0.3 * bend * bend + 1.5 * change * change;
-    // Rate the end of the arc and the points straight ahead of it; by the end alone the path would oscillate.
+    // Rate the end of the arc and two points straight ahead of it, since rating the end alone makes the path oscillate.
     for (const double ahead : {0.0, 4.0, 8.0}) cost += offSide(s.on(ahead, 0), curvature, wished);
     const auto [far, end] = lookAhead(s);
     if (const auto been = been_.find(widely(end)); been != been_.end()) cost += 3 * been->second;
@@ -270,10 +279,10 @@ class Search {
     return Arc{{s, curvature}, cost};
   }
 
-  // Returns the cost of a state: of its lateral distance from the wanted line on the road, and, where the surface is
-  // open on its side, of not turning as wished. Off the surface it is constant.
+  // Returns the cost of a state. It grows with the lateral distance from the preferred line on the road. In open places
+  // it grows with the difference between `curvature` and `wished` (rad/m). It is constant off the surface.
   double offSide(State s, double curvature, double wished) const {
-    constexpr double kMost = 2;  // m, up to which the cost grows quadratically; beyond it grows linearly
+    constexpr double kMost = 2;  // m; the cost grows quadratically up to this distance and linearly beyond
     const std::optional<double> height = surface_.height(s.place);
     if (!height) return 2 * kMost * kMost;
     s.place.z = *height;
@@ -289,12 +298,13 @@ class Search {
     return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;
   }
 
-  // Returns how far a vehicle gets (m, at most kLook) on the best of a few arcs from a state, and the state there.
+  // Returns how far a vehicle can drive from a state (m, at most kLook) on the best of five arcs, and the state at the
+  // end.
   std::pair<double, State> lookAhead(const State& from) const {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
       State s = from;
-      int far = 0;  // m
+      int far = 0;  // m driven so far
       for (; far < kLook; ++far) {
         const std::optional<State> next = surface_.metreOn(s, bend / kTightest);
         if (!next) break;
@@ -309,12 +319,12 @@ class Search {
   const FreeSurface& surface_;
   const RandomWay& random_;
   const Draws& draws_;
-  std::map<Spot, int> been_;  // how often the path so far has passed each spot
-  std::set<Spot> dead_;       // spots from which no path is long enough
+  std::map<Spot, int> been_;  // number of times that the current path has passed each spot
+  std::set<Spot> dead_;       // spots from which no path of the required length exists
 };
 
-// Returns the state at a place that faces where a straight line stays free for longest; nothing if no such line is
-// longer than two arcs.
+// Returns the state at `place` with the heading in which a vehicle can drive straight on farthest. Returns nothing if
+// this is not farther than two arcs.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
   std::optional<State> best;
   int farthest = 2 * static_cast<int>(kStep);
@@ -323,7 +333,7 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
     const State heading{place, first + i * kPi / 16};
     std::optional<State> s =
         surface.room(heading) && surface.room(heading.on(-kHalfLength, 0)) ? std::optional(heading) : std::nullopt;
-    int far = 0;  // m
+    int far = 0;  // m driven so far
     for (; s && far < 40; ++far) s = surface.metreOn(*s, 0);
     if (far <= farthest) continue;
     farthest = far;
@@ -332,10 +342,11 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
   return best;
 }
 
-// Returns a hint at the scene's size if it may be the reason why no long path fits; else an empty text.
+// Returns a hint that the scene's size may be the reason why no path of the required length was found; an empty text if
+// the size is plausible.
 std::string sizeHint(const Scene& scene) {
-  constexpr double kSmall = 20;       // m
-  constexpr double kLarge = 100'000;  // m
+  constexpr double kSmall = 20;       // m; smaller scenes get the hint
+  constexpr double kLarge = 100'000;  // m; larger scenes get the hint
   const Box bounds = scene.bounds();
   const Vec3d size = bounds.high - bounds.low;
   const double most = std::max(size.x, size.y);

@@ -12,11 +12,12 @@
 
 namespace scanmill {
 
-// Returns the points of a path, some metres apart (m, world), on surfaces of the classes of `random`, about as long as
-// `random` asks (in arcs of 4 m). The path has room for a vehicle 2 m wide and 2.5 m high, and hardly a bend of less
-// than 5 m radius. It follows from the seed and the drive's name. On roads it keeps to its side, 2 m from the edge, or
-// in the middle if the road is narrower than 4 m. In open places it goes left, right or straight on at random, and it
-// prefers places where it has not been. Throws InputError if the scene has no such surface, or no path long enough.
+// Returns the points of a random path on surfaces of the classes in `random` (world frame, m). The points are about 4 m
+// apart, and the path has the length that `random` asks for, rounded up to arcs of 4 m. The path has room for a vehicle
+// 2 m wide and 2.5 m high, and its bends mostly have a radius of more than 5 m. It depends on the seed and the drive's
+// name. On roads it is 2 m from the edge on the side that `random` names, or in the middle if the road is narrower than
+// 4 m. In open places it goes left, right or straight on at random, and prefers places that it has not passed yet.
+// Throws InputError if the scene has no such surface or no path of this length.
 std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& random, std::uint64_t seed,
                                  const std::string& name);
 

@@ -14,7 +14,8 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError if a material index of the hits, by which effects look materials up, is not in the recording.
+// Throws InputError if a material index of the hits is not in the recording's material table, in which effects look it
+// up.
 void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hits) {
   if (hits.material.empty() || !hits.roughness.empty()) return;
   const std::size_t table = recording.sequences[shot.scene].materials;
@@ -90,8 +91,8 @@ class RecordedPasses : public Method {
   std::uint64_t memoryBytes() const override { return 0; }
 
  private:
-  // Reads the passes of a file. If it stores surface parameters, they replace those of the materials, and the material
-  // ids may be missing (then 0).
+  // Reads the passes of a file. If the file stores surface parameters, these are used instead of materials; material
+  // ids that the file lacks then become 0.
   static PassImage read(const std::filesystem::path& file, PassChoice asked) {
     const PassChoice there = passesIn(file);
     asked.surfaceParameters = there.surfaceParameters;

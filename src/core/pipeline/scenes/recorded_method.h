@@ -7,8 +7,8 @@
 
 namespace scanmill {
 
-// Returns a method that gives the hits of the pipeline's recording, or samples its passes. The pipeline must outlive
-// the method.
+// Returns a method that does not trace: it returns the recorded hits of the pipeline's recording, or samples its
+// recorded passes. The pipeline must outlive the method.
 std::unique_ptr<Method> makeRecordedMethod(const Pipeline& pipeline);
 
 }  // namespace scanmill

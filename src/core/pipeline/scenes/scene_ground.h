@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the surfaces of a scene on which vehicles stand.
+// Finds the ground of a scene: the surfaces on which vehicles can stand.
 
 #include <vector>
 
@@ -9,14 +9,15 @@
 
 namespace scanmill {
 
-// Returns the ids of classes by their names. Throws InputError at `where` for a name that the ontology does not have.
+// Returns the ids of the classes with these names. Throws InputError at `where` if the ontology does not have a name.
 std::vector<std::uint16_t> classIds(const Ontology& ontology, const std::vector<std::string>& names,
                                     const Location& where);
 
-// Surfaces no steeper than 60 degrees, of the given classes; if no class is given, of all that are not thing classes.
+// The surfaces of a scene that count as ground: those of the given classes, no steeper than 60 degrees. If no class is
+// given, surfaces of all classes count except those of object instances such as cars.
 class SceneGround : public Ground {
  public:
-  // The probe must outlive it.
+  // `probe` must outlive this object.
   SceneGround(const SceneProbe& probe, std::vector<std::uint16_t> classes);
 
   std::optional<double> under(const Vec3d& place) const override;

@@ -5,7 +5,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kBehind = 1e-3;  // m behind a hit, where the ray continues
+constexpr double kBehind = 1e-3;  // m behind a hit, where the next ray starts
 constexpr std::size_t kMost = 100;
 
 }  // namespace

@@ -15,25 +15,26 @@ namespace scanmill {
 class SceneProbe {
  public:
   struct Ray {
-    Vec3d from, direction;  // m; a unit vector
+    Vec3d from, direction;  // start in the world frame (m); unit vector
   };
   struct Met {
-    double distance = 0;  // m
-    Vec3d place;          // m, world
-    Vec3d normal;         // unit, towards the ray's start
+    double distance = 0;  // m from the start of the ray
+    Vec3d place;          // m, in the world frame
+    Vec3d normal;         // unit vector, on the side of the surface from which the ray comes
     std::uint16_t semantic = 0;
     std::uint32_t instance = 0;
   };
 
-  // Traces with `method` if `entry` says that it is exact, else with a reference method that the probe creates. Objects
-  // are where they are at the time 0. The scene and the method must outlive the probe.
+  // Traces rays with `method` if `entry` says that it is exact, otherwise with a reference method that this object
+  // creates. Objects are at their positions at time 0 s. The scene and the method must outlive this object.
   explicit SceneProbe(const Scene& scene, const Method* method = nullptr, const MethodEntry* entry = nullptr);
 
   const Scene& scene() const { return scene_; }
-  // Returns the first hit of each ray within `reach` m. Faster than a call for each ray.
+  // Returns the first hit of each ray within `reach` (m); nothing for rays without a hit. Faster than calls for single
+  // rays.
   std::vector<std::optional<Met>> first(const std::vector<Ray>& rays, double reach) const;
   std::optional<Met> first(const Ray& ray, double reach) const { return first(std::vector{ray}, reach).front(); }
-  // Returns all hits along a ray, the nearest first, a hundred at most.
+  // Returns the hits along a ray within `reach` (m), the nearest first, at most a hundred.
   std::vector<Met> all(const Ray& ray, double reach) const;
 
  private:

@@ -17,11 +17,11 @@
 namespace scanmill {
 namespace {
 
-constexpr double kHeight = 1.73;  // m, of the sensor above the lane
-constexpr double kBetween = 25;   // m, from pose to pose
-constexpr int kTries = 8;         // scenes that are generated at most, before the best of them is taken
+constexpr double kHeight = 1.73;  // height of the sensor above the lane (m)
+constexpr double kBetween = 25;   // m between poses
+constexpr int kTries = 8;         // maximum number of scenes that are generated; then the best of them is used
 constexpr double kMostFactor = 40;
-constexpr double kLeastFactor = 1.0 / 100;  // a smaller factor becomes 0
+constexpr double kLeastFactor = 1.0 / 100;  // smaller factors are rounded to 0
 
 std::shared_ptr<const BeamTable> coarseBeams() {
   auto beams = std::make_shared<BeamTable>();
@@ -40,7 +40,7 @@ std::shared_ptr<const BeamTable> coarseBeams() {
   return beams;
 }
 
-// Returns poses evenly spaced along a polyline and kHeight above it.
+// Returns poses evenly spaced along a polyline, kHeight above it.
 std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
   const Path path(lane);
   const int count = std::max(1, static_cast<int>(path.length() / kBetween));
@@ -52,7 +52,8 @@ std::vector<Pose> posesAbove(const std::vector<Vec3d>& lane) {
   return poses;
 }
 
-// Returns a measure of how far the found shares are outside of their bounds; 0 if all bounds are met.
+// Returns how far the measured shares are outside of their bounds: the sum of the excesses, each divided by the upper
+// bound; 0 if all shares are within their bounds.
 double distanceOf(const std::vector<ShareBound>& bounds) {
   double sum = 0;
   for (const ShareBound& b : bounds)
@@ -60,13 +61,14 @@ double distanceOf(const std::vector<ShareBound>& bounds) {
   return sum;
 }
 
-// The factor by which a supply is multiplied. `low` gave too little and `high` too much; once both are known, the
-// factor stays between them.
+// The factor by which the supply of one kind of object is multiplied. The factor `low` gave too few hits, `high` too
+// many; once both are known, the factor stays between them.
 struct Dial {
   double factor = 1;
   std::optional<double> low, high;
 
-  // Raises or lowers the factor. `ratio`: the wanted share over the found one, used until `low` and `high` are known.
+  // Raises (`more`) or lowers the factor. `ratio`: the wanted share of hits divided by the measured share; used until
+  // `low` and `high` are known.
   void turn(bool more, double ratio) {
     (more ? low : high) = factor;
     if (low && high) {
@@ -78,10 +80,10 @@ struct Dial {
   }
 };
 
-// Adjusts the factors of supplies whose bounds are not met. A factor stays if one bound asks for more of the supply and
-// another for less.
+// Adjusts the factors of the supplies whose shares of hits are outside of their bounds. A factor is not changed if one
+// bound asks for more of the supply and another bound for less.
 void turn(std::array<Dial, kSupplies>& dials, const std::vector<ShareBound>& bounds) {
-  constexpr double kInside = 0.15;  // share of a bound by which the wanted value lies inside of it
+  constexpr double kInside = 0.15;  // distance of the wanted value from the nearest bound, as a fraction of the bound
   for (std::size_t s = 0; s < kSupplies; ++s) {
     double more = 0;
     double less = 0;
@@ -131,7 +133,8 @@ void measureShares(Scene& scene, const std::vector<Vec3d>& lane) {
 Scene readSceneToShares(const std::filesystem::path& file, SceneOptions options) {
   Scene scene = readScene(file, options);
   if (scene.shares.empty()) return scene;
-  // Shares are counted in the scene's own classes, so that the scene is the same for every ontology of the labels.
+  // Shares are measured with the ontology that the scene file names, so that a different ontology for the labels does
+  // not change the geometry.
   const std::filesystem::path labels = std::exchange(options.ontology, {});
   if (!labels.empty()) scene = readScene(file, options);
   const std::vector<Vec3d> lane = readSceneLanes(file, options.seed)->lane;

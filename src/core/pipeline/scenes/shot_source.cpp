@@ -63,7 +63,7 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
   Scene scene;
   scene.name = pipeline_.sequences[sequence].scene;
   scene.seed = pipeline_.sequences[sequence].sceneSeed;
-  scene.procedural = true;  // unknown, and with false there would be a warning about seeds
+  scene.procedural = true;  // a recording does not state this; with false, a warning about several seeds would appear
   scene.ontology = pipeline_.ontology.empty() ? recording.ontology : readOntology(pipeline_.ontology);
   scene.materials = recording.materials[recording.sequences[sequence].materials];
   const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
@@ -91,7 +91,7 @@ Scene ShotSource::load(std::size_t sequence) {
   options.textures = plan_.channels.has(Channel::Reflectance);
   Scene scene = readSceneToShares(own.sceneFile, options);
   if (!own.moving) standStill(scene, 0);
-  findDrives(own, scene);  // before takeOut(), so that paths do not depend on what is taken out
+  findDrives(own, scene);  // before takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);
   return scene;
 }

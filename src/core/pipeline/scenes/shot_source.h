@@ -23,8 +23,8 @@
 
 namespace scanmill {
 
-// Creates the method that a pipeline or a study names; `auto` must have been settled before. Throws InputError for
-// wrong options, and if the scene moves and the method cannot follow it.
+// Creates the method that a pipeline or a study names; `method: auto` must have been replaced before. Throws InputError
+// for wrong options, and if the scene has moving objects that the method cannot trace.
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene);
 
 struct Frame {
@@ -32,11 +32,12 @@ struct Frame {
   std::vector<Shot> shots;  // one per sensor
 };
 
-// Safe to call from several threads. Caches the drives that it has found in scenes, and the random settings of the
-// sequences used last; neither cache changes a result.
+// Makes the shots of a plan's frames. Caches the trajectories that depend on scenes, and the random settings of the
+// most recently used sequences; the caches do not change results. Safe to call from several threads.
 class ShotSource {
  public:
-  // Reads the own vehicle and traces it. The plan must outlive this object. Throws InputError.
+  // Reads the ego vehicle, if there is one, and traces each sensor's rays to it. The plan must outlive this object.
+  // Throws InputError.
   explicit ShotSource(const Plan& plan);
   explicit ShotSource(Plan&&) = delete;
   ShotSource(const ShotSource&) = delete;
@@ -44,24 +45,27 @@ class ShotSource {
 
   const Plan& plan() const { return plan_; }
 
-  // Loads the scene of a sequence, with textures only if a channel needs them. For a recording, the scene has only the
-  // classes and materials, which are all that scans need. Throws InputError.
+  // Loads the scene of a sequence; textures only if a channel needs them. For a recording, the scene has only classes
+  // and materials, which are all that scans need. Throws InputError.
   Scene load(std::size_t sequence);
   std::unique_ptr<Method> method(const Scene& scene) const;
 
-  // Returns the trajectory of a sequence, with its random path and on the ground if it asks for them. Loads the scene
-  // if they depend on it and load() was not called yet. Not for recordings, which have no trajectories.
+  // Returns the trajectory of a sequence, with its random path and on the ground if it asks for these. If it needs the
+  // scene and load() has not been called for the sequence, loads the scene. Must not be called for recordings, which
+  // have no trajectories.
   std::shared_ptr<const Trajectory> drive(std::size_t sequence);
 
-  // Returns the settings of the first frame of the first sequence; if nothing is random, they are those of all frames.
+  // Returns the mounts and effects of the sensors in the first frame of the first sequence. If nothing is random, they
+  // apply to all frames.
   const FrameSettings& settings() const { return *settings_; }
-  // Returns the mounts and effects of the sensors in a frame. Throws InputError if random values do not fit together.
+  // Returns the mounts and effects of the sensors in a frame. Throws InputError for an invalid combination of random
+  // values.
   std::shared_ptr<const FrameSettings> settings(std::size_t sequence, std::uint32_t frame);
-  // Returns the settings and the shots of a frame. Throws InputError as settings() and drive() do.
+  // Returns the settings and the shots of a frame. Throws InputError for the same reasons as settings() and drive().
   Frame frame(std::size_t sequence, std::uint32_t number);
 
-  // Returns for each sensor, as it is mounted in the first frame, the share of its rays that the own vehicle blocks;
-  // an empty list without an own vehicle.
+  // Returns for each sensor the fraction of its rays that hit the ego vehicle, with the mounts of the first frame;
+  // empty if there is no ego vehicle.
   std::vector<double> blockedShares() const;
 
  private:
@@ -72,11 +76,12 @@ class ShotSource {
 
   const Plan& plan_;
   const Pipeline& pipeline_;
-  std::shared_ptr<const Scene> vehicle_;           // null: no own vehicle
-  std::shared_ptr<const FrameSettings> settings_;  // the settings of the first frame of the first sequence
+  std::shared_ptr<const Scene> vehicle_;           // null: no ego vehicle
+  std::shared_ptr<const FrameSettings> settings_;  // settings of the first frame of the first sequence
   DrawnSettings drawn_;
-  std::mutex mutex_;                                                 // guards drives_
-  std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;  // those found in scenes, by sequence
+  std::mutex mutex_;  // guards drives_
+  // Trajectories that depend on scenes, by index of their sequence.
+  std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;
 };
 
 }  // namespace scanmill

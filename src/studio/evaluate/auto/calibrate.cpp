@@ -23,8 +23,8 @@ Value defaultSettings() {
   return parseYaml(list, "settings of auto");
 }
 
-// Returns upper bounds for the union of two sets of errors: its percentiles and means are at most the larger ones of
-// the two sets.
+// Returns upper bounds of the percentiles and means for the union of two sets of errors: the larger value of the two
+// sets.
 Spread worstOf(const Spread& a, const Spread& b) {
   Spread s;
   s.count = a.count + b.count;
@@ -54,7 +54,7 @@ GroupErrors worstOf(const GroupErrors& a, const GroupErrors& b) {
   return e;
 }
 
-// Returns sequences of different scenes, spread over all sequences of the pipeline.
+// Returns the indices of at most `most` sequences with different scenes, spread over all sequences of the pipeline.
 std::vector<std::size_t> sequencesOf(const Pipeline& pipeline, std::size_t most) {
   std::vector<std::size_t> firsts;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
@@ -103,20 +103,21 @@ class Calibrator {
 
  private:
   struct Sum {
-    double setup = 0;    // s
-    double perBeam = 0;  // s
+    double setup = 0;    // s, summed over scenes
+    double perBeam = 0;  // s, summed over scenes
     int scenes = 0;      // number of scenes on which the setting was measured
   };
 
-  // True if a setting breaks an error limit on the scenes so far: then it need not be measured on more scenes.
+  // True if a setting exceeds an error limit on the scenes measured so far; then it need not be measured on further
+  // scenes.
   bool erring(const CalibratedSetting& row) const {
     ErrorLimits errors = choice_.limits;
     errors.minRate.reset();
     return !broken(row.candidate, errors).empty();
   }
 
-  // Rules out methods that take objects as standing still, if objects move. The other methods are measured with the
-  // objects where they are when the drive begins.
+  // Excludes methods that ignore motion if objects of the scene move. The other methods are measured with all objects
+  // at their positions at time 0 s.
   static void refuseStill(Calibration& calibration) {
     for (CalibratedSetting& row : calibration.settings) {
       const MethodEntry& entry = *row.setting.choice.entry;
@@ -131,7 +132,7 @@ class Calibrator {
     Scene scene = source_.load(sequence);
     if (scene.moves()) refuseStill(calibration);
     standStill(scene, 0);
-    // The shots are divided evenly among the scenes; the first scenes take the remainder.
+    // The shots are divided evenly among the scenes; the first scenes get the remainder.
     const auto shares = static_cast<std::uint32_t>(scenes_.size());
     const std::uint32_t count = choice_.shots / shares + (index < choice_.shots % shares ? 1 : 0);
     std::vector<Shot> shots;
@@ -201,7 +202,7 @@ class Calibrator {
   std::vector<std::size_t> scenes_;
   Progress progress_;
   std::vector<Sum> sums_;
-  std::uint32_t frames_ = 0;  // number of frames that were measured
+  std::uint32_t frames_ = 0;  // number of frames measured so far
 };
 
 }  // namespace

@@ -1,19 +1,21 @@
 #pragma once
 
-// `method: auto` chooses the cheapest setting that is as exact, or as fast, as the pipeline asks for.
+// Chooses a method and its options for pipelines with `method: auto`: the cheapest setting that is as exact, or as
+// fast, as the pipeline requires.
 //
 //   method:
 //     auto:
 //       max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}   # see evaluate/limits.h
-//       min_rate: 5e6            # beams/s of tracing, all set-ups included; effects and encoding are not
-//       settings: [...]          # to choose from, see evaluate/settings.h (default: a few of each method)
+//       min_rate: 5e6            # beams/s for tracing and all set-ups, without effects and encoding
+//       settings: [...]          # candidates, see evaluate/settings.h (default: a few of each method)
 //       shots: 3                 # number of frames on which settings are measured, spread over all sequences
 //
-// Every setting is measured on these frames against the truth (evaluate/exact/exact.h). Its errors are the worst of the
-// scenes that the frames show; its cost is the time that the whole pipeline would take with it. A setting that is not
-// exact enough on a scene is not measured on the next. Costs that differ by less than a tenth, which is timing noise,
-// count as equal, and then the most exact setting is taken. If only a rate is asked for, the most exact setting that is
-// fast enough is taken. Since measured times decide, another run may choose another setting if two are about as good.
+// Every setting is measured on these frames, and its hits are compared with exact hits (evaluate/exact/exact.h). The
+// errors of a setting are the largest over all measured scenes; its cost is the time that the complete pipeline would
+// take. A setting that is not exact enough on one scene is not measured on further scenes. Costs that differ by less
+// than a tenth count as equal, because of timing noise; among equal costs the most exact setting is chosen. If the
+// pipeline limits only the rate, the most exact setting that is fast enough is chosen. Since times are measured, the
+// choice may differ from run to run if two settings are about equally good.
 
 #include <atomic>
 #include <string>
@@ -32,33 +34,34 @@ struct AutoChoice {
   std::uint32_t shots = 3;
 };
 
-// Reads the options of a pipeline whose method is `auto`. Throws InputError with the place, also if there is a limit of
-// the intensity error and no effect sets the intensity.
+// Reads the options of `method: auto`. Throws InputError with file and line; also if the intensity error is limited but
+// no effect sets the intensity.
 AutoChoice readAutoChoice(const Pipeline& pipeline);
 
-// Makes the checks of readAutoChoice() if the method of the pipeline is `auto`.
+// Throws InputError if the method of the pipeline is `auto` and its options are wrong, see readAutoChoice().
 void checkAutoChoice(const Pipeline& pipeline);
 
 struct CalibratedSetting {
   MethodSetting setting;
-  std::string failure;  // why it cannot be chosen; empty: it can
+  std::string failure;  // why the setting cannot be chosen; empty: it can be chosen
   Candidate candidate;
 };
 
 struct Calibration {
-  std::vector<CalibratedSetting> settings;  // in the order in which the pipeline names them
-  std::size_t chosen = 0;                   // the index of the setting that is taken
-  std::string why;                          // a sentence with figures, for people
+  std::vector<CalibratedSetting> settings;  // in the pipeline's order
+  std::size_t chosen = 0;                   // index of the chosen setting
+  std::string why;                          // the reason for the choice, as a sentence with figures
 
   MethodRecord record() const;
 };
 
-// Measures the settings of a plan whose method is `auto`, and chooses one. Throws Error if no setting holds the limits,
-// naming the nearest one and the limits that it breaks; also if `stop` becomes true.
+// Measures the settings of a plan with `method: auto`, and chooses one of them. Throws Error if no setting keeps the
+// limits; the message states the setting that comes nearest and the limits that it exceeds. Also throws Error if
+// `*stop` becomes true; `stop` may be null.
 Calibration calibrate(const Plan& plan, bool quiet, const std::atomic<bool>* stop = nullptr);
 
-// Returns the index of the setting that calibrate() chooses from the measured ones. `where` is the place of the
-// pipeline's method, for messages.
+// Returns the index of the setting to choose from measured settings, by the rules above. `where`: position of the
+// pipeline's key `method`, for messages.
 std::size_t chooseSetting(const std::vector<CalibratedSetting>& settings, const ErrorLimits& limits,
                           const Location& where);
 

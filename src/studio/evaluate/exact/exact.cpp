@@ -1,7 +1,7 @@
-// Computes the truth: intersects every beam with every triangle that it might hit, in double.
+// Computes exact hits: intersects every beam with every triangle that the beam might hit, in double precision.
 //
-// Embree only finds candidate triangles. Its boxes and rays are float32, so the boxes are enlarged by all that rounding
-// may change. Which triangle is hit, and where, is decided in double from the mesh's own corners.
+// Embree only finds candidate triangles. Its boxes and rays are float32, so the boxes are enlarged by the rounding
+// errors. Which triangle is hit, and where, is computed in double from the corners in the mesh.
 
 #include "evaluate/exact/exact.h"
 
@@ -23,36 +23,38 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kGrid = 1024;           // m, spacing of the worlds' origins, counted from the scene's centre
-constexpr std::size_t kKeptOrigins = 2;  // cached worlds: a drive across a grid line needs two at once
+constexpr double kGrid = 1024;           // spacing of possible world origins (m), on a grid around the scene's centre
+constexpr std::size_t kKeptOrigins = 2;  // number of cached worlds; a path across a grid line needs two alternately
 constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
-constexpr double kAlongAnAxis = 1e-12;   // smaller components of a direction become zero for Embree, see component()
+constexpr double kAlongAnAxis = 1e-12;   // smaller direction components become zero for Embree, see component()
 constexpr HierarchyOptions kUnfiltered{};
 
-// m. Surfaces are coplanar if they are at most kCoplanar x distance + kFloor apart along their normals, as in ray
-// tracing with the sensor at the world's origin. kFloor is the rounding of float32 corners near the sensor.
+// m. Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor, the same
+// rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners near
+// the sensor.
 const double kFloor = double{coplanarFloor(0)};
 
-// Returns the range (m) up to which surfaces may be coplanar with the nearest one, which is at `range`.
+// Returns the maximum range (m) of surfaces that may be coplanar with the nearest surface, which is at `range` (m).
 double reachOf(double range) {
   return range + (range * double{kReach} + kFloor);
 }
 
-// A placed mesh, as Embree's callbacks see it.
+// User data of a placed mesh for Embree's callbacks.
 struct PlacedGeometry {
   const PlacedBlock* placed;
-  double radius;  // m, see ExactWorld
+  double radius;  // m, see ExactWorld::radius
 };
 
-// The scene relative to one origin. Each placed mesh is an Embree geometry; its geometry id is the index in `placed`.
+// The scene's triangles relative to one origin. Each placed mesh is an Embree geometry; its geometry id is its index in
+// `placed`.
 struct ExactWorld {
   World world;
   std::vector<PlacedGeometry> placements;
-  double radius = 0;  // m; beams start at most this far from the origin
+  double radius = 0;  // m, maximum distance of beam origins from the world's origin
 };
 
 struct Found {
-  double range;            // m
+  double range;            // distance of the hit along the beam (m)
   std::uint32_t placed;    // index into World::placed
   std::uint32_t triangle;  // index in its block
 };
@@ -62,8 +64,8 @@ struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
-  double far;                 // m
-  std::vector<Found>* found;  // all hits within `far`, and some beyond
+  double far;                 // m, maximum range of hits
+  std::vector<Found>* found;  // receives all hits within `far`, and some beyond
 };
 
 struct WorldCorners {
@@ -85,8 +87,8 @@ float above(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-// Gives Embree the box of a triangle, enlarged by twice the error of Embree's rays: the rounding of a ray's origin, and
-// that of its direction times the distance to the triangle.
+// Gives Embree the bounding box of a triangle, enlarged by twice the error of Embree's rays: the rounding of a ray's
+// origin, plus the rounding of its direction times the distance to the triangle.
 void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   const auto& placement = *static_cast<const PlacedGeometry*>(arguments->geometryUserPtr);
   const WorldCorners t = cornersOf(*placement.placed, arguments->primID);
@@ -103,7 +105,7 @@ void boundTriangle(const RTCBoundsFunctionArguments* arguments) {
   bounds.upper_z = above(box.high.z + slack);
 }
 
-// Intersects a ray with a triangle. Embree traces single rays here, so lane 0 is the only one.
+// Intersects a ray with a triangle. Embree traces single rays here, so only lane 0 of the packet is used.
 void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& context = *reinterpret_cast<ExactContext*>(arguments->context);
@@ -121,8 +123,8 @@ void meetTriangle(const RTCIntersectFunctionNArguments* arguments) {
   RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = above(far);
 }
 
-// Returns the rank of a hit among coplanar surfaces. The lowest rank wins, as in ray tracing's filter of a flattened
-// scene.
+// Returns a sort key that decides between coplanar surfaces: the hit with the lowest key wins, as in the filter of the
+// ray-tracing method for a flattened scene.
 auto rank(const World& world, const Found& f) {
   const PlacedBlock& placed = world.placed[f.placed];
   const std::uint32_t id = instanceId(placed.firstInstanceId, placed.block->surfaceOf(f.triangle).instance);
@@ -134,8 +136,8 @@ double cosineOf(const World& world, const Found& f, const Vec3d& direction) {
   return std::abs(dot(normalized(placed.normalFromMesh * placed.block->triangles[f.triangle].normal), direction));
 }
 
-// Returns the hit with the lowest rank among those coplanar with the nearest one, whatever the order in which they were
-// found. `found` must not be empty.
+// Returns the hit that counts: among the hits that are coplanar with the nearest hit, the one with the lowest rank(),
+// whatever the order of `found`. `found` must not be empty.
 Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& direction) {
   if (found.size() == 1) return found.front();
   const Found nearest = *std::min_element(found.begin(), found.end(), [&](const Found& a, const Found& b) {
@@ -153,8 +155,8 @@ Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& 
   return first;
 }
 
-// Returns a component of a direction for Embree; tiny ones become 0, as in ray tracing. Embree 3.13 misses hits of rays
-// with components below 1e-18.
+// Returns a component of a ray's direction for Embree. Tiny components become 0, as in ray tracing, since Embree 3.13
+// misses hits of rays with components below 1e-18.
 float component(double direction) {
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
@@ -206,7 +208,7 @@ class ExactTracer::Impl {
         shared_(buildSharedMeshes(device_.get(), scene, std::vector<bool>(scene.meshes.size(), true), kUnfiltered)),
         materials_(compactMaterials(scene)) {
     if (scene.moves()) throw Error("the exact reference takes scenes whose objects stand still");
-    shared_.scenes.clear();  // only the triangles are needed
+    shared_.scenes.clear();  // frees Embree's scenes; only the triangles are needed
     if (materials_.empty()) materials_.emplace_back();
   }
 
@@ -260,8 +262,8 @@ class ExactTracer::Impl {
     std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
   }
 
-  // Returns the world whose origin is nearest to the sensor, built or cached, with a radius that includes all positions
-  // from which beams of the shot start.
+  // Returns the cached or new world whose origin is nearest to the sensor. Its radius includes all points from which
+  // beams of the shot start.
   std::shared_ptr<const ExactWorld> near(const Shot& shot) const {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Traces the hits of beams in double precision throughout: the truth against which methods are measured. It is slow,
-// and pipelines cannot name it as a method.
+// Traces the hits of beams completely in double precision. Methods are measured against these exact hits. This is slow,
+// and cannot be used as the method of a pipeline.
 
 #include <memory>
 #include <vector>
@@ -14,20 +14,20 @@
 namespace scanmill {
 
 struct ExactHits {
-  Hits hits;                  // the ranges are rounded to float
-  std::vector<double> range;  // m, per beam; infinite for a miss
+  Hits hits;                  // the ranges in it are rounded to float
+  std::vector<double> range;  // m, per beam; infinity for a miss
 };
 
 class ExactTracer {
  public:
-  // The scene must outlive the tracer.
+  // `scene` must outlive this object.
   explicit ExactTracer(const Scene& scene);
   ~ExactTracer();
   ExactTracer(const ExactTracer&) = delete;
   ExactTracer& operator=(const ExactTracer&) = delete;
 
-  // Traces a shot by the rules of Method::trace(): range limits, channels, alpha cut-outs, and the lowest instance id
-  // among coplanar surfaces. Several threads may call it at once.
+  // Traces a shot with the same rules as Method::trace() for range limits, channels, alpha cut-outs, and the lowest
+  // instance id among coplanar surfaces. May be called from several threads at a time.
   void trace(const Shot& shot, Channels channels, ExactHits& hits) const;
 
  private:

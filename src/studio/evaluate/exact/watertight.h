@@ -1,8 +1,8 @@
 #pragma once
 
 // Intersects a beam with a triangle in double precision: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection",
-// JCGT 2(1), 2013. Triangles that share an edge get exactly the same answer on which side of it a beam passes, so that
-// no beam slips between them.
+// JCGT 2(1), 2013. For triangles that share an edge, the test on which side of the edge a beam passes gives exactly the
+// same result, so that no beam passes between them.
 
 #include <cmath>
 #include <utility>
@@ -12,11 +12,11 @@
 namespace scanmill {
 
 struct TriangleMeet {
-  double range = 0;     // m, along a unit direction; 0: the beam does not hit the triangle
+  double range = 0;     // m from the beam's origin; 0: the beam does not hit the triangle
   double u = 0, v = 0;  // barycentric coordinates of the second and third corner
 };
 
-// A beam in coordinates that are permuted and sheared so that the beam runs along the z axis.
+// A beam for intersection tests. Coordinates are permuted and sheared so that the beam runs along the z axis.
 class ShearedBeam {
  public:
   ShearedBeam(const Vec3d& origin, const Vec3d& direction) : origin_(origin) {
@@ -25,7 +25,7 @@ class ShearedBeam {
     x_ = (z_ + 1) % 3;
     y_ = (z_ + 2) % 3;
     const double along = component(direction, z_);
-    if (along < 0) std::swap(x_, y_);  // keeps the winding
+    if (along < 0) std::swap(x_, y_);  // preserves the winding order
     shearX_ = component(direction, x_) / along;
     shearY_ = component(direction, y_) / along;
     scale_ = 1 / along;
@@ -40,7 +40,7 @@ class ShearedBeam {
     const double w = q.x * p.y - q.y * p.x;
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return {};
     const double area = u + v + w;
-    if (area == 0) return {};  // seen edge-on
+    if (area == 0) return {};  // the beam is parallel to the triangle's plane
     const double range = (u * p.z + v * q.z + w * r.z) / area * scale_;
     if (!(range > 0)) return {};
     return {range, v / area, w / area};
@@ -49,7 +49,8 @@ class ShearedBeam {
  private:
   static double component(const Vec3d& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
 
-  // The z coordinate is left in metres along the axis; meet() scales it once, at the end.
+  // Returns a corner in sheared coordinates. The z coordinate is not scaled to the beam's length; meet() scales the
+  // result instead.
   Vec3d sheared(const Vec3d& corner) const {
     const Vec3d p = corner - origin_;
     const double z = component(p, z_);

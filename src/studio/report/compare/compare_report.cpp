@@ -10,10 +10,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kReal = 0, kSimulated = 1;  // indices in the charts' palette
-constexpr std::size_t kMostNamed = 3;             // features named for a group
+constexpr std::size_t kReal = 0, kSimulated = 1;  // indices of colours in the charts' palette
+constexpr std::size_t kMostNamed = 3;             // maximum number of features that the page names for a group
 
-// Adds the words for people, which the file does not need.
+// Adds titles, explanations and keys to the items of a list. These texts are for users; compare.json does not have
+// them.
 template <class Rows>
 void addWords(Json& list, const char* key, const Rows& rows) {
   for (Json& item : list) {
@@ -47,7 +48,8 @@ Chart featureChart(const SetComparison& comparison) {
   return chart;
 }
 
-// Returns a chart with two bars for each name, from some rows of the comparison.
+// Returns the chart with two bars for each name. `rows`: part of the comparison's JSON. `name`, `real`, `simulated`:
+// keys in each row. `factor`: multiplies the values.
 Chart pairChart(Chart chart, const Json& rows, const char* name, const char* real, const char* simulated,
                 double factor) {
   chart.x.low = 0;

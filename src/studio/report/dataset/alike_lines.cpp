@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// The numbers of a line, and the texts between them.
+// The numbers in a line, and the texts before, between and after them.
 struct Line {
   std::vector<std::string> texts, numbers;
 };
@@ -32,7 +32,7 @@ bool smaller(const std::string& a, const std::string& b) {
   return a.size() != b.size() ? a.size() < b.size() : a < b;
 }
 
-// Merges lines that differ in their numbers into one.
+// Merges lines that are equal except for their numbers into one line.
 std::string joined(const std::vector<Line>& lines) {
   const Line& first = lines.front();
   std::size_t different = 0, last = 0;

@@ -23,7 +23,7 @@ Sides sidesOf(const SeenSize& size) {
   return {size.length, size.width, size.height};
 }
 
-// Interpolates linearly between the values of a sorted list.
+// Returns the quantile `share` (0 to 1) of a sorted list, linearly interpolated.
 double quantileOf(const std::vector<double>& sorted, double share) {
   const double place = share * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -31,7 +31,8 @@ double quantileOf(const std::vector<double>& sorted, double share) {
   return sorted[below] + (place - static_cast<double>(below)) * (sorted[above] - sorted[below]);
 }
 
-// The usual sizes of a class, without its extremes, some of which may be mistakes themselves.
+// The usual sizes of a class: quantiles of the length, width and height of its objects. The fraction `spared` of the
+// smallest and of the largest values is ignored, since their labels may be wrong.
 struct UsualSides {
   Sides low{}, middle{}, high{};
 
@@ -47,7 +48,7 @@ struct UsualSides {
     }
   }
 
-  // True if a side lies beyond the range by a factor and by a length (m).
+  // True if a side is outside of the usual range by more than the factor and by more than the length (m).
   bool isBeyond(const Sides& sides, std::size_t side, double factor, double metres) const {
     return sides[side] < std::min(low[side] / factor, low[side] - metres) ||
            sides[side] > std::max(high[side] * factor, high[side] + metres);
@@ -57,9 +58,10 @@ struct UsualSides {
     for (std::size_t side = 0; side < 3; ++side) count += isBeyond(sides, side, factor, metres) ? 1 : 0;
     return count;
   }
-  // True if the size is characteristic: not for a class of varied objects such as boxes and barrows, nor for tiny ones.
+  // True if objects can be recognised by this size. False for classes of varied objects, such as boxes and barrows, and
+  // for tiny objects.
   bool tell() const {
-    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // m
+    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // of `high` to `low`; m; m
     if (middle[0] < kLeastLength) return false;
     for (std::size_t side = 0; side < 3; ++side) {
       if (high[side] > kMostRatio * low[side] && high[side] - low[side] > kMostDifference) return false;
@@ -67,7 +69,7 @@ struct UsualSides {
     return true;
   }
   double distanceTo(const Sides& sides) const {
-    constexpr double kLeast = 0.05;  // m: smaller lengths count as equal
+    constexpr double kLeast = 0.05;  // m; smaller lengths are treated as this length
     double sum = 0;
     for (std::size_t side = 0; side < 3; ++side) {
       sum += std::abs(std::log(std::max(sides[side], kLeast) / std::max(middle[side], kLeast)));
@@ -106,31 +108,35 @@ class AnomalySearch {
  private:
   bool isPlain(const ThingSummary& thing) const { return !mixed_.contains({thing.sequence, thing.id}); }
 
-  // True if the points of a class have no ids, except for a few objects. Classes of parts of objects do not count.
+  // True if points of the class usually have no instance id: only a few objects of the class have one. Classes of parts
+  // of other classes' objects are excluded.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
-    constexpr double kFewShare = 0.02;  // share of all instances
+    constexpr double kFewShare = 0.02;  // fraction of all instances
     const auto own = thingsOf_.find(c.id);
     if (own == thingsOf_.end() || parts_.contains(c.id)) return false;
     const auto share = static_cast<std::size_t>(kFewShare * static_cast<double>(sum_.things.size()));
     if (own->second.size() > std::max(kFew, share)) return false;
     std::uint64_t points = 0;
     for (const std::size_t i : own->second) points += sum_.things[i].points;
-    // If the ontology marks classes as things, a class without the mark is not meant to have ids.
+    // If the ontology marks classes as things, instances of a class without this mark are suspicious.
     return c.pointsWithoutId > points || (counts_ && c.known && !c.thing);
   }
 
   void sizes() {
-    constexpr std::size_t kFewestAlike = 5;  // objects that define a size
-    // An object must leave its own class's usual range in two of its three sides, since parts of it may be hidden.
+    constexpr std::size_t kFewestAlike = 5;  // least number of objects from which the usual size of a class is computed
+    // Two of an object's three sides must be outside of its class's usual range, since one side may be too short
+    // because parts of the object are hidden.
     constexpr double kOwnSpared = 0.1, kBeyondFactor = 1.3, kBeyondMetres = 0.3;
     constexpr int kSidesBeyond = 2;
-    constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;  // within the other class's range
+    // An object must be within the usual range of the other class, extended by this factor or this length (m).
+    constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;
     std::map<std::uint16_t, std::vector<std::size_t>> wellSeen;
     for (const auto& [id, things] : thingsOf_) {
       if (id == 0 || uncounted_.contains(id)) continue;
       for (const std::size_t i : things) {
-        // Only objects of one class: of a tree with its trunk, scans show sometimes one, sometimes the other.
+        // Objects with points of several classes are not used, since their visible size depends on which part is
+        // visible: the tree or its trunk.
         if (sum_.things[i].size && sum_.things[i].pointsOfClass.size() == 1) wellSeen[id].push_back(i);
       }
     }
@@ -161,7 +167,7 @@ class AnomalySearch {
     }
   }
 
-  // Returns the sizes of all objects but the k-th.
+  // Returns the sizes of all objects except that at index k.
   std::vector<Sides> sidesWithout(const std::vector<std::size_t>& things, std::size_t k) const {
     std::vector<Sides> sides;
     for (std::size_t i = 0; i < things.size(); ++i) {
@@ -171,17 +177,20 @@ class AnomalySearch {
   }
 
   const DatasetSummary& sum_;
-  std::set<std::pair<std::string, std::uint32_t>> mixed_;  // reported by another warning
-  std::set<std::uint16_t> parts_;                          // classes of parts of other classes' objects
+  // (sequence, id) of instances that MixedInstance warnings report.
+  std::set<std::pair<std::string, std::uint32_t>> mixed_;
+  std::set<std::uint16_t> parts_;  // ids of classes that are parts of other classes' objects
   std::map<std::uint16_t, std::vector<std::size_t>> thingsOf_;
-  bool counts_ = false;  // the ontology marks classes as things
+  bool counts_ = false;  // true: the ontology marks classes as things
   std::set<std::uint16_t> uncounted_;
   std::vector<Anomaly> anomalies_;
 };
 
-// Returns a camera on the sensor's side of the box, a little above, and near enough for it to fill much of the picture.
+// Returns a camera that looks at the box from the sensor's side, slightly from above. It is near enough for the box to
+// fill much of the picture.
 OrbitCamera cameraOn(const Box& box) {
-  constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;  // deg, m
+  // Degrees; factor for the distance that frames the box; m.
+  constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;
   const auto tenths = [](double v) { return std::round(v * 10) / 10 + 0.0; };
   OrbitCamera camera;
   const Vec3d center = box.center();

@@ -14,16 +14,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kHalfWidth = 575, kWholeWidth = 1150;  // pixels: charts that share a row, and charts alone in a row
+// Width in pixels of charts that share a row, and of charts alone in a row.
+constexpr int kHalfWidth = 575, kWholeWidth = 1150;
 constexpr int kBarHeight = 21, kAround = 120;
-constexpr std::size_t kMostClasses = 12;  // the greatest number of classes in a stacked bar
+constexpr std::size_t kMostClasses = 12;  // maximum number of classes in a stacked bar
 constexpr const char* kOtherFill = "#8b949e";
 
 double perScan(std::uint64_t points, std::uint64_t scans) {
   return scans == 0 ? 0 : static_cast<double>(points) / static_cast<double>(scans);
 }
 
-// Returns the classes with a count, the most frequent first.
+// Returns the classes for which count(class) is not zero, those with the largest count first.
 std::vector<const ClassSummary*> classesWith(const DatasetSummary& summary,
                                              const std::function<std::uint64_t(const ClassSummary&)>& count) {
   std::vector<const ClassSummary*> classes;
@@ -43,7 +44,8 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t k = 0; k < std::min(sum.size(), part.size()); ++k) sum[k] += part[k];
 }
 
-// Returns bars of distance rings, stacked by class: points a scan, or shares of the ring.
+// Returns a stacked bar for each ring of distance with the points of each class: points per scan, or, if `shares`,
+// fractions of the ring's points.
 Chart ringsChart(const DatasetSummary& summary, bool shares) {
   const std::vector<DistanceRing> rings = distanceRings(summary);
   Chart chart{.name = shares ? "ring_shares" : "ring_points",
@@ -62,7 +64,8 @@ Chart ringsChart(const DatasetSummary& summary, bool shares) {
     ChartSeries bars{.name = name, .mark = ChartMark::Bars};
     for (std::size_t i = 0; i < rings.size(); ++i) {
       double value = perScan(pointsIn(ranges, rings[i]), shares ? pointsIn(all, rings[i]) : summary.scansRead);
-      if (shares) value = std::min(value, 1 - stacked[i]);  // rounding must not lift the bar's end above 100 %
+      // Rounding errors must not extend the bar beyond 100 %.
+      if (shares) value = std::min(value, 1 - stacked[i]);
       stacked[i] += value;
       bars.points.push_back({static_cast<double>(i), value});
       bars.details.push_back(fmt::format("{}, {}: {}", name, rings[i].name,
@@ -90,7 +93,8 @@ Chart ringsChart(const DatasetSummary& summary, bool shares) {
   return chart;
 }
 
-// Returns bars of the classes with a count, the most frequent first, horizontal (`lying`) or vertical.
+// Returns a bar for each class with the count `count`, the most frequent first. `lying`: bars are horizontal; otherwise
+// vertical.
 Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::uint64_t ClassSummary::*count) {
   const auto classes = classesWith(summary, [&](const ClassSummary& c) { return c.*count; });
   ChartSeries bars{.mark = ChartMark::Bars};
@@ -102,7 +106,7 @@ Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::ui
     bars.fills.push_back(htmlColor(c->color));
     (lying ? chart.y : chart.x).names.push_back(c->name);
   }
-  // Leaves room for the labels of the longest bars.
+  // Extends the axis to leave space for the labels of the longest bars.
   if (lying && !classes.empty()) chart.x.high = 4 * static_cast<double>(classes.front()->*count);
   if (lying) chart.height = kAround + kBarHeight * static_cast<int>(classes.size());
   chart.series.push_back(std::move(bars));
@@ -136,7 +140,8 @@ Chart splitChart(const DatasetSummary& summary) {
   return chart;
 }
 
-// Returns the points a scan of each sensor in steps of `step`.
+// Returns a line for each sensor: points per scan in bins of width `step`. counts(sensor) returns the number of points
+// in each bin.
 Chart stepsChart(const DatasetSummary& summary, Chart chart, double step,
                  const std::function<std::vector<std::uint64_t>(const SensorSummary&)>& counts) {
   chart.note = fmt::format("points per {:g} {}; a scan's mean, {}", step, chart.note, ofScans(summary));
@@ -162,7 +167,7 @@ Chart intensitiesChart(const DatasetSummary& summary) {
   for (const SensorSummary& s : summary.sensors) {
     if (!s.intensities.empty()) most = std::max(most, intensityOfKey(s.intensities.rbegin()->first));
   }
-  // A power of two: the ends of its bins are also ends of keys, so that each key lies in one bin.
+  // The axis ends at a power of two: then each intensity key lies completely in one bin.
   const double high = most > 0 ? std::exp2(std::floor(std::log2(double{most})) + 1) : 1;
   return stepsChart(
       summary, {.name = "intensities", .title = "Intensities", .note = "of intensity", .x = {.title = "intensity"}},
@@ -222,7 +227,7 @@ std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
       if (s.ranges[i] > 0) last = std::max(last, i + 1);
     }
   }
-  // Narrow rings near the sensor, where most points are; the last step is open.
+  // Rings are narrower near the sensor, where most points are. The last ring includes all larger distances.
   std::vector<std::size_t> ends;
   for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
     if (end < count - 1) ends.push_back(end);

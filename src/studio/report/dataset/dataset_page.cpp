@@ -30,8 +30,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FormatRecord, name, suffix, maxErrorMetres)
 
 namespace {
 
-constexpr std::size_t kMostRows = 2000;   // a browser is slow with more
-constexpr std::size_t kMostPlaces = 200;  // enough to find a cause
+constexpr std::size_t kMostRows = 2000;   // maximum number of rows in a table; browsers are slow with more
+constexpr std::size_t kMostPlaces = 200;  // maximum number of lines below a warning
 
 std::string meaningOf(const std::string& name) {
   const std::size_t axis = std::string_view("xyz").find(name);
@@ -105,10 +105,11 @@ class DatasetPage {
     }
   }
 
-  // Returns the scenes in the order of their first shards; empty if the order is unknown.
+  // Returns the names of the scenes, in the order of the first shard of each; empty if the order is not known.
   std::vector<std::string> scenesOfShards() const {
-    if (m_.pipelineText.find("shuffle") != std::string::npos) return {};  // the manifest has the order before shuffling
-    std::map<std::string, std::uint32_t> first;                           // first shard of each sequence
+    // Shuffling mixes the sequences, so the order is not known.
+    if (m_.pipelineText.find("shuffle") != std::string::npos) return {};
+    std::map<std::string, std::uint32_t> first;  // number of the first shard of each sequence
     for (const SampleRecord& sample : m_.samples) {
       std::uint32_t& shard = first.try_emplace(partsOfKey(sample.key).sequence, sample.shard).first->second;
       shard = std::min(shard, sample.shard);
@@ -125,8 +126,8 @@ class DatasetPage {
     return scenes;
   }
 
-  // Returns the methods' lines about scenes, each with its scene. The manifest keeps equal lines only once, so that
-  // lines can be assigned to scenes only if all of them differ.
+  // Returns the methods' lines about scenes, each preceded by its scene. Since the manifest stores equal lines only
+  // once, lines can be assigned to scenes only if there are as many different lines as scenes.
   std::vector<std::string> sceneLines() const {
     const std::vector<std::string> scenes = scenesOfShards();
     std::vector<std::string> found;
@@ -158,7 +159,7 @@ class DatasetPage {
     }
   }
 
-  // Sets the conditions for the commands that the template suggests.
+  // Sets the values that determine which commands the template suggests to the user.
   void next() {
     const auto holds = [&](const char* split) {
       return std::any_of(s_.splits.begin(), s_.splits.end(),
@@ -298,7 +299,7 @@ class DatasetPage {
                {"x", t.x},
                {"y", t.y},
                {"z", t.z},
-               // The inverse of fromYawPitchRoll().
+               // Inverse of fromYawPitchRoll().
                {"yaw", degrees(std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))) + 0.0},
                {"pitch", degrees(std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0))) + 0.0},
                {"roll", degrees(std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))) + 0.0},

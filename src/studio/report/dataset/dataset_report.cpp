@@ -34,7 +34,7 @@ std::string titleOf(const Manifest& manifest, const ScanPlace& place) {
   return fmt::format("{}, {}", sample.key, sample.scans[place.scan].sensor);
 }
 
-// Pictures a scan by class and by intensity, if it has them, otherwise by range.
+// Draws pictures of a scan, coloured by class and by intensity. If the scan has neither, it is coloured by range.
 PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const Scan& scan) {
   PicturedScan pictured{titleOf(manifest, place), manifest.samples[place.sample].split, {}};
   std::vector<ColorBy> colors;
@@ -50,13 +50,14 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const S
       pictured.pictures.emplace_back(color.name(),
                                      encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));
     } catch (const Error& e) {
-      warn(std::string("the page has no pictures: ") + e.what());  // such as: no OpenGL; the figures do not need it
+      // Pictures need OpenGL, which may be missing; the figures do not need it.
+      warn(std::string("the page has no pictures: ") + e.what());
     }
   }
   return pictured;
 }
 
-// Returns the name of the folder itself, even if it was given as "." for example.
+// Returns the name of the folder, even if its path is given as ".", for instance.
 std::string nameOf(const std::filesystem::path& folder) {
   const std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
@@ -77,7 +78,7 @@ class Examination {
     const std::vector<ScanPlace> spread = spreadScans(manifest, options_.mostScans);
     std::uint64_t scans = 0;
     for (const SampleRecord& sample : manifest.samples) scans += sample.scans.size();
-    report_.hashed = spread.size() == scans;  // if all scans are read anyway, hashing costs little
+    report_.hashed = spread.size() == scans;  // if all scans are read, computing hashes takes little additional time
     report_.shardFaults = shardFaults(folder_, manifest, report_.hashed);
     std::vector<bool> sound;
     for (const std::string& fault : report_.shardFaults) sound.push_back(fault.empty());
@@ -126,7 +127,7 @@ class Examination {
     report_.objects = scanmill::countObjects(folder_, report_.manifest, samples, faults_.scans);
   }
 
-  // Returns the largest error of all formats (m), because the format that a scan was read from is not known.
+  // Returns the largest position error of all formats (m), since it is not known from which format a scan was read.
   double largestError() const {
     double error = 0;
     for (const FormatRecord& f : report_.manifest.formats) error = std::max(error, f.maxErrorMetres);
@@ -146,8 +147,8 @@ class Examination {
     report_.warnings = warningsOf(report_.summary, faults_, folder_);
   }
 
-  // Draws pictures in the order of the scans' keys. Scans that cannot be read appear in the warnings only if they were
-  // also read for figures.
+  // Draws pictures of the scans, sorted by key. Scans that cannot be read are reported only if they were also read for
+  // the figures.
   void picture(std::vector<ScanPlace> shown) {
     const auto keyOf = [&](const ScanPlace& place) { return report_.manifest.samples[place.sample].key; };
     std::stable_sort(shown.begin(), shown.end(),
@@ -170,7 +171,7 @@ class Examination {
     report_.view = scanView(viewed, report_.manifest.ontology);
   }
 
-  // Reads the image of a pictured scan's reasons.
+  // Reads the image with the reasons of a scan that is pictured, and adds it to the report.
   void readReasons(const ScanPlace& place) {
     const SampleRecord& sample = report_.manifest.samples[place.sample];
     if (recordOf(place).beamsPerReason.empty()) return;
@@ -181,7 +182,7 @@ class Examination {
       std::string png = shard.read(*member);
       decodeReasons(png, member->name);
       report_.reasonImages.push_back({titleOf(report_.manifest, place), sample.split, {{"reason", std::move(png)}}});
-    } catch (const InputError&) {  // the page then lacks this image
+    } catch (const InputError&) {  // the page then does not show this image
     }
   }
 

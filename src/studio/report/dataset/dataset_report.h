@@ -1,6 +1,6 @@
 #pragma once
 
-// The report of a dataset: one HTML file that opens without a network.
+// Writes the report of a dataset: one HTML file that can be viewed offline.
 
 #include <atomic>
 #include <cstdint>
@@ -17,39 +17,41 @@
 namespace scanmill {
 
 struct DatasetReportOptions {
-  std::uint64_t seed = 0;       // seed of the choice of pictured samples
-  std::size_t samples = 4;      // number of pictured samples
-  std::size_t mostScans = 400;  // number of scans that are read for figures, at most
+  std::uint64_t seed = 0;       // seed for choosing the samples that are pictured
+  std::size_t samples = 4;      // number of samples that are pictured
+  std::size_t mostScans = 400;  // maximum number of scans that are read for figures
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;
 };
 
-// A scan as the page shows it.
+// The pictures of a scan on the page.
 struct PicturedScan {
   std::string title, split;
-  std::vector<std::pair<std::string, std::string>> pictures;  // each: meaning of the colours, bytes of the PNG
+  std::vector<std::pair<std::string, std::string>> pictures;  // pairs: meaning of the colours, contents of the PNG file
 };
 
 struct DatasetReport {
-  std::string folder;  // the name of the dataset's folder
-  std::string path;    // as given by the user
+  std::string folder;  // name of the dataset's folder
+  std::string path;    // path of the folder as the user gave it
   Manifest manifest;
   DatasetSummary summary;
-  std::vector<std::string> shardFaults;  // one per shard of the manifest; empty if the shard is sound
-  bool hashed = false;                   // the SHA-256 of shards was compared, too
+  std::vector<std::string> shardFaults;  // one text per shard of the manifest; empty if the shard is sound
+  bool hashed = false;                   // true: the SHA-256 of shards were compared
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
-  std::vector<PicturedScan> reasonImages;  // pictures of the reasons in the same scans, if these have reasons
-  ObjectCounts objects;                    // in the samples whose scans were read for figures
-  std::string view;                        // the scans in 3D, as scanView() writes them
+  // Images of the reasons of the pictured scans; empty if the dataset has no reasons.
+  std::vector<PicturedScan> reasonImages;
+  ObjectCounts objects;  // counts over the samples whose scans were read for figures
+  std::string view;      // JSON of the scans for the 3D view, see scanView()
   std::uint64_t seed = 0;
 };
 
-// Reads a dataset and gathers what its report shows. Throws InputError if the manifest cannot be read, and Error if no
-// scan can be read. All other faults become warnings.
+// Reads a dataset and collects the contents of its report. Throws InputError if the manifest cannot be read, and Error
+// if no scan can be read. Other faults are reported as warnings.
 DatasetReport examineDataset(const std::filesystem::path& folder, const DatasetReportOptions& options);
 
-// Returns the report as one HTML file. The same dataset with the same name, seed and options gives the same bytes.
+// Returns the report as an HTML file. The same dataset with the same name, seed and options always gives the same
+// bytes.
 std::string datasetPage(const DatasetReport& report);
 
 }  // namespace scanmill

@@ -35,7 +35,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
 }
 
-// Splits the name: "street-s1-lane" is seed 1 of the scene street, driven along the trajectory lane.
+// Splits the name of a sequence: "street-s1-lane" is the scene street with the seed 1 and the trajectory lane.
 SequenceSummary sequenceNamed(const std::string& name) {
   SequenceSummary sequence{name, {}, {}, {}, {}, 0, 0, 0, 0};
   for (std::size_t at = name.find("-s"); at != std::string::npos; at = name.find("-s", at + 1)) {
@@ -65,7 +65,7 @@ class Summing {
     for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
   }
 
-  // Adds the figures of all scans.
+  // Adds the figures that the manifest has for all scans.
   void addManifest() {
     const auto has = [&](const char* column) {
       return std::find(manifest_.columns.begin(), manifest_.columns.end(), column) != manifest_.columns.end();
@@ -73,7 +73,7 @@ class Summing {
     sum_.labelled = has("label");
     sum_.instanced = has("instance");
     sum_.samples = manifest_.samples.size();
-    std::map<std::string, std::pair<double, double>> times;  // first and last time (s) by sequence
+    std::map<std::string, std::pair<double, double>> times;  // first and last time of each sequence (s)
     std::map<std::string, std::set<std::string>> splitsOf;
     for (const SampleRecord& sample : manifest_.samples) {
       const std::string name = sequenceOf(sample);
@@ -249,10 +249,11 @@ class Summing {
     }
   }
 
-  // Finds instances of several classes. Objects may have parts of different classes; then most objects with one of the
-  // classes have the other, too. If few have, labels are likely to be wrong.
+  // Finds instances with points of several classes. An instance counts as usual if most instances with one of its
+  // classes also have the other, as for trees and trunks; otherwise its labels are probably wrong.
   void findMixed() {
-    constexpr std::uint64_t kFewest = 3;  // with this many such objects, the combination counts as intended
+    // Least number of such instances for which a combination of classes counts as usual.
+    constexpr std::uint64_t kFewest = 3;
     std::map<std::uint16_t, std::uint64_t> holders;
     std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> together;
     for (const auto& [key, points] : objects_) {
@@ -286,7 +287,8 @@ class Summing {
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;
   std::map<ObjectKey, ClassPoints> objects_;
   std::map<ObjectKey, ThingSummary> things_;
-  std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;  // a sample with points of each class
+  // For each object and class, a sample with such points.
+  std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 
-// Summarises a dataset in figures. Some figures come from the manifest and cover all scans; others need points and
-// cover only the scans that were read.
+// Summarises a dataset in figures. Some figures are from the manifest and cover all scans. Others are computed from
+// points and cover only the scans that were read.
 
 #include <array>
 #include <cstddef>
@@ -23,17 +23,18 @@ struct ClassSummary {
   std::string name;
   Rgb color{};
   bool thing = false;
-  bool known = true;  // the ontology has the class
-  // Figures of all scans:
+  bool known = true;  // true: the class is in the ontology
+  // Figures over all scans:
   std::uint64_t points = 0;
-  std::uint64_t scans = 0;                               // scans that hold the class
-  std::map<std::string, std::uint64_t> pointsOfSplit{};  // only of splits that hold the class
-  // Figures of the scans that were read:
-  std::vector<std::uint64_t> ranges{};  // points per step
-  // Instances with points of the class, each counted once: the same id in a sequence is the same instance.
+  std::uint64_t scans = 0;                               // number of scans with points of the class
+  std::map<std::string, std::uint64_t> pointsOfSplit{};  // only for splits with points of the class
+  // Figures over the scans that were read:
+  std::vector<std::uint64_t> ranges{};  // number of points in each step of DatasetSummary::steps
+  // Number of instances with points of the class. The same id in several scans of a sequence is one instance.
   std::uint64_t objects = 0;
-  std::uint64_t views = 0;  // the same instances, counted in every scan that shows them
-  double medianPoints = 0;  // median number of points of the class per instance and scan
+  // Number of (instance, scan) pairs in which the scan shows points of the class on the instance.
+  std::uint64_t views = 0;
+  double medianPoints = 0;  // median number of points of the class over all (instance, scan) pairs
   std::uint64_t pointsWithoutId = 0;
 };
 
@@ -42,17 +43,18 @@ struct SensorSummary {
   std::vector<std::string> methods{};
   std::uint64_t scans = 0, points = 0, beams = 0;
   std::uint64_t scansRead = 0;
-  std::vector<std::uint64_t> ranges;  // points per step, of the scans that were read
+  // Number of points in each step of DatasetSummary::steps, over the scans that were read.
+  std::vector<std::uint64_t> ranges;
   std::map<std::uint16_t, std::uint64_t> intensities{};
-  ReasonCounts beamsPerReason{};  // reasons of beams in the scans that have reasons
+  ReasonCounts beamsPerReason{};  // over the scans that have reasons
 };
 
 struct SequenceSummary {
-  std::string name;                     // prefix of the samples' keys: scene, seed and trajectory
-  std::string scene, seed, trajectory;  // parts of the name, if it has them
-  std::string split;                    // one split or several: "train, val"
+  std::string name;                     // first part of the samples' keys: scene, seed and trajectory
+  std::string scene, seed, trajectory;  // parts of the name; empty if they are not known
+  std::string split;                    // one or more names, such as "train, val"
   std::uint64_t samples = 0, scans = 0, points = 0;
-  double seconds = 0;  // from the first to the last scan of the sequence
+  double seconds = 0;  // s from the first to the last scan of the sequence
 };
 
 struct SplitSummary {
@@ -60,58 +62,60 @@ struct SplitSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, shards = 0, bytes = 0;
 };
 
-// An object: an instance id of a sequence. The figures are of the scans that were read.
+// An object, given by an instance id and a sequence. The figures cover the scans that were read.
 struct ThingSummary {
   std::string sequence;
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
   std::uint64_t points = 0, scans = 0;
-  std::uint16_t mostClass = 0;  // the class of most of its points
-  // Its largest length, width and height over the scans that show the object well, which see it from different sides;
-  // absent if no scan does.
+  std::uint16_t mostClass = 0;  // class of most of the object's points
+  // Largest length, width and height of the object over all scans that show it well; absent if no scan does. The
+  // largest values are used since each scan shows only some sides.
   std::optional<SeenSize> size{};
-  // The scan with the most of its points.
+  // The scan with the largest number of the object's points:
   std::string bestSample{}, bestSensor{};
   std::uint64_t bestPoints = 0;
-  Box bestBox{};  // the box of its points in that scan's level frame
+  Box bestBox{};  // bounding box of the object's points in the level frame of bestSample
 };
 
-// A scan shows an object well if it holds at least this number of its points.
+// Least number of an object's points in a scan that shows the object well.
 inline constexpr std::uint64_t kWellSeenPoints = 100;
 
 // An instance with points of several classes.
 struct MixedInstance {
   std::string sequence;
-  std::string sample;  // a sample that shows the class with the fewest points
+  std::string sample;  // key of a sample that shows the class with the fewest points
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  bool usual = false;  // any two of its classes often form one object, as trunk and tree do
+  bool usual = false;  // true: its classes often occur in the same object, such as tree and trunk
 };
 
-// Names of remarkable scans, each with the reason: "street-s1-lane-000010, top: 12 points".
+// Names of noteworthy scans, each with the reason, such as "street-s1-lane-000010, top: 12 points".
 using ScanRemarks = std::vector<std::string>;
 
 struct DatasetSummary {
   std::uint64_t samples = 0, scans = 0, points = 0, beams = 0, unresolved = 0;
-  bool labelled = false;              // scans have classes
-  bool instanced = false;             // scans have instances
-  std::vector<ClassSummary> classes;  // the classes of the ontology in its order, then classes that it lacks
+  bool labelled = false;   // true: scans have classes
+  bool instanced = false;  // true: scans have instance ids
+  // Classes of the ontology in its order, then classes that are missing in the ontology.
+  std::vector<ClassSummary> classes;
   std::vector<SensorSummary> sensors;
   std::vector<SequenceSummary> sequences;
-  std::vector<SplitSummary> splits;  // in the order of the samples
+  std::vector<SplitSummary> splits;  // in the order in which the samples name them
   ScanRemarks emptyScans, fewPoints, unresolvedScans;
 
   std::uint64_t scansChosen = 0, scansRead = 0, pointsRead = 0;
   RangeSteps steps;
-  std::vector<ThingSummary> things;  // in the order of sequence and id; empty if scans have no classes
+  std::vector<ThingSummary> things;  // sorted by sequence and id; empty if scans have no classes
   std::vector<MixedInstance> mixed;
 };
 
-// Adds up a dataset. `counts` belong to `places`; a count is absent if its scan could not be read.
+// Computes the summary of a dataset. `counts`: the counts of the scans at `places`, in the same order; absent if a scan
+// could not be read.
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps);
 
-// A scan has few points if it has less than this share of its sensor's median.
+// A scan is reported for few points if it has less than this fraction of the median of its sensor's scans.
 inline constexpr double kFewPointsShare = 0.5;
 
 }  // namespace scanmill

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kFewClassPoints = 1e-4;  // share of all points
+constexpr double kFewClassPoints = 1e-4;  // fraction of all points below which a class is reported
 
 double shareOf(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
@@ -92,7 +92,7 @@ class Warnings {
                                        [](const ClassSummary& c) { return c.id != 0 && c.known; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known,
                       fmt::join(alikeLines(none), ", ")));
-      list_.back().note = true;  // few scenes have all classes
+      list_.back().note = true;  // only a note, since few scenes contain all classes
     }
     const auto few = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;
@@ -107,7 +107,8 @@ class Warnings {
     }
   }
 
-  // Returns the number of returns that have no class because they come from no surface, as far as the dataset shows.
+  // Returns the number of returns without a class that come from no surface (false positives and weather), as far as
+  // the dataset records this.
   std::uint64_t fromNothing() const {
     std::uint64_t beams = 0;
     for (const SensorSummary& sensor : sum_.sensors) {
@@ -119,7 +120,7 @@ class Warnings {
     return beams;
   }
 
-  // Compares the split "train" with the other splits.
+  // Compares the classes in the split "train" with those in each other split.
   void splits() {
     const auto train = std::find_if(sum_.splits.begin(), sum_.splits.end(),
                                     [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
@@ -167,8 +168,8 @@ class Warnings {
     return *std::find_if(sum_.classes.begin(), sum_.classes.end(), [&](const ClassSummary& c) { return c.id == id; });
   }
 
-  // Reports objects of one class that are found for the same reason as one warning, and lists the others below the
-  // first: a tree may have fifty baubles.
+  // Reports suspicious objects. Objects of the same class with the same reason are combined to one warning, with
+  // further objects listed below the first; for instance, a tree may have fifty baubles.
   void things() {
     if (!sum_.instanced || !sum_.labelled) return;
     const std::vector<Anomaly> anomalies = findAnomalies(sum_);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes warnings about a dataset, in plain words.
+// Writes warnings about a dataset in plain words.
 
 #include <filesystem>
 #include <string>
@@ -11,20 +11,20 @@
 namespace scanmill {
 
 struct DatasetWarning {
-  std::string text;                   // one or two sentences that need no context
-  std::vector<std::string> places{};  // the samples, instances or shards concerned, one line each
-  std::string command{};              // a shell command that shows it
-  bool note = false;                  // worth knowing, but not a sign of a fault
+  std::string text;                   // one or two sentences that are understandable without context
+  std::vector<std::string> places{};  // names of the affected samples, instances or shards, one per line
+  std::string command{};              // shell command that shows the problem; empty: none
+  bool note = false;                  // true: information that is not a sign of a fault
 };
 
-// Faults met while reading the dataset, one line each.
+// Faults that were found while reading the dataset, one line each.
 struct ReadingFaults {
-  std::vector<std::string> shards;    // missing or damaged shards
-  std::vector<std::string> scans;     // scans that could not be read
-  std::vector<std::string> mistaken;  // scans that disagree with the manifest
+  std::vector<std::string> shards;    // about missing or damaged shards
+  std::vector<std::string> scans;     // about scans that could not be read
+  std::vector<std::string> mistaken;  // about scans that contradict the manifest
 };
 
-// Writes the warnings. `folder` is the dataset's folder as given on the command line.
+// Returns the warnings. `folder`: path of the dataset as the user gave it.
 std::vector<DatasetWarning> warningsOf(const DatasetSummary& summary, const ReadingFaults& faults,
                                        const std::filesystem::path& folder);
 

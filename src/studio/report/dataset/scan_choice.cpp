@@ -11,8 +11,9 @@ namespace scanmill {
 
 namespace {
 
-// Returns a random number per seed and sample. Philox's key holds the seed and its counter the sample; kPictures in the
-// last word, where the numbers of a dataset's noise have their purpose, keeps the two apart.
+// Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
+// counter. kPictures in the counter's last word, which holds the purpose for all other random numbers of the program,
+// makes the number independent of them.
 std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
   constexpr std::uint32_t kPictures = 0xFFFF0000u;
   const RandomBlock block = philox4x32(
@@ -21,10 +22,10 @@ std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
   return std::uint64_t{block[0]} << 32 | block[1];
 }
 
-// The samples of a split, in their order.
+// The samples of a split, in the order of the manifest.
 struct SplitSamples {
   std::string split;
-  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // random number, sample
+  std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // pairs of random number and index of the sample
 };
 
 }  // namespace

@@ -12,11 +12,11 @@ namespace scanmill {
 
 namespace {
 
-// Returns the size of the box with the smallest base. Principal axes would not do: for points on two or three sides
-// they lie diagonally. The smallest base lies along the sides or, if only two are seen, perhaps along the line between
-// their ends, which makes it little longer.
+// Returns the size of the upright box with the smallest base that contains the points. Principal axes are not suitable,
+// since they are diagonal if points lie on two or three sides of an object. If only two sides are visible, the smallest
+// base may be diagonal too, but is then hardly longer than the object.
 SeenSize sizeOf(const std::vector<Vec3d>& points, const Box& box) {
-  constexpr int kDirections = 30;  // in a quarter turn, which finds the base to 1.5 degrees
+  constexpr int kDirections = 30;  // directions in 90 degrees, which are thus 3 degrees apart
   constexpr double kNothing = std::numeric_limits<double>::infinity();
   SeenSize best;
   double smallest = kNothing;
@@ -43,8 +43,8 @@ bool isElsewhere(std::uint8_t cause) {
          cause == static_cast<std::uint8_t>(Cause::FalsePositive) || cause == static_cast<std::uint8_t>(Cause::Weather);
 }
 
-// Measures instances. Points of mirror images, stray light and the like lie elsewhere; they count if there are no
-// others.
+// Measures the boxes of instances. Points whose position is not on the object (mirror images, stray light, false
+// positives, weather) are used only if an instance has no others.
 void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
   if (instances.empty()) return;
   struct Places {
@@ -92,10 +92,10 @@ Mat3 levelFromSensor(const Quat& worldFromSensor) {
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor) {
   ScanCounts counts;
-  std::vector<std::uint64_t>* ranges =
-      nullptr;  // ranges of the last point's class, which neighbouring points mostly share
+  // Counts of the previous point's class; neighbouring points mostly have the same class.
+  std::vector<std::uint64_t>* ranges = nullptr;
   std::uint16_t lastClass = 0;
-  std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // id and class
+  std::unordered_map<std::uint64_t, std::uint64_t> pairs;  // (id, class) -> number of points
   std::uint64_t lastPair = 0;
   std::uint64_t* pairPoints = nullptr;
   std::vector<std::uint64_t> intensities(scan[kIntensity].empty() ? 0 : std::size_t{1} << 16, 0);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Counts the contents of one scan. Counts are whole numbers, so that sums do not depend on the order of adding.
+// Counts the contents of one scan. All counts are integers, so that sums do not depend on the order of addition.
 
 #include <cstdint>
 #include <map>
@@ -12,9 +12,9 @@
 
 namespace scanmill {
 
-// Distances from the sensor in steps; the last step holds all larger distances.
+// Bins of distance from the sensor. The last bin includes all larger distances.
 struct RangeSteps {
-  double step = 1;  // m
+  double step = 1;  // width of a bin (m)
   std::size_t count = 1;
 
   std::size_t of(double distance) const {
@@ -23,35 +23,39 @@ struct RangeSteps {
   }
 };
 
-// Returns steps of 0.1, 0.2, 0.5, 1, 2, 5 and so on metres: at most 120 up to the farthest range, and one beyond.
+// Returns bins for ranges up to `farthest` (m): at most 120 bins of 0.1, 0.2, 0.5, 1, 2, 5 or so on metres, and one bin
+// for larger ranges.
 RangeSteps rangeStepsFor(double farthest);
 
-// Intensities are counted by the upper half of their float32 bits: to within 1 in 128, whole numbers to 255 exactly.
-std::uint16_t intensityKey(float intensity);  // 0 for an intensity that is not above 0
-float intensityOfKey(std::uint16_t key);      // the smallest intensity with this key
+// Intensities are counted by the upper 16 bits of their float32 value. Integers up to 255 are distinguished exactly,
+// other intensities to within 1/128 of their value.
+std::uint16_t intensityKey(float intensity);  // returns 0 if the intensity is not positive
+float intensityOfKey(std::uint16_t key);      // returns the smallest intensity with this key
 
-// The size (m) of the visible part of an object: the upright box with the smallest base that holds its points.
+// The size (m) of an object's visible part: edges of the upright box with the smallest base that contains its points.
 struct SeenSize {
-  double length = 0, width = 0, height = 0;  // length >= width
+  double length = 0, width = 0, height = 0;  // length is at least width
 };
 
 struct InstanceCounts {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass;
-  Box box;        // box of the instance's points, in the level frame
+  Box box;        // bounding box of the instance's points, in the level frame
   SeenSize size;  // size of the instance's points, in the level frame
 };
 
 struct ScanCounts {
-  std::uint64_t points = 0;                                           // finite points
-  std::map<std::uint16_t, std::vector<std::uint64_t>> rangesOfClass;  // if there are no labels, all points have class 0
-  std::map<std::uint16_t, std::uint64_t> intensities;                 // by key
-  std::vector<InstanceCounts> instances;                              // ascending ids, without 0
-  std::map<std::uint16_t, std::uint64_t> withoutId;                   // points without an instance, by class
+  std::uint64_t points = 0;  // number of finite points
+  // Points per bin of range for each class; without labels, all points have the class 0.
+  std::map<std::uint16_t, std::vector<std::uint64_t>> rangesOfClass;
+  std::map<std::uint16_t, std::uint64_t> intensities;  // number of points by intensityKey()
+  std::vector<InstanceCounts> instances;               // sorted by id; without the id 0
+  std::map<std::uint16_t, std::uint64_t> withoutId;    // number of points without an instance id, by class
 };
 
-// Returns the rotation into a level frame at the sensor, whose x axis is the sensor's x axis projected to the
-// horizontal. It uses the orientation of the sensor at the start of its revolution.
+// Returns the rotation from the sensor's frame to a level frame with the same origin. The x axis of the level frame is
+// the sensor's x axis, projected onto the horizontal plane. `worldFromSensor`: orientation at the start of the
+// revolution.
 Mat3 levelFromSensor(const Quat& worldFromSensor);
 
 ScanCounts countScan(const Scan& scan, const RangeSteps& steps, const Mat3& levelFromSensor = {});

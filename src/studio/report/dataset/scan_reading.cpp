@@ -34,7 +34,7 @@ std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed
   }
 }
 
-// Reads a scan from the first of the formats that can be decoded. Throws InputError if none can.
+// Reads a scan from the first format in the list that can be decoded. Throws InputError if there is none.
 Scan readScan(const ShardIndex& shard, const SampleRecord& sample, const ScanRecord& scan,
               const std::vector<FormatRecord>& formats) {
   std::string why;
@@ -64,10 +64,10 @@ std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& man
 
 std::vector<std::string> readScans(const fs::path& folder, const Manifest& manifest,
                                    const std::vector<ScanPlace>& places, const ScanReading& reading) {
-  std::vector<FormatRecord> formats = manifest.formats;  // most exact first
+  std::vector<FormatRecord> formats = manifest.formats;  // sorted by accuracy, the most exact first
   std::stable_sort(formats.begin(), formats.end(),
                    [](const auto& a, const auto& b) { return a.maxErrorMetres < b.maxErrorMetres; });
-  std::map<std::uint32_t, std::vector<std::size_t>> wanted;  // per shard: indices into `places`
+  std::map<std::uint32_t, std::vector<std::size_t>> wanted;  // for each shard: indices in `places`
   for (std::size_t k = 0; k < places.size(); ++k) wanted[manifest.samples[places[k].sample].shard].push_back(k);
   std::vector<std::string> problems;
   for (const auto& entry : wanted) {
@@ -80,7 +80,7 @@ std::vector<std::string> readScans(const fs::path& folder, const Manifest& manif
       problems.push_back(fmt::format("{}: {}", name, text));
     };
     std::error_code failure;
-    if (!fs::is_regular_file(file, failure)) continue;  // a fault of the shard, which shardFaults() reports
+    if (!fs::is_regular_file(file, failure)) continue;  // shardFaults() reports the missing shard
     std::optional<ShardIndex> shard;
     try {
       shard.emplace(file, DamagedShard::ReadAsFarAsWhole);

@@ -11,9 +11,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewPoints = 1000;  // an instance or a class with at most this number stays complete
+// An instance or a class with at most this number of points is kept complete if possible.
+constexpr std::size_t kFewPoints = 1000;
 
-// Adds the points of each rare value.
+// Adds a group for each value (instance id or class) that at most kFewPoints points have. `zeroIsNone`: points with the
+// value 0 form no group.
 template <class Value>
 void addRare(const Scan& scan, const std::vector<Value>& values, const std::vector<std::size_t>& finite,
              bool zeroIsNone, std::vector<std::pair<std::size_t, std::vector<std::size_t>>>& groups) {
@@ -28,12 +30,13 @@ void addRare(const Scan& scan, const std::vector<Value>& values, const std::vect
 }
 
 double weightOf(const Vec3f& position) {
-  constexpr double kLeast = 1e-3;  // m2: also a point at the sensor has a weight
+  constexpr double kLeast = 1e-3;  // m2; a point at the sensor needs a weight greater than zero
   const Vec3d p(position);
   return std::max(dot(p, p), kLeast);
 }
 
-// Returns the factor of the weights that keeps `kept` points in total, where a point's share is at most 1.
+// Returns the factor f for which the sum of min(f * weight, 1) over all weights is `kept`. f * weight is then the
+// probability of keeping a point.
 double factorFor(std::vector<double> weights, double kept) {
   std::sort(weights.begin(), weights.end(), std::greater<>());
   double rest = 0;
@@ -74,7 +77,7 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
     if (!whole[i]) weights.push_back(weightOf(scan.position[i]));
   }
   const double factor = factorFor(std::move(weights), static_cast<double>(most - wholeCount));
-  // The debt grows with every point; a point is kept whenever the debt reaches one.
+  // Add up the probabilities along the scan, and keep a point whenever the sum reaches one.
   std::vector<std::size_t> kept;
   double due = 0.5;
   for (const std::size_t i : finite) {
@@ -87,7 +90,7 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
     due -= 1;
     kept.push_back(i);
   }
-  if (kept.size() > most) kept.resize(most);  // rounding may have added one
+  if (kept.size() > most) kept.resize(most);  // rounding may have caused one point too many
   return kept;
 }
 

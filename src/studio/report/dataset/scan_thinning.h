@@ -9,10 +9,11 @@
 
 namespace scanmill {
 
-// Returns the indices of the finite points to show, ascending: all, or `most` of them. Instances and classes with few
-// points are kept complete, the smallest first, as long as they take up to half of `most`. Of the other points a share
-// is kept that grows with the square of the distance, evenly along the scan: the density of a LiDAR's points on a
-// surface falls with that square, so that near surfaces lose surplus points and far surfaces keep theirs.
+// Returns the indices of the finite points to show, ascending: all points, or `most` of them. Instances and classes
+// with few points are kept complete, the smallest first, as long as they take at most half of `most`. The other points
+// are thinned evenly along the scan, such that the fraction kept is proportional to the square of the distance. Since
+// the density of LiDAR points on a surface decreases with this square, near surfaces lose many points and far surfaces
+// few.
 std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most);
 
 }  // namespace scanmill

@@ -20,7 +20,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Encodes numbers in little-endian order on any machine.
+// Encodes numbers as base64 of their little-endian bytes, whatever the machine's byte order.
 template <class Number>
 OrderedJson column(const std::vector<std::uint32_t>& numbers) {
   std::string bytes;
@@ -31,7 +31,7 @@ OrderedJson column(const std::vector<std::uint32_t>& numbers) {
   return {{"type", fmt::format("u{}", 8 * sizeof(Number))}, {"data", base64(bytes)}};
 }
 
-// Encodes numbers in the narrowest type that holds them.
+// Encodes numbers in the smallest of the types u8, u16 and u32 that can represent all of them.
 OrderedJson narrowColumn(const std::vector<std::uint32_t>& numbers) {
   const std::uint32_t most = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
   return most < 1u << 8    ? column<std::uint8_t>(numbers)
@@ -126,7 +126,8 @@ class ViewData {
     json_["instance"] = narrowColumn(indices);
   }
 
-  // Whole numbers are stored exactly; others in 65534 steps, with one more code for values that are not numbers.
+  // Adds a column of values. Integers are stored exactly; other values are quantised to 65534 steps, with one
+  // additional code for values that are not finite.
   template <class Number>
   void numbers(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
     if (values.empty()) return;
@@ -159,7 +160,7 @@ class ViewData {
 
   const Scan& scan_;
   const Ontology& ontology_;
-  std::vector<std::size_t> points_;  // indices into the scan
+  std::vector<std::size_t> points_;  // indices in the scan
   OrderedJson json_;
 };
 

@@ -1,4 +1,4 @@
-// Draws the point clouds of a dataset's report with three.js. Data: see scan_view.h.
+// Draws the point clouds of a dataset's report with three.js. scan_view.h describes the data.
 (function () {
   'use strict';
   var element = function (id) { return document.getElementById(id); };
@@ -14,13 +14,13 @@
     for (var i = 0; i < raw.length; ++i) bytes[i] = raw.charCodeAt(i);
     return bytes;
   };
-  // Little-endian, like all machines that run browsers.
+  // The data are little-endian, and so are all machines that run browsers.
   var numbersOf = function (column) {
     var bytes = bytesOf(column.data);
     if (column.type === 'u8') return bytes;
     return column.type === 'u16' ? new Uint16Array(bytes.buffer) : new Uint32Array(bytes.buffer);
   };
-  var kNone = 65535;  // in a column of values: no number
+  var kNone = 65535;  // code in a column of values: there is no value
   var valuesOf = function (column) {
     var numbers = numbersOf(column), values = new Float32Array(numbers.length);
     for (var i = 0; i < numbers.length; ++i) {
@@ -49,11 +49,11 @@
   // ---- colours ----
 
   var css = function (rgb) { return 'rgb(' + rgb.join(',') + ')'; };
-  // The scale goes from the 1st to the 99th percentile; values beyond have the colours of its ends.
+  // The colour scale covers the 1st to the 99th percentile; values beyond get the colours of its ends.
   var scaleOf = function (column) {
     var sorted = column.at.filter(function (v) { return !isNaN(v); }).sort();
     var at = function (share) { return sorted.length ? sorted[Math.round(share * (sorted.length - 1))] : 0; };
-    // Intensity falls with the square of the distance: its square root shows more.
+    // Intensity decreases with the square of the distance, so its square root is shown.
     return {low: at(0.01), high: at(0.99), power: column.name === 'intensity' ? 2 : 1};
   };
   var choices = function (cloud) {
@@ -123,13 +123,13 @@
   controls.screenSpacePanning = true;
   controls.minDistance = 0.5;
   controls.maxDistance = 1500;
-  // The page must neither jump when the picture is clicked, nor stop scrolling over the picture.
+  // A click on the picture must not scroll the page, and the page must scroll while the pointer is over the picture.
   canvas.focus = function () { HTMLElement.prototype.focus.call(canvas, {preventScroll: true}); };
   controls.enableZoom = false;
   canvas.addEventListener('focus', function () { controls.enableZoom = true; });
   canvas.addEventListener('blur', function () { controls.enableZoom = false; });
 
-  // Round points; the size is in pixels at 20 m and grows towards the eye.
+  // Draws points as discs. `size` is their diameter in pixels at a distance of 20 m; nearer points are larger.
   var material = new THREE.ShaderMaterial({
     uniforms: {size: {value: 2.5}, ratio: {value: 1}},
     vertexShader: 'attribute vec3 tint; varying vec3 shade; uniform float size; uniform float ratio;' +
@@ -139,7 +139,7 @@
     fragmentShader: 'varying vec3 shade; void main() { vec2 off = gl_PointCoord - vec2(0.5);' +
       'if (dot(off, off) > 0.25) discard; gl_FragColor = vec4(shade, 1.0); }'
   });
-  var pointSize = function (depth) {  // as in the shader, in the page's pixels
+  var pointSize = function (depth) {  // the size that the shader computes, in CSS pixels
     var size = material.uniforms.size.value;
     return Math.min(Math.max(size * 20 / Math.max(depth, 0.1), Math.max(size * 0.5, 1)), size * 4);
   };
@@ -158,7 +158,7 @@
 
   var clouds = data.scans.map(function () { return null; });
   var cloud = null, points = null, asked = false;
-  var hidden = {}, classIds = {};  // by class id: one choice for all scans
+  var hidden = {}, classIds = {};  // by class id; the choice applies to all scans
   data.scans.forEach(function (scan) {
     (scan.classes || []).forEach(function (entry) { classIds[entry.id] = true; });
   });
@@ -185,7 +185,7 @@
   // Moves the camera behind and above the sensor, or straight above it.
   var look = function (above) {
     if (above) {
-      camera.position.set(0, -0.05, 90);  // x to the right, y up
+      camera.position.set(0, -0.05, 90);  // above, with x to the right and y up
       controls.target.set(0, 0, 0);
     } else {
       camera.position.set(-17, 0, 9);
@@ -210,8 +210,8 @@
 
   // ---- picking ----
 
-  var kReach = 9;  // pixels around the pointer
-  // Returns a point's position in the canvas (pixels) and its depth (m); null behind the eye.
+  var kReach = 9;  // maximum distance from the pointer in pixels
+  // Returns a point's position in the canvas (pixels) and its depth (m); null if it is behind the camera.
   var placeOf = function (i, view, projection) {
     var e = view.elements, p = projection.elements, x = cloud.xyz[3 * i], y = cloud.xyz[3 * i + 1],
         z = cloud.xyz[3 * i + 2];
@@ -221,7 +221,7 @@
     var sy = p[5] * (e[1] * x + e[5] * y + e[9] * z + e[13]) / depth;
     return {x: (sx + 1) / 2 * stage.clientWidth, y: (1 - sy) / 2 * stage.clientHeight, depth: depth};
   };
-  // Returns the point visible at a position, or else the nearest one around it; -1: none.
+  // Returns the index of the point that is visible at a position; otherwise the nearest point around it; -1 if none.
   var pick = function (x, y) {
     camera.updateMatrixWorld();
     var view = new THREE.Matrix4().getInverse(camera.matrixWorld);
@@ -280,7 +280,7 @@
   canvas.addEventListener('mouseleave', function () { if (kept < 0) mark(-1); });
   canvas.addEventListener('click', function (event) {
     var at = placeIn(event);
-    if (pressed && Math.hypot(at[0] - pressed[0], at[1] - pressed[1]) > 4) return;  // it was a rotation
+    if (pressed && Math.hypot(at[0] - pressed[0], at[1] - pressed[1]) > 4) return;  // the user has rotated the view
     var found = pick(at[0], at[1]);
     kept = found === kept ? -1 : found;
     mark(found);
@@ -301,7 +301,7 @@
       count.textContent = entry.points.toLocaleString('en');
       button.append(swatch, entry.name, count);
       button.addEventListener('click', function (event) {
-        // The handler below handles the second click of a double click.
+        // The second click of a double click is handled below.
         if (event.detail > 1) return;
         hidden[entry.id] = !hidden[entry.id];
         refresh();

@@ -55,7 +55,7 @@ Chart sigmaChart(const NoiseFit& fit) {
   return chart;
 }
 
-// Returns bars of the noise of each group.
+// Returns a chart with a bar for the noise of each group.
 Chart groupChart(const std::vector<PatchGroup>& groups, const char* name, const std::string& title,
                  const std::string& note, const std::string& axis) {
   Chart chart{.name = name};
@@ -140,7 +140,7 @@ Chart residualChart(const ResidualComparison& comparison) {
   return chart;
 }
 
-// Returns the rows of the groups; groups without patches have no figures.
+// Returns the table rows of the groups. `by`: kind of the groups. Rows of groups without patches have no figures.
 Json groupsJson(const std::vector<PatchGroup>& groups, const char* by) {
   Json rows = Json::array();
   for (const PatchGroup& g : groups) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// The report on the noise measured in recorded scans.
+// Writes the report on the noise that was measured in recorded scans.
 
 #include <string>
 #include <string_view>
@@ -12,14 +12,14 @@
 
 namespace scanmill {
 
-// Returns the charts of the report that are also written as separate files.
+// Returns those charts of the report that are also written as separate files.
 std::vector<Chart> noiseCharts(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison);
 
-// Returns the page index.html, which needs no other file: the measurements, the fitted model, and a comparison of the
-// recording with its simulation. `sensor` is the sensor's model, `effects` the text of effectsYaml().
+// Returns the HTML page index.html, which needs no other file: the measurements, the fitted model, and a comparison of
+// the recording with its simulation. `sensor`: name of the sensor's model. `effects`: the result of effectsYaml().
 std::string noiseReport(const NoiseFit& fit, const std::vector<ResidualComparison>& comparison,
                         const std::string& sensor, const std::string& effects, const std::string& date);
 
-extern const std::string_view kNoiseTemplate;  // noise.html
+extern const std::string_view kNoiseTemplate;  // contents of noise.html
 
 }  // namespace scanmill

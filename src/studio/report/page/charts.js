@@ -1,9 +1,9 @@
 'use strict';
-// Draws a page's charts with Chart.js, from the JSON that charts/chart_json.cpp writes. All axes are linear to
-// Chart.js: logarithms are taken here, so that a logarithmic axis has room for zeros beside it, and ticks follow one
-// rule when any axis is zoomed.
+// Draws a page's charts with Chart.js, from the JSON that charts/chart_json.cpp writes. Chart.js only gets linear axes:
+// logarithms are computed here, so that a logarithmic axis can show zeros beside it, and all axes choose their ticks in
+// the same way when they are zoomed.
 (() => {
-  // M. Okabe and K. Ito, Color Universal Design, 2008, as in charts/chart_svg.cpp.
+  // The palette of M. Okabe and K. Ito, Color Universal Design, 2008, as in charts/chart_svg.cpp.
   const LIGHT = ['#0072B2', '#D55E00', '#009E73', '#E69F00', '#CC79A7', '#56B4E9', '#1f2328', '#F0E442'];
   const DARK = ['#3D9BDC', '#E8762B', '#12B886', '#E69F00', '#CC79A7', '#7CC8F2', '#e6edf3', '#F0E442'];
   const DASHES = [[], [7, 3], [2.5, 3], [10, 3, 2, 3], [5, 2, 2, 2, 2, 2], [12, 4], [], [4, 4]];
@@ -15,7 +15,7 @@
     : {palette: LIGHT, ink: '#1f2328', muted: '#59636e', page: '#ffffff', grid: '#e8ebef', axis: '#8b949e', band: '#f3f5f8'};
 
   const plain = value => String(Number(value.toPrecision(6)));
-  // Returns 10 µm, 1 ms, 45 k; 0.1 % for the share 0.001.
+  // Formats a number with its unit, such as 10 µm, 1 ms or 45 k; with the unit %, 0.001 becomes 0.1 %.
   function numberText(value, unit) {
     if (unit === '%') return plain(value * 100) + ' %';
     const size = Math.abs(value), space = unit ? ' ' + unit : '';
@@ -25,7 +25,7 @@
     return plain(value / prefix[0]) + (prefix[1] + unit ? ' ' + prefix[1] + unit : '');
   }
 
-  // Wraps text into lines of at most `most` letters.
+  // Breaks text into lines of at most `most` characters.
   const wrapped = (text, most) => text.split(' ').reduce((lines, word) => {
     const last = lines.at(-1);
     return last && last.length + word.length < most ? [...lines.slice(0, -1), `${last} ${word}`] : [...lines, word];
@@ -36,14 +36,14 @@
     return power * [1, 2, 5, 10].find(factor => factor * power >= least * (1 - 1e-9));
   };
 
-  // Returns the logarithm of the largest of 1, 2 and 5 times a power of ten that is not above `log`. Use -niceLog(-log)
-  // for the smallest that is not below.
+  // Returns the logarithm of the largest number that is 1, 2 or 5 times a power of ten and whose logarithm is at most
+  // `log`. For the smallest number whose logarithm is at least `log`, use -niceLog(-log).
   const niceLog = log => {
     const power = Math.floor(log + 1e-9), stops = [0, Math.log10(2), Math.log10(5)];
     return power + Math.max(...stops.filter(stop => power + stop <= log + 1e-9));
   };
 
-  // An axis with everything that it needs: the positions of values, its ends, and its ticks.
+  // An axis: its ends, its ticks, and the positions of values on it.
   class Axis {
     constructor(axis, values, fromZero) {
       Object.assign(this, axis);
@@ -104,7 +104,7 @@
   const marksOf = chart => chart.data.datasets.flatMap((set, s) => !chart.isDatasetVisible(s) ? [] :
     chart.getDatasetMeta(s).data.map((element, i) => ({set, element, i})).filter(m => !m.element.skip && Number.isFinite(m.element.x) && Number.isFinite(m.element.y)));
 
-  // Draws the band of zeros, error bars, labels beside points if there is room, and the frame of a zoom in progress.
+  // Draws the band for zeros, error bars, labels beside points if there is room, and the frame while the user zooms.
   const extras = {
     id: 'extras',
     beforeDatasetsDraw(chart) {
@@ -140,7 +140,7 @@
       const rank = set => set.first ? 0 : set.strong ? 1 : 2;
       const taken = marks.filter(m => m.set.type !== 'bar' && m.element.options.radius > 0)
         .map(({element: e}) => [e.x - e.options.radius, e.y - e.options.radius, e.x + e.options.radius, e.y + e.options.radius]);
-      // The boxes of the parts of emphasised lines, which are staircases: text avoids them if possible.
+      // The boxes of the steps of emphasised lines, which are staircases. Labels avoid them if possible.
       const lines = chart.data.datasets.flatMap((set, s) => !set.strong || !set.showLine || !chart.isDatasetVisible(s) ? [] :
         chart.getDatasetMeta(s).data.slice(1).map((e, i) => [e, chart.getDatasetMeta(s).data[i]])
           .map(([a, b]) => [Math.min(a.x, b.x), Math.min(a.y, b.y), Math.max(a.x, b.x) + 1, Math.max(a.y, b.y) + 1]));
@@ -211,7 +211,7 @@
       pointHitRadius: 6, pointBackgroundColor: colour, pointBorderColor: c.page, pointBorderWidth: radius ? 1 : 0};
   }
 
-  // A button per name hides and shows the series of this name.
+  // For each name, adds a button that hides and shows the series with this name.
   function legend(figure, chart, series) {
     let box = figure.querySelector('.legend');
     if (!box) figure.querySelector('figcaption').after(box = document.createElement('div'));
@@ -241,8 +241,8 @@
     }));
   }
 
-  // Dragging zooms to a frame; after a click on the chart the wheel zooms about the pointer; a double click shows all
-  // again.
+  // Handles zooming: dragging zooms to a frame, the wheel zooms around the pointer after a click on the chart, and a
+  // double click shows everything again.
   function zoom(canvas, chart) {
     const set = (x, y) => {
       Object.assign(chart.options.scales.x, {min: x[0], max: x[1]});
@@ -286,34 +286,34 @@
     const chart = JSON.parse(figure.querySelector('script').textContent), canvas = figure.querySelector('canvas'), c = colours();
     const all = k => chart.series.flatMap(s => s.points.map(p => p[k]));
     const lying = Boolean(chart.y.names), bars = chart.series.some(s => s.mark === 'bars');
-    const ends = k => {  // of stacked bars
+    const ends = k => {  // ends of the stacked bars on axis k
       const sums = new Map();
       return chart.series.flatMap(s => s.points.map(p => {
         sums.set(p[1 - k], (sums.get(p[1 - k]) ?? 0) + p[k]);
         return sums.get(p[1 - k]);
       }));
     };
-    // A label beyond a bar's end needs room.
+    // Extend the axis, to leave space for the labels beyond the ends of bars.
     const labelled = k => !bars || chart.x.log || chart.y.log || !chart.series.some(s => s.labels) ? [] : (chart.stacked ? ends(k) : all(k)).map(v => v * 1.12);
     const values = k => [...all(k), ...(k === (lying ? 0 : 1) ? [...labelled(k), ...(chart.stacked ? ends(k) : [])] : []),
       ...(k === 1 ? chart.series.flatMap(s => s.spans?.flat() ?? []) : [])];
     const axes = {x: new Axis(chart.x, values(0), bars && lying), y: new Axis(chart.y, values(1), bars && !lying)};
     const someStrong = chart.series.some(s => s.strong);
-    const letters = (canvas.parentElement.clientWidth - (lying ? 130 : 60)) / 7;  // that fit beside an axis, for its title
+    const letters = (canvas.parentElement.clientWidth - (lying ? 130 : 60)) / 7;  // number of characters that fit beside an axis, for its title
     const scale = (axis, pixelsPerTick) => ({
       type: 'linear', bounds: 'data', offset: false, min: axis.min, max: axis.max, reverse: axis === axes.y && lying, stacked: chart.stacked,
       title: {display: axis === axes.x && Boolean(axis.title), text: wrapped(axis.title ?? '', letters), color: c.muted, font: {...FONT, size: 12}},
       grid: {color: axis.names && axis === axes.x ? 'transparent' : c.grid, borderColor: c.axis, tickColor: c.axis, offset: false},
       ticks: {color: c.ink, font: FONT, autoSkip: axis === axes.x && !axis.names, maxRotation: axis.names ? 40 : 0, includeBounds: false,
         callback(value) {
-          // Names often differ only at their end.
+          // Long names are shortened in the middle, since names often differ only at their end.
           const text = axis.text(value), room = this.chart.width < 450 ? 22 : this.chart.width < 700 ? 30 : 40;
           return text.length > room ? text.slice(0, room - 11) + '…' + text.slice(-10) : text;
         }},
       afterBuildTicks: own => {
         const length = axis === axes.x ? own.chart.width - 60 : own.chart.height - 40;
         const places = axis.ticks(own.min, own.max, Math.max(2, length / pixelsPerTick));
-        // The word for zero must not hide a number beside it.
+        // The label for zero must not overlap a number.
         const pixels = (length - (axis === axes.x && lying ? 110 : 0)) / (own.max - own.min), room = axis === axes.x ? 45 : 14;
         const hides = v => places[0] < axis.band && v > places[0] && (v - places[0]) * pixels < room;
         own.ticks = places.filter(v => !hides(v)).map(value => ({value}));

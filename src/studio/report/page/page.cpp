@@ -14,15 +14,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kHalfRow = 870;  // pixels: charts up to this width share a row
-constexpr int kAround = 60;    // pixels of a chart's height: its title, note and legend
+constexpr int kHalfRow = 870;  // maximum width of charts that share a row (pixels)
+constexpr int kAround = 60;    // part of a chart's height for title, note and legend (pixels)
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\n");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
 }
 
-// Splits a line at " | ".
+// Splits a line into the parts between " | ".
 std::vector<std::string> partsOf(const std::string& line) {
   std::vector<std::string> parts;
   for (std::size_t at = 0; at != std::string::npos;) {
@@ -38,14 +38,15 @@ std::string attribute(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, value);
 }
 
-// Returns the attribute by which a cell is sorted: the value of its figure, not the text.
+// Returns the HTML attribute with the value by which a table cell is sorted. It is the unformatted value of the first
+// figure in the cell's template; empty if there is none.
 std::string orderOf(const std::string& cell) {
   static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
   std::smatch found;
   return std::regex_search(cell, found, figure) ? fmt::format(" data-v=\"{{{{{}:.9g}}}}\"", found[1].str()) : "";
 }
 
-// Returns the Mustache template of a table.
+// Converts the description of a table (see fillPage()) to a Mustache template.
 std::string tableTemplate(const std::string& text) {
   std::istringstream lines(text);
   std::string line, rows, groups, heads, cells, repeated, group;
@@ -101,8 +102,8 @@ std::string figuresTemplate(const std::string& text) {
   return "<div class=\"figures\">" + figures + "</div>";
 }
 
-// Returns the name of a script that may run in a Content-Security-Policy: its SHA-256, in base64 (W3C, CSP level 3,
-// 2.3.1).
+// Returns the source expression that allows a script in a Content-Security-Policy: its SHA-256 in base64 (W3C, CSP
+// level 3, 2.3.1).
 std::string scriptSource(const std::string& script) {
   const std::string hex = sha256(script);
   std::string bytes;
@@ -114,7 +115,7 @@ std::string scriptSource(const std::string& script) {
   return fmt::format(" 'sha256-{}'", base64(bytes));
 }
 
-// Moves each <template id="name">text</template> from the body to `values`.
+// Removes all <template id="name">text</template> from the body and stores the texts in `values` under their names.
 std::string withoutPartials(std::string body, Json& values) {
   constexpr std::string_view kBegin = "<template id=\"", kEnd = "</template>\n";
   for (std::size_t at = body.find(kBegin); at != std::string::npos; at = body.find(kBegin)) {
@@ -125,7 +126,7 @@ std::string withoutPartials(std::string body, Json& values) {
   return body;
 }
 
-// Returns links to the headings of a page.
+// Returns links to all headings <h2 id="..."> of a page.
 std::string navigation(const std::string& body) {
   constexpr std::string_view kHeading = "<h2 id=\"";
   std::string links;
@@ -182,7 +183,8 @@ std::string shellWord(const std::string& word, bool quote) {
   return "'" + quoted + "'";
 }
 
-// "<" occurs only in strings, where the escape means the same.
+// Replaces "<" by an escape sequence. In JSON, "<" occurs only in strings, where the escape sequence has the same
+// meaning.
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());

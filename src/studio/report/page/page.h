@@ -1,6 +1,6 @@
 #pragma once
 
-// A report's page: one HTML file that is shown without any other file, and without a network.
+// Builds the page of a report: one HTML file that needs no other file and no network.
 
 #include <string>
 #include <string_view>
@@ -11,42 +11,42 @@
 
 namespace scanmill {
 
-// Additions to a page's template: style rules, and scripts that run in this order after the page's own.
+// Additions to a page: style rules, and scripts, which run in this order after the page's standard scripts.
 struct PageExtras {
   std::string css{};
   std::vector<std::string> scripts{};
 };
 
-// Fills a template of a page's body (see study/text_template.h; all values are escaped) and builds the page; its title
-// is the value `title`. Its Content-Security-Policy forbids all connections, and all scripts except its own and those
-// of `extras`. Besides Mustache, a body may hold
+// Fills the template `body` with values (see study/text_template.h) and returns the complete page. All values are
+// escaped. The page's title is the value `title`. The page's Content-Security-Policy forbids all connections, and all
+// scripts except the standard ones and those in `extras`. In addition to Mustache, the template may contain
 //
-//   <template id="name">     a part that {{>name}} inserts
+//   <template id="name">     a text that {{>name}} inserts
 //   <nav></nav>              links to all headings <h2 id="...">
-//   {{#charts.x}}{{>chart}}{{/charts.x}}    a chart, from the value of chartValues()
-//   {{#figures}}a b{{/figures}}             the charts `charts.a` and `charts.b`, without those that do not exist
-//   {{#table}}                              a table that a click on a heading sorts; omitted if it has no rows
-//   rows                                    the path of the list of its rows. A row's `strong` marks the row, its
-//                                           `failure` is the reason why the row has no figures
+//   {{#charts.x}}{{>chart}}{{/charts.x}}    a chart, which is a result of chartValues()
+//   {{#figures}}a b{{/figures}}             the charts `charts.a` and `charts.b`, if they exist
+//   {{#table}}                              a table, sorted by clicks on headings; omitted if it has no rows
+//   rows                                    the path of the list of rows. If `strong` of a row is true, the row is
+//                                           emphasised; `failure` is the reason why it has no figures
 //   == title                                a heading above the columns that follow
-//   + path                                  repeats the columns up to the line "-" for each item of this list; each
-//                                           row has a list at the same path
-//   title | cell | hint | cell's hint       a column of four templates; "< title": a column of words, left-aligned
+//   + path                                  repeats the columns up to the line "-" for each item of the list at this
+//                                           path; each row has such a list
+//   title | cell | hint | cell's hint       a column, given by four templates; "< title": left-aligned text
 //   {{/table}}
 std::string fillPage(std::string_view body, Json values, const PageExtras& extras = {});
 
-// Returns a chart as the templates need it; null if it has no points.
+// Returns a chart in the form that templates need; null if it has no points.
 Json chartValues(const Chart& chart);
-// Returns several charts in the same form, by their names.
+// Returns several charts as an object {chart's name: chartValues(chart)}.
 Json chartValues(const std::vector<Chart>& charts);
 
-// Quotes a word of a command for a shell if necessary; `quote`: always.
+// Quotes a word for a shell command, if necessary. `quote`: quotes it in any case.
 std::string shellWord(const std::string& word, bool quote = false);
 
 // Escapes JSON for a <script> element.
 std::string scriptJson(const std::string& json);
 
-// The texts of files that CMake embeds in the program: the files of this folder, and Chart.js.
+// Contents of files that CMake embeds in the program: the files in this folder, and Chart.js.
 extern const std::string_view kPageLayout, kPageStyle, kPageScript, kChartFigure, kChartScript, kChartLibrary;
 
 }  // namespace scanmill

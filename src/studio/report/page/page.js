@@ -1,5 +1,5 @@
 'use strict';
-// Sorts tables by a click on a heading, marks tables that scroll sideways, and enlarges pictures.
+// Sorts tables after clicks on headings, marks tables that can be scrolled sideways, and enlarges pictures.
 for (const th of document.querySelectorAll('tr.columns th')) {
   th.addEventListener('click', () => {
     const table = th.closest('table'), body = table.tBodies[0], down = th.getAttribute('aria-sort') === 'ascending';

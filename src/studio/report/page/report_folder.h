@@ -1,17 +1,17 @@
 #pragma once
 
-// The folder that a study writes its tables, charts and report into.
+// Prepares the folder into which a study writes its tables, charts and report.
 
 #include <filesystem>
 
 namespace scanmill {
 
-// Creates `folder` before the work begins. Throws InputError if the folder holds files, unless `overwrite` is set and
-// one of the files is `result`, which marks the results of this kind of study. Removes nothing: old files stay until
-// new ones replace them.
+// Creates the folder before the study starts. Throws InputError if the folder contains files. With `overwrite`, the
+// folder may contain files if one of them is `result`, the file that shows that the folder has results of the same kind
+// of study. Removes nothing; old files remain until new files replace them.
 void prepareReportFolder(const std::filesystem::path& folder, const std::string& result, bool overwrite);
 
-// Removes the file `result` if it exists: the folder must not look finished while its other files are being rewritten.
+// Removes the file `result` if it exists, so that the folder does not look complete while its other files are written.
 void beginReport(const std::filesystem::path& folder, const std::string& result);
 
 }  // namespace scanmill

@@ -12,13 +12,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // not drawn in charts
-constexpr double kRounding = 1e-12;     // m²; smaller values are float32's rounding of zero
-constexpr std::size_t kMostPlaces = 7;  // in one chart, a line for each
+constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts do not draw points with this value
+constexpr double kRounding = 1e-12;     // m²; smaller values are rounding errors of float32
+constexpr std::size_t kMostPlaces = 7;  // maximum number of poses in one chart, each of which is a line
 
 using OfLevels = FitnessSpread LevelFitness::*;
 
-// Returns an empty series. Earlier series are drawn first; views and levels keep their colours from chart to chart.
+// Returns a series without points. Each view and each level has the same colour in all charts.
 ChartSeries line(std::string name, std::size_t color) {
   ChartSeries series;
   series.name = std::move(name);
@@ -27,7 +27,7 @@ ChartSeries line(std::string name, std::size_t color) {
   return series;
 }
 
-// Adds a point at the mean, with an error bar of one deviation up and down.
+// Adds a point at the mean, with an error bar of one standard deviation in each direction.
 void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
   const bool any = spread.count > 0;
   const bool spreads = any && spread.mean >= kRounding;

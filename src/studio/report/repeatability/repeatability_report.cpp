@@ -6,9 +6,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSquareCentimetres = 1e4;  // per square metre
+constexpr double kSquareCentimetres = 1e4;  // square centimetres per square metre
 
-// Converts m² to cm² in place. Two pairs are the same two scans in both directions, and have no meaningful deviation.
+// Converts a spread from m² to cm² in place. Removes the deviation if there are only two pairs, since these are the
+// same scans in both directions.
 void scale(Json& spread) {
   if (spread.is_null()) return;
   for (const char* key : {"mean", "deviation", "min", "max"}) {
@@ -17,7 +18,7 @@ void scale(Json& spread) {
   if (spread["pairs"] < 3) spread.erase("deviation");
 }
 
-// Rearranges the figures of one pose into its row of the table, and the rows of all levels.
+// Rearranges the JSON of one pose for the templates of its table row and of the rows of all levels.
 void arrange(Json& place, const Repeatability& result) {
   const std::size_t count = result.levels.size(), reference = result.reference;
   const Json points = place["points"][reference];
@@ -69,7 +70,7 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
     }
     if (view.method == 0) page["method_charts"].push_back(chartValues(repeatabilityMethods(result, view.name)));
   }
-  // A single noise level has no others to be compared with.
+  // If there is only one noise level, it cannot be compared with others.
   if (result.levels.size() < 2) page["views"] = Json::array();
   return fillPage(kRepeatabilityTemplate, std::move(page));
 }

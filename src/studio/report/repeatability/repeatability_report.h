@@ -1,6 +1,6 @@
 #pragma once
 
-// The report of a repeatability study. `method` is an index into Repeatability::methods.
+// Writes the report of a repeatability study. The parameter `method` is an index in Repeatability::methods.
 
 #include <cstddef>
 #include <string>
@@ -12,18 +12,18 @@
 
 namespace scanmill {
 
-// Returns charts of the reference level with a line per view: the fitness with and without ICP (the paper's Figure 10),
-// and the number of points (its Figure 13).
+// Returns charts of the reference noise level with one line per view: the fitness with and without ICP (Figure 10 of
+// the paper), and the number of points (Figure 13).
 std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t method);
-// Returns charts of one view: the reference level against each level (the paper's Figure 11), and each level against
-// itself.
+// Returns charts of one view: the fitness between the reference noise level and each level (Figure 11 of the paper),
+// and between scans of the same level.
 std::vector<Chart> repeatabilityViewCharts(const Repeatability& result, const RepeatedView& view);
-// Returns a chart that compares all methods on the views with this name.
+// Returns a chart that compares all methods for the views with the name `view`.
 Chart repeatabilityMethods(const Repeatability& result, const std::string& view);
 
-// Returns the page index.html, which needs no other file. `date` is the date of the measurement.
+// Returns the HTML page index.html, which needs no other file. `date`: when the study was run.
 std::string repeatabilityReport(const Repeatability& result, const std::string& date);
 
-extern const std::string_view kRepeatabilityTemplate;  // repeatability.html
+extern const std::string_view kRepeatabilityTemplate;  // contents of repeatability.html
 
 }  // namespace scanmill

@@ -12,14 +12,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLeast = 1e-3;  // m; smaller errors have the same colour
+constexpr double kLeast = 1e-3;  // m; smaller errors get the same colour
 constexpr double kDecades = 3;
 constexpr Rgb kFalseNegativeColor{255, 70, 70};
 constexpr Rgb kFalsePositiveColor{255, 255, 255};
 constexpr Rgb kLabelColor{255, 150, 220};
 
 Rgb errorColor(double error) {
-  constexpr double kDarkest = 0.15;  // position in the colour map: darker colours are not visible on the background
+  // Fraction of the colour map that is not used, since these colours are too dark on the background.
+  constexpr double kDarkest = 0.15;
   return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeast) / kLeast) / kDecades);
 }
 

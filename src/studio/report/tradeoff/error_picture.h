@@ -1,6 +1,6 @@
 #pragma once
 
-// A picture of a scan whose points are coloured by their errors.
+// Draws a picture of a scan whose points are coloured by their errors.
 
 #include <string>
 
@@ -9,9 +9,9 @@
 
 namespace scanmill {
 
-// Draws the truth's points, coloured by the tested method's range error: the colour map viridis spans 1 mm to 1 m by
-// the logarithm of the error. False negatives, false positives (drawn at the hit of the tested method) and beams with a
-// wrong label have colours of their own. Returns the bytes of a PNG file.
+// Draws the true points, coloured by the range error of the tested method. The colour map viridis shows errors from 1
+// mm to 1 m on a logarithmic scale. False negatives, false positives (drawn at the tested hit) and beams with a wrong
+// label have separate colours. Returns the contents of a PNG file.
 std::string drawErrors(const TrueShot& truth, const Hits& tested);
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;
 
-// Returns the figures of the file with derived ones; spreads without values are left out.
+// Returns the figures in the file's JSON together with derived figures. Spreads without values are omitted.
 Json errorsJson(Json errors, const GroupErrors& e) {
   for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
     if (errors.at(spread).at("count") == 0) errors.erase(spread);
@@ -36,7 +36,8 @@ Json errorsJson(Json errors, const GroupErrors& e) {
   return errors;
 }
 
-// Returns the figures of the group with this name; empty if it has no beams.
+// Returns the figures of the group with this name; an empty object if the group has no beams. `groups`: the file's JSON
+// of the groups `own`.
 Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std::string& name) {
   for (std::size_t i = 0; i < own.size(); ++i) {
     if (own[i].name == name && own[i].errors.beams > 0) return errorsJson(groups[i].at("errors"), own[i].errors);
@@ -44,7 +45,7 @@ Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std
   return Json::object();
 }
 
-// Builds the rows of the tables from the file's figures for each setting.
+// Converts the JSON of tradeoff.json to the values of the page's template.
 class StudyPage {
  public:
   explicit StudyPage(const Study& study)
@@ -157,7 +158,7 @@ class StudyPage {
     }
   }
 
-  // Builds the stages of each method separately, because methods have different stages.
+  // Makes a separate table of stages for each method, since methods have different stages.
   void stages() {
     const auto timed = [&](double seconds) {
       if (seconds <= 0) return Json::object();
@@ -221,7 +222,7 @@ class StudyPage {
     }
   }
 
-  // Adds the advice, and the arguments that apply it.
+  // Adds the advice, with the command-line arguments that select the recommended settings.
   void use() {
     for (const Advice& a : advise(study_)) {
       std::string argument;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The report of a trade-off study.
+// Writes the report of a trade-off study.
 
 #include <string>
 #include <string_view>
@@ -9,12 +9,13 @@
 
 namespace scanmill {
 
-// Returns the page index.html, with charts, tables and pictures; it needs no other file and no network.
+// Returns the HTML page index.html with charts, tables and pictures. It needs no other file and no network.
 std::string studyReport(const Study& study);
 
-// Returns "--set 'method={particle: {refine: none}}'", quoted for a shell.
+// Returns the command-line argument that selects a setting, quoted for a shell, such as "--set 'method={particle:
+// {refine: none}}'".
 std::string setArgument(const Setting& setting);
 
-extern const std::string_view kTradeoffTemplate;  // tradeoff.html
+extern const std::string_view kTradeoffTemplate;  // contents of tradeoff.html
 
 }  // namespace scanmill

@@ -17,12 +17,12 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostLines = 6, kMostClasses = 30;
-constexpr int kWide = 1160, kHalf = 575;  // pixels: charts alone in a row, and side by side
+constexpr int kWide = 1160, kHalf = 575;  // width in pixels of charts alone in a row, and of charts side by side
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSmallStage = 0.03;  // share of a scan's time; smaller stages are added to the rest
+constexpr double kSmallStage = 0.03;  // fraction of a scan's time; smaller stages are combined to "the rest"
 const std::string kRest = "the rest";
 
-// An error that charts show on a logarithmic axis.
+// A measure of error that charts show on a logarithmic axis.
 struct Measure {
   const char* title;
   const char* unit;  // "m" or "%"
@@ -57,7 +57,8 @@ double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, c
   return found == groups.end() ? kNone : measure.of(found->errors);
 }
 
-// Returns the shift of the k-th of `count` series along an axis, so that equal values do not cover each other.
+// Returns the shift along an axis for the k-th of `count` series, so that points with equal values are drawn side by
+// side.
 double beside(std::size_t k, std::size_t count, double step) {
   return (static_cast<double>(k) - (static_cast<double>(count) - 1) / 2) * step;
 }
@@ -70,7 +71,7 @@ std::string settingDetail(const Study& study, const SettingResult& s) {
       metresText(e.range.median), metresText(e.range.p99), shareText(e.labels()), shareText(e.missRate()));
 }
 
-// Returns the setting's name without the method's name, which colour and shape show.
+// Returns the setting's name without the method, which the chart shows by colour and shape.
 std::string shortName(const Setting& setting) {
   return setting.name.starts_with(setting.method + " ") ? setting.name.substr(setting.method.size() + 1)
                                                         : wordsOf(setting.name);
@@ -82,7 +83,8 @@ std::string sceneNote(const Study& study) {
                      pluralOf(static_cast<std::uint64_t>(study.machine.threads), "thread"));
 }
 
-// The staircase of the best settings, without steps too small to distinguish from the scatter of times.
+// Returns the Pareto front as a staircase line. `front`: points (beams per second, error) on the front. `all`: all
+// points, which determine the ends of the line.
 ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>& all) {
   ChartSeries line{.name = "Pareto front: nothing is both faster and better",
                    .color = 6,
@@ -135,7 +137,7 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
   return chart;
 }
 
-// The shown settings and their colours.
+// The settings in a chart and their colours (indices in the palette).
 struct Shown {
   explicit Shown(const Study& study) : settings(shownSettings(study, kMostLines)) {
     std::vector<std::string> methods;
@@ -145,10 +147,12 @@ struct Shown {
   std::vector<std::size_t> settings, colors;
 };
 
-// The value of a setting at a name, and the text of its mark; NaN if there is no value.
+// Returns the value of a setting for the name with index `name` on the axis, and the text for its mark. The value is
+// NaN if there is none.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
-// Returns a chart with a series per shown setting over the names of the x axis, or of the y axis if it has names.
+// Returns the chart with one series per setting. Each series has a value for each name on the x axis; if the y axis has
+// names, for each of these.
 Chart settingsChart(const Study& study, const Shown& shown, Chart chart, ChartMark mark, double step,
                     const Figure& figure) {
   const bool lying = !chart.y.names.empty();
@@ -204,7 +208,7 @@ Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vecto
       });
 }
 
-// Returns a chart with a row per setting and a dot per place.
+// Returns a chart with one row per setting, and in each row one dot per group of beams (at edges, away from edges).
 Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   const std::vector<std::size_t> rows = settingsByMethod(study, kReportRows);
   const std::vector<std::string> places = groupNames(study, rows, &BeamErrors::byPlace);
@@ -213,7 +217,7 @@ Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   chart.height = 130 + 20 * static_cast<int>(rows.size());
   for (const std::size_t i : rows) chart.y.names.push_back(study.settings[i].setting.name);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // no method has these colours
+    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // colours that no method has
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double value = errorOf(errorsOf(study, rows[row]).byPlace, places[k], measure);
       series.points.push_back({value, static_cast<double>(row) + beside(k, places.size(), 0.2)});
@@ -224,7 +228,7 @@ Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   return chart;
 }
 
-// Returns a chart with a row per class, the most frequent first, and a dot per shown setting.
+// Returns a chart with one row per class, the most frequent first, and in each row one dot per setting.
 Chart classChart(const Study& study, Chart chart, const Measure& measure) {
   const Shown shown(study);
   std::vector<std::string> names = groupNames(study, shown.settings, &BeamErrors::byClass);
@@ -254,7 +258,7 @@ Chart classChart(const Study& study, Chart chart, const Measure& measure) {
   return chart;
 }
 
-// Returns the shares of a scan's time by stage.
+// Returns the fraction of a scan's time that each stage takes.
 std::map<std::string, double> sharesOfStages(const Cost& cost) {
   if (cost.stages.empty() || cost.scanSeconds <= 0) return {{"trace", 1}};
   double sum = 0;
@@ -276,7 +280,7 @@ Chart stagesChart(const Study& study) {
               .stacked = true,
               .width = kWide,
               .height = 130 + 22 * static_cast<int>(rows.size())};
-  std::vector<std::string> stages;  // stages that matter to any of the settings, and the rest
+  std::vector<std::string> stages;  // stages that take a notable time in at least one setting, then "the rest"
   for (const std::size_t i : rows) {
     chart.y.names.push_back(study.settings[i].setting.name);
     for (const auto& [stage, share] : sharesOfStages(study.settings[i].measured.cost)) {
@@ -335,7 +339,7 @@ Chart encodingsChart(const Study& study) {
 }
 
 Chart ringsChart(const Study& study) {
-  constexpr int kSteps = 48;  // number of steps of a line
+  constexpr int kSteps = 48;  // number of points on a line
   Chart chart{
       .name = "rings",
       .title = "Time a scan against rings",
@@ -345,7 +349,7 @@ Chart ringsChart(const Study& study) {
       .width = kWide,
       .height = 420};
   const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study);
-  // A fit without a method (the display of a scan) must not have a method's colour.
+  // The fit for displaying a scan has no method, so it must not get the colour of a method.
   std::vector<std::string> methods;
   methods.reserve(fits.size());
   for (const auto& entry : fits) methods.push_back(entry.second->setting.method);

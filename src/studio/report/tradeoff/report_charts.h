@@ -1,6 +1,6 @@
 #pragma once
 
-// The charts of a study's report.
+// Makes the charts of a trade-off study's report.
 
 #include <array>
 #include <cstddef>
@@ -13,14 +13,15 @@
 
 namespace scanmill {
 
-inline constexpr std::size_t kReportRows = 40;  // rows of settings in a chart, at most
+inline constexpr std::size_t kReportRows = 40;  // maximum number of settings in a chart with one row per setting
 
-// Returns all charts of the report; a chart without data has no points.
+// Returns all charts of the report. If there are no data for a chart, it has no points.
 std::vector<Chart> studyCharts(const Study& study);
-// Names of the charts that are also files: speed against error, error by range and by incidence, encodings, rings.
+// Names of the charts that are also written as files: speed against error, errors by range and by incidence, encodings,
+// and time by number of rings.
 inline constexpr std::array kStudyFiles{"pareto", "errors_by_range", "errors_by_incidence", "encodings", "rings"};
 
-// Returns the timings by number of rings, each with its name.
+// Returns the study's models of time by number of rings, each with a name for the legend.
 std::vector<std::pair<std::string, const RingFit*>> ringFits(const Study& study);
 
 }  // namespace scanmill

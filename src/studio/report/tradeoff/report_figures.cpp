@@ -11,10 +11,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMethodColors = 3;  // the palette's first colours, for the first rows of methods()
+// Number of methods, from the start of methods(), that have fixed colours: the first of the palette.
+constexpr std::size_t kMethodColors = 3;
 constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
 
-// Returns the method's own colour; nothing if it is not one of the first kMethodColors methods.
+// Returns the fixed colour of a method; nothing if the method is not among the first kMethodColors methods.
 std::optional<std::size_t> ownColor(const std::string& method) {
   const MethodEntry* entry = findMethod(method);
   if (entry == nullptr || entry - methods().data() >= static_cast<std::ptrdiff_t>(kMethodColors)) return std::nullopt;

@@ -18,10 +18,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestInGroup = 50;  // patches of a group in a band, in each of the sets
+constexpr std::size_t kFewestInGroup = 50;  // least number of patches per group and band of ranges, in each set
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
-// The group of each patch, by a number with the same meaning in both sets.
+// The group number of each patch. Equal numbers mean the same group in both sets.
 using Groups = std::vector<std::uint16_t>;
 
 Groups groupsByKind(const Patches& patches) {
@@ -30,7 +30,7 @@ Groups groupsByKind(const Patches& patches) {
   return groups;
 }
 
-// The values of a feature by group and band.
+// The values of a feature, by group and band of ranges.
 using Strata = std::map<std::pair<std::uint16_t, std::size_t>, std::vector<float>>;
 
 template <class Wanted>
@@ -44,7 +44,7 @@ Strata strataOf(const Patches& patches, const Groups& groups, std::size_t featur
   return strata;
 }
 
-// Adds up separations of bands.
+// The weighted sum of the separations in several bands, and all values of the feature.
 struct Sum {
   Separation separation;
   double weight = 0;
@@ -112,7 +112,8 @@ void addRanges(SetComparison& result) {
   }
 }
 
-// Returns the medians per row. `bandOf` gives the row of a patch; an index beyond the last row if it has none.
+// Returns the median intensities of the patches in each row. bandOf(patches, i) returns the row of the patch i; an
+// index beyond the last row if the patch belongs to none.
 template <class BandOf>
 std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
                                         const BandOf& bandOf) {
@@ -142,7 +143,7 @@ void addIntensities(SetComparison& result) {
   result.intensityByRange = intensityRows(result, bands, [](const Patches& patches, std::size_t i) {
     return comparedBandOf(static_cast<double>(patches.range[i]));
   });
-  constexpr double kBand = 15;  // deg
+  constexpr double kBand = 15;  // width of a band of incidence angles (degrees)
   result.intensityByIncidence = intensityRows(
       result, {"to 15 deg", "15 to 30 deg", "30 to 45 deg", "45 to 60 deg", "60 to 75 deg", "75 to 90 deg"},
       [](const Patches& patches, std::size_t i) {
@@ -151,7 +152,8 @@ void addIntensities(SetComparison& result) {
       });
 }
 
-// The groups of both sets by the classes of one set, and the classes of the other set that this set lacks.
+// The groups of the patches in two sets, by the classes of one of them, and the names of the other set's classes that
+// this set lacks.
 struct ClassGroups {
   Groups own, other;
   std::vector<std::string> unknown;
@@ -161,7 +163,7 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   const ClassMap map(*other.ontology, *owner.ontology);
   ClassGroups groups;
   std::set<std::uint16_t> lost;
-  // Moving classes count as their standing ones, since a patch alone does not show motion.
+  // A moving class is replaced by the corresponding static class, since a patch alone does not show motion.
   for (const std::uint16_t label : other.patches.label) {
     const SemanticClass& mapped = map.classOf(label);
     groups.other.push_back(mapped.movingOf.value_or(mapped.id));
@@ -178,8 +180,8 @@ ClassGroups groupsByClassesOf(const ScanSet& owner, const ScanSet& other) {
   return groups;
 }
 
-// Returns the share of patches that have a counterpart of their class: 1 if each class is equally frequent in both
-// sets.
+// Returns how well the class frequencies of the sets agree: 1 if each class is equally frequent in both sets, 0 if they
+// have no class in common.
 double overlapOf(const ClassGroups& groups) {
   std::map<std::uint16_t, std::pair<double, double>> shares;
   for (const std::uint16_t g : groups.own) shares[g].first += 1.0 / static_cast<double>(groups.own.size());
@@ -189,7 +191,8 @@ double overlapOf(const ClassGroups& groups) {
   return overlap;
 }
 
-// Returns the groups of the real and of the simulated set.
+// Returns the groups of the patches in the real and in the simulated set. Uses the classes of that set for which the
+// class frequencies agree better.
 std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
   ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);
@@ -247,7 +250,7 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
   result.withinReal.fill(kUnmeasured);
   parallelFor(kFeatureCount, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      // Patches without a class, or with a class that only one set has, cannot be compared.
+      // Patches without a class, or with a class that only one set has, are not compared.
       const auto known = [&](const Groups& own, std::size_t i) { return !result.byClass || own[i] != 0; };
       separated[f] = separate(strataOf(a, groupsA, f, [&](std::size_t i) { return known(groupsA, i); }),
                               strataOf(b, groupsB, f, [&](std::size_t i) { return known(groupsB, i); }));

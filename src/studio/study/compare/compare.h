@@ -1,6 +1,6 @@
 #pragma once
 
-// How two sets of scans differ: what a network trained on one set would notice in the other.
+// Compares two sets of scans, real and simulated: which differences would a network notice that was trained on one set?
 
 #include <array>
 #include <cstdint>
@@ -12,73 +12,73 @@
 
 namespace scanmill {
 
-// How well a feature tells patches of the two sets apart. Only patches of the same group and band of range are
-// compared, which excludes differences due to the places alone.
+// How well a feature of patches separates the two sets. Only patches of the same group and band of ranges are compared,
+// so that different places alone cause no differences.
 struct Separation {
   std::size_t feature = 0;  // index into kPatchFeatures
-  // The mean over bands of |area under the ROC curve - 0.5|, weighted by the number of patches in the set that has
-  // fewer: 0: no difference; 0.5: one patch is enough to tell the sets apart.
+  // The mean of |area under the ROC curve - 0.5| over bands, weighted by the number of patches in the smaller set. 0:
+  // the sets do not differ; 0.5: a single patch is enough to tell the sets apart.
   double strength = 0;
-  // The mean area under the curve, weighted alike: above 0.5 if the second set has the greater values.
+  // The mean area under the ROC curve with the same weights; above 0.5 if the simulated set has the greater values.
   double area = 0.5;
-  std::uint64_t real = 0, simulated = 0;  // numbers of patches
-  // The median over all these patches; the mean for features that are mostly zero.
+  std::uint64_t real = 0, simulated = 0;  // numbers of patches that were compared
+  // The median of the feature over these patches; the mean for features that are mostly zero.
   double realValue = 0, simulatedValue = 0;
 };
 
-// Patches of one class or, in scans without labels, of one shape.
+// Patches of one class; if the scans have no labels, patches of one shape.
 struct GroupComparison {
   std::string name;
-  double realShare = 0, simulatedShare = 0;  // share of all patches
-  std::vector<Separation> features;          // strongest first; without features that cannot be compared
+  double realShare = 0, simulatedShare = 0;  // fractions of all patches of the set
+  std::vector<Separation> features;          // the strongest first; features that cannot be compared are left out
 };
 
 struct BandComparison {
   std::string name;
-  double realShare = 0, simulatedShare = 0;  // share of all patches
+  double realShare = 0, simulatedShare = 0;  // fractions of all patches of the set
 };
 
-// Medians of intensities, in units of each set's median.
+// Median intensities of patches, divided by the median of the set.
 struct IntensityRow {
   std::string name;
   double real = 0, simulated = 0;  // NaN if there are too few patches
 };
 
-// A value to try in the pipeline of the second set, see study/compare/key_changes.h.
+// A key of the simulated pipeline and a better value for it, see study/compare/key_changes.h.
 struct KeyChange {
-  std::string_view effect, key;    // an effect of the pipeline, and a key of the effect
-  std::string_view figure;         // the figure that suggests the change: a title of kPatchFeatures or kSetFigures
-  double real = 0, simulated = 0;  // the figure as shown
-  std::string_view unit;           // the unit of the figure
-  double now = 0;                  // the key's value
-  double next = 0;                 // the value that would make the figures equal if the key alone changed them
-  bool isEnd = false;              // `next` is the largest or smallest value that the key allows, which is not enough
+  std::string_view effect, key;    // an effect of the pipeline, and a key of this effect
+  std::string_view figure;         // title of the figure in kPatchFeatures or kSetFigures that suggests the change
+  double real = 0, simulated = 0;  // the figure's values, as shown to users
+  std::string_view unit;           // unit of the figure
+  double now = 0;                  // current value of the key
+  double next = 0;                 // value that would make the figures equal if nothing else influenced them
+  bool isEnd = false;  // `next` is the end of the key's allowed range, and not enough to make the figures equal
 };
 
 struct SetComparison {
   ScanSet real, simulated;            // without their patches
-  std::vector<std::string> warnings;  // reasons why figures mean less than they seem to
-  bool byClass = false;               // groups are classes; otherwise shapes
-  Ontology classes;                   // the classes of the groups
-  std::vector<std::string> unknown;   // classes of one set that the other set's ontology lacks
-  std::vector<Separation> features;   // over all groups, the strongest first
-  // Strengths between the odd and the even scans of the first set, by feature: the differences that places alone make.
-  // NaN if there is only one scan.
+  std::vector<std::string> warnings;  // reasons why some figures are less meaningful than they seem
+  bool byClass = false;               // true: groups are classes; false: groups are shapes of patches
+  Ontology classes;                   // the ontology to which the groups belong
+  std::vector<std::string> unknown;   // classes of one set that are missing in the ontology of the other set
+  std::vector<Separation> features;   // for all groups together, the strongest first
+  // For each feature, the strength with which it separates the odd from the even scans of the real set: differences
+  // that are due to the places alone. NaN if there is only one scan.
   std::array<double, kFeatureCount> withinReal{};
   std::vector<GroupComparison> groups;  // the largest first
   std::vector<BandComparison> ranges;
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
   std::vector<KeyChange> advice;
-  std::string assignment;  // an argument of --set that applies all advice; empty: none
-  std::string unadvised;   // a sentence that says why there is no advice; empty if there is some
+  std::string assignment;  // argument of --set that applies all advice; empty: no advice
+  std::string unadvised;   // the reason why there is no advice, as a sentence; empty if there is advice
 };
 
-// Compares two sets. The classes of one set are mapped to classes of the same name or alias in the other set's
-// ontology, in the direction that leaves the class shares of the sets more alike, which maps to the coarser classes. If
-// one of the sets has no labels, groups are shapes.
+// Compares two sets. The classes of one set are mapped to the other set's classes with the same name or alias. Of the
+// two directions, the one is used in which the class frequencies agree better; it maps to the coarser classes. If a set
+// has no labels, groups are shapes of patches.
 SetComparison compareSets(ScanSet real, ScanSet simulated);
 
-// Returns the complete comparison as JSON.
+// Returns the comparison as JSON. `date`: written into the JSON.
 std::string comparisonJson(const SetComparison& comparison, const std::string& date);
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// Writes compare.json. Shares and areas are parts of 1, angles and lengths as kPatchFeatures and kSetFigures show them;
-// unknown figures are null.
+// Writes compare.json. Fractions and areas are numbers from 0 to 1. Angles and lengths have the units stated in
+// kPatchFeatures and kSetFigures. Unknown figures are null.
 
 #include <cmath>
 #include <nlohmann/json.hpp>

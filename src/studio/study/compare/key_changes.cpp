@@ -18,20 +18,20 @@
 namespace scanmill {
 namespace {
 
-// A figure that grows as a power of a key's value, apart from other influences.
+// A key of an effect and a figure that grows as a power of the key's value, if other influences stay the same.
 struct Mover {
-  std::string_view figure;  // a name of kPatchFeatures, of kSetFigures or of both
-  double least;             // of the shown figure: if both sets are below, their difference is due to chance
+  std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
+  double least;             // if the figures of both sets are smaller, as shown, their difference may be due to chance
   std::string_view effect, key;
   double power;
   double low, high;    // bounds of the key's value
-  bool whole = false;  // only whole numbers
+  bool whole = false;  // true: the key only takes integers
 };
 
 constexpr Mover kMovers[] = {
     {"ring_offset", 1, "ring_bias", "range_sigma_m", 1, 0, 10},
     {"ring_gain", 1, "ring_bias", "gain_sigma", 1, 0, 2},
-    // Speckle of n looks scatters by 1 / sqrt(n).
+    // Speckle with n looks causes an intensity scatter in proportion to 1 / sqrt(n).
     {"intensity_scatter", 1, "speckle", "looks", -2, 1, 30, true},
     {"range_scatter", 1, "range_noise", "sigma_m", 1, 0, 10},
     {"single_missing", 0.05, "dropout", "probability", 1, 0, 1},
@@ -71,8 +71,8 @@ std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view na
   return {};
 }
 
-// Returns the figure of the sets, from which chance has been removed, or the figure of patches if the sets have none.
-// Returns nothing if both exist and suggest opposite changes: then something other than the key causes the difference.
+// Returns the figure of the complete sets, from which chance has been removed; otherwise the figure of patches. Returns
+// nothing if both exist and suggest opposite changes, since something other than the key then causes the difference.
 std::optional<Shown> shown(const SetComparison& comparison, const Mover& mover) {
   const std::optional<Shown> sets = ofSets(comparison, mover.figure);
   const std::optional<Shown> patches = ofPatches(comparison, mover.figure);
@@ -132,7 +132,7 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
     const auto item = std::find_if(list.items.begin(), list.items.end(),
                                    [&](const Value& v) { return readNamed(v, "an effect").name == a.effect; });
     if (item == list.items.end()) {
-      // The effect is in the sensor's own file: an item beside `sensor` overrides the key that it names.
+      // The effect is in the sensor's file. An item after the word `sensor` overrides the effect's key.
       list.items.push_back(map(std::string(a.effect), map(std::string(a.key), std::move(number))));
       continue;
     }

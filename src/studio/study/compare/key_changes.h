@@ -1,6 +1,6 @@
 #pragma once
 
-// Suggests values for a simulated dataset's pipeline that bring it nearer to the other set.
+// Suggests values for the keys of a simulated dataset's pipeline that make its scans more similar to the real ones.
 
 #include <filesystem>
 #include <string>
@@ -11,17 +11,18 @@
 
 namespace scanmill {
 
-// Returns the advice. `own`: the effects of the simulated sensor, as sensorEffectItems() gives them. There is no advice
-// on effects that the sensor lacks, on keys that are lists or random, or for figures that differ by less than a tenth.
+// Returns the suggested changes. `own`: effects of the simulated sensor, as returned by sensorEffectItems(). Nothing is
+// suggested for effects that the sensor lacks, for keys that are lists or random, or for figures that differ by less
+// than a tenth.
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
 
-// Returns an argument of --set that applies all of the advice: "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".
-// `items`: the list of effects as the pipeline's file has it.
+// Returns an argument of --set that applies all advice, such as "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".
+// `items`: the effects list of the pipeline file.
 std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector<Value>& items);
 
-// Fills the comparison's `advice` and `assignment` from the pipeline of the simulated set, or `unadvised` with the
-// reason why there is none. `simulated`: the folder of the set; `sensor`: the compared sensor, empty: the first;
-// `pipeline`: the path of the pipeline's file, empty: search for it.
+// Reads the pipeline of the simulated set, and sets `advice` and `assignment` of the comparison; if there is no advice,
+// sets `unadvised` to the reason. `simulated`: folder of the set. `sensor`: name of the compared sensor; empty: the
+// first sensor. `pipeline`: path of the pipeline file; empty: search for the file.
 void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simulated, const std::string& sensor,
                    const std::filesystem::path& pipeline);
 

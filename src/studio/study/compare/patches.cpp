@@ -12,17 +12,19 @@ namespace scanmill {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-constexpr std::size_t kFewestInPatch = 12;  // points, to fit a patch's plane
-constexpr double kPlanar = 0.35;            // thickness over width: below it, the patch is a plane
-constexpr double kLevel = 25;               // deg from horizontal: a plane below this is level
-constexpr double kUpright = 65;             // deg from horizontal: a plane above this is upright
-constexpr double kSteep = 0.5;  // cosine of 60 deg: offsets along the beam are measured only at steeper incidence
-constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and share of the range: ranges this close are of one surface
+constexpr std::size_t kFewestInPatch = 12;  // least number of points to which a plane is fitted
+constexpr double kPlanar = 0.35;            // thickness divided by width, below which a patch counts as a plane
+constexpr double kLevel = 25;               // degrees from horizontal, below which a plane counts as level
+constexpr double kUpright = 65;             // degrees from horizontal, above which a plane counts as upright
+// Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
+constexpr double kSteep = 0.5;
+constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and fraction of the range: points with range differences below
+                                                 // the larger one are on the same surface
 
 struct Plane {
-  Vec3d middle, normal;  // the normal is a unit vector
-  double thickness = 0;  // m, standard deviation along the normal
-  double width = 0;      // m, the smaller of the two other standard deviations
+  Vec3d middle, normal;  // centroid (m); unit normal
+  double thickness = 0;  // standard deviation along the normal (m)
+  double width = 0;      // the smaller of the two other standard deviations (m)
 };
 
 Plane planeOf(std::span<const Vec3d> points) {
@@ -80,7 +82,7 @@ class PatchReader {
   }
   Vec3d pointAt(std::uint32_t pixel) const { return Vec3d(scan_.position[grid_.point[pixel]]); }
 
-  // Gathers the pixels around, row by row; kNone beyond the grid's edges.
+  // Stores the pixels of the window around the patch's point, row by row; kNone for pixels beyond the grid's edges.
   void gatherWindow() {
     for (int dr = -kPatchRowReach; dr <= kPatchRowReach; ++dr) {
       for (int dc = -kPatchReach; dc <= kPatchReach; ++dc) {
@@ -119,7 +121,7 @@ class PatchReader {
                                              : PatchKind::Slanted;
   }
 
-  // Adds the features that need only the point's own ring.
+  // Sets the features that need only points of the patch's middle ring.
   void addRing(Patches& out) const {
     constexpr int kFit = 3;
     const auto rangeAt = [&](int dc) {
@@ -133,13 +135,13 @@ class PatchReader {
     bool smooth = true;
     for (int dc = -kPatchReach; dc < kPatchReach; ++dc) {
       const double step = std::fabs(rangeAt(dc + 1) - rangeAt(dc));
-      if (dc >= -kFit && dc < kFit) smooth &= step < kJump;  // false for NaN
+      if (dc >= -kFit && dc < kFit) smooth &= step < kJump;  // false if `step` is NaN
       if (std::isnan(step)) continue;
       ++steps;
       jumps += step > kJump ? 1 : 0;
     }
     if (steps >= kPatchReach) set(Feature::Jumps, jumps, out);
-    // Mixed pixels lie between two surfaces; leaves and twigs side by side do not count.
+    // A mixed pixel is between two continuous surfaces; gaps between leaves or twigs do not count.
     const double edge = rangeAt(1) - rangeAt(-1);
     const bool surfaces = std::fabs(rangeAt(-2) - rangeAt(-1)) < kJump && std::fabs(rangeAt(2) - rangeAt(1)) < kJump;
     if (std::fabs(edge) >= kEdge && surfaces) {
@@ -150,7 +152,8 @@ class PatchReader {
       }
     }
     if (!smooth) return;
-    // Orthogonal polynomials over -3 to 3: 1, k and k^2 - 4, whose sums of squares are 7, 28 and 84.
+    // Fit a parabola with polynomials that are orthogonal over -3 to 3: 1, k and k^2 - 4. Their sums of squares are 7,
+    // 28 and 84.
     double mean = 0, slope = 0, bend = 0;
     for (int k = -kFit; k <= kFit; ++k) {
       const double r = rangeAt(k) - range_;
@@ -193,12 +196,13 @@ class PatchReader {
     if (count < kFewestOwn) return;
     const double outwards = dot(plane.normal, place) < 0 ? -1 : 1;
     const double offset = outwards * sum / static_cast<double>(count);
-    const double across = std::fabs(dot(plane.normal, place)) / length(place);  // cosine of the incidence
+    const double across = std::fabs(dot(plane.normal, place)) / length(place);  // cosine of the incidence angle
     if (across > kSteep) out.ringOffset.back() = static_cast<float>(offset / across);
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // Returns the mean intensity of the nearby returns in a row; nothing if they are fewer than 4, or one is dark.
+  // Returns the mean intensity of the middle five pixels of the row `dr` above or below the patch's point. Only returns
+  // on the same surface are used; nothing if there are fewer than four, or if all have the intensity 0.
   std::optional<double> meanIntensity(int dr) const {
     constexpr int kOwn = 2;
     double sum = 0;

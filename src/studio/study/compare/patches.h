@@ -1,6 +1,7 @@
 #pragma once
 
-// Figures of the patch of neighbouring returns around a point: the scale at which a network first sees a scan.
+// Measures features of patches. A patch is a window of neighbouring returns around a point, as large as what the first
+// layers of a network see.
 
 #include <array>
 #include <cstddef>
@@ -13,19 +14,19 @@
 
 namespace scanmill {
 
-constexpr int kPatchReach = 4;     // columns to either side
-constexpr int kPatchRowReach = 2;  // rows above and below
-constexpr double kJump = 0.3;      // m, difference in range between neighbours; a larger one is an edge
-constexpr double kEdge = 1.5;      // m, smallest edge at which mixed pixels are searched
+constexpr int kPatchReach = 4;     // columns on each side of a patch's middle
+constexpr int kPatchRowReach = 2;  // rows above and below a patch's middle
+constexpr double kJump = 0.3;      // m; a larger range difference between neighbours counts as an edge
+constexpr double kEdge = 1.5;      // m, least range difference of an edge at which mixed pixels are searched for
 
 struct PatchFeature {
-  std::string_view name;   // in JSON
-  std::string_view title;  // for people
-  std::string_view unit;   // the unit of the shown values, which are the stored values times `factor`
+  std::string_view name;   // name in JSON
+  std::string_view title;  // name for users
+  std::string_view unit;   // unit of shown values; a shown value is the stored value times `factor`
   double factor;
-  bool mostlyZero;           // shown as a mean; otherwise as a median
-  std::string_view meaning;  // a phrase
-  std::string_view keys;     // the keys of a pipeline that change it
+  bool mostlyZero;           // shown values are means; otherwise medians
+  std::string_view meaning;  // explanation, as a phrase
+  std::string_view keys;     // keys of a pipeline that influence the feature
 };
 
 enum class Feature : std::size_t {
@@ -90,21 +91,22 @@ inline constexpr auto kPatchFeatures = std::to_array<PatchFeature>({
 });
 inline constexpr std::size_t kFeatureCount = kPatchFeatures.size();
 
-// The shape of a patch, which groups the patches of scans without labels.
+// The shape of a patch. If scans have no labels, patches are grouped by shape.
 enum class PatchKind : std::uint8_t { Level, Upright, Slanted, Rough, Sparse };
 inline constexpr std::array<std::string_view, 5> kPatchKinds{"level", "upright", "slanted", "rough", "sparse"};
 
-// Columns of figures; each patch is a row.
+// Features of patches; each vector has one entry per patch.
 struct Patches {
-  std::array<std::vector<float>, kFeatureCount> value;  // NaN if the patch does not give the value
-  std::vector<float> range;                             // m
-  std::vector<float> incidence;                         // rad, to the patch's plane; NaN without a plane
-  std::vector<float> ringOffset;     // m, along the beam: positive is farther away; NaN on grazing views
-  std::vector<float> ringGain;       // RingGain with its sign
-  std::vector<std::uint16_t> row;    // row of the grid
-  std::vector<std::uint16_t> label;  // class id; 0 in scans without labels
+  // Values of each Feature in the order of the enumeration; NaN if the feature cannot be measured on the patch.
+  std::array<std::vector<float>, kFeatureCount> value;
+  std::vector<float> range;          // range of the middle point (m)
+  std::vector<float> incidence;      // angle between beam and plane normal (rad); NaN if the patch has no plane
+  std::vector<float> ringOffset;     // m along the beam, positive if the ring is too far away; NaN at grazing incidence
+  std::vector<float> ringGain;       // like Feature::RingGain, but with sign
+  std::vector<std::uint16_t> row;    // row of the middle point in the grid
+  std::vector<std::uint16_t> label;  // class id of the middle point; 0 if the scan has no labels
   std::vector<PatchKind> kind;
-  std::vector<std::uint32_t> scan;  // number of the scan in its set
+  std::vector<std::uint32_t> scan;  // index of the scan in its set
 
   std::size_t size() const { return range.size(); }
   const std::vector<float>& of(Feature feature) const { return value[static_cast<std::size_t>(feature)]; }
@@ -112,7 +114,8 @@ struct Patches {
   void append(const Patches& more);
 };
 
-// Returns the patches around at most `most` points of a scan, taken evenly; the same scan gives the same patches.
+// Returns the patches around at most `most` points of a scan, which are evenly distributed; the same scan always gives
+// the same patches. `number`: index of the scan in its set.
 Patches patchesOf(const Scan& scan, const RangeGrid& grid, std::uint32_t number, std::size_t most);
 
 }  // namespace scanmill

@@ -60,8 +60,8 @@ class GridMaker {
     grid_.range[pixel] = range;
   }
 
-  // Returns the row of each ring, by the median elevation of its points from the top; rings without points keep the row
-  // of their number.
+  // Returns the row of each ring. Rings with points are sorted from top to bottom by the median elevation of their
+  // points. Rings without points get the row that follows from their ring number.
   std::vector<std::uint32_t> rowsOfRings(const std::vector<std::vector<std::uint32_t>>& pointsOfRing) const {
     std::vector<double> elevation(pointsOfRing.size(), std::numeric_limits<double>::quiet_NaN());
     std::vector<double> own;
@@ -81,7 +81,7 @@ class GridMaker {
     for (std::uint32_t r = 0; r < row.size(); ++r) {
       row[r] = upwards ? static_cast<std::uint32_t>(row.size()) - 1 - r : r;
     }
-    std::vector<std::uint32_t> places;  // rows of the rings that have points, from the top
+    std::vector<std::uint32_t> places;  // the rows available for rings with points, from top to bottom
     places.reserve(filled.size());
     for (const std::uint32_t r : filled) places.push_back(row[r]);
     std::sort(places.begin(), places.end());
@@ -95,7 +95,7 @@ class GridMaker {
     const std::uint32_t columns = std::max(scan_.columns, extent.column);
     std::vector<std::vector<std::uint32_t>> ofRing(rings);
     for (const std::uint32_t i : points_) ofRing[keyOf(scan_, i).ring].push_back(i);
-    // The azimuth from column to column, from neighbouring points of one ring.
+    // Find the azimuth step per column from points in neighbouring columns of a ring.
     std::vector<double> steps;
     for (const auto& points : ofRing) {
       for (std::size_t k = 1; k < points.size(); ++k) {
@@ -111,7 +111,7 @@ class GridMaker {
     grid_.knowsRings = grid_.knowsMisses = true;
     grid_.wraps = std::fabs(std::fabs(step) * columns - kTurn) < 2 * std::fabs(step);
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
-    std::vector<double> offset(rings, 0);  // azimuth at column 0 (rad)
+    std::vector<double> offset(rings, 0);  // azimuth of column 0 in each ring (rad)
     double first = 0;
     bool known = false;
     for (std::uint32_t r = 0; r < rings; ++r) {
@@ -154,7 +154,7 @@ class GridMaker {
     const double about = steps.empty() ? kTurn / 1024 : medianOf(steps);
     const auto columns = static_cast<std::uint32_t>(std::max(1.0, std::round(kTurn / about)));
     const double step = kTurn / columns;
-    // The phase of the steps: the circular mean of the azimuths modulo a step.
+    // Find the offset of the azimuth steps: the circular mean of the azimuths modulo the step.
     double sine = 0, cosine = 0;
     for (const std::uint32_t i : points_) {
       sine += std::sin(azimuthOf(scan_.position[i]) * columns);
@@ -165,9 +165,9 @@ class GridMaker {
     grid_.knowsRings = grid_.knowsMisses = grid_.wraps = true;
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
     for (std::uint32_t r = 0; r < rings; ++r) {
-      // Azimuths jitter about the steps: a point takes the column after the previous point's unless there is room for
-      // another point between them, and may be up to a column off.
-      std::int64_t last = -2;  // before the first column
+      // Azimuths are noisy, so a rounded column may be wrong by one. A point gets the column after the previous point's
+      // column, unless there is room for another point between them.
+      std::int64_t last = -2;  // no previous point
       double before = 0;
       for (const std::uint32_t i : ofRing[r]) {
         const double azimuth = azimuthOf(scan_.position[i]) + kPi - phase;
@@ -190,7 +190,7 @@ class GridMaker {
 
   void byAngles() {
     constexpr std::uint32_t kRows = 64, kColumns = 1024;
-    constexpr double kBeyond = 0.005;  // share of the points, at each end
+    constexpr double kBeyond = 0.005;  // fraction of the points that is cut off at each end
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
     std::vector<double> sorted = elevations;

@@ -1,6 +1,7 @@
 #pragma once
 
-// A scan as an image of its beams, which gives a beam's neighbours whatever program or sensor made the scan.
+// Arranges a scan's points as an image of the sensor's beams, so that the neighbours of a beam are known for scans of
+// any sensor or program.
 
 #include <cstdint>
 #include <limits>
@@ -10,31 +11,32 @@
 
 namespace scanmill {
 
-// Rows are rings, from the top; columns are steps of azimuth, in the firing order of a ring. Rows are shifted so that a
-// column has the same azimuth in all of them, to half a step: the columns of sensors with lasers side by side do not.
-// Of several returns of a beam the nearest is taken.
+// Rows are rings from top to bottom; columns are azimuth steps in the firing order. Rows are shifted such that a column
+// has the same azimuth in all rows, except for up to half a step; this matters for sensors with lasers side by side,
+// whose columns differ in azimuth. If a beam has several returns, the pixel has the nearest.
 struct RangeGrid {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   std::uint32_t rows = 0;
   std::uint32_t columns = 0;
-  bool wraps = false;        // the last column adjoins the first
-  bool knowsRings = false;   // rows are the sensor's rings; otherwise steps of elevation
-  bool knowsMisses = false;  // a pixel without a point is a beam without a return; otherwise it may lie between beams
-  std::vector<std::uint32_t> point;   // for each pixel (row * columns + column) the point's index in the scan, or kNone
-  std::vector<float> range;           // m, from the origin of the points' frame; NaN without a point
-  std::vector<std::uint8_t> returns;  // number of returns of the beam
+  bool wraps = false;        // true: the last column is a neighbour of the first
+  bool knowsRings = false;   // true: rows are the sensor's rings; false: rows are steps of elevation
+  bool knowsMisses = false;  // true: an empty pixel is a beam without a return; false: no beam may belong to the pixel
+  std::vector<std::uint32_t> point;   // index in the scan for each pixel (row * columns + column); kNone: empty
+  std::vector<float> range;           // m from the origin of the points' frame for each pixel; NaN: empty
+  std::vector<std::uint8_t> returns;  // number of returns of each pixel's beam
 
   std::size_t size() const { return point.size(); }
   std::size_t at(std::uint32_t row, std::uint32_t column) const { return std::size_t{row} * columns + column; }
-  // Returns the pixel `steps` columns further in its row; kNone beyond the edge of a grid that does not wrap.
+  // Returns the index of the pixel that is `steps` columns further in the same row; kNone beyond the edge of a grid
+  // that does not wrap.
   std::uint32_t beside(std::uint32_t row, std::uint32_t column, int steps) const;
 };
 
-// Builds the grid. If the scan assigns its points to beams, the pixels are these beams. If the scan has only rings, the
-// step of azimuth is the median step from point to point, and a ring's points are placed in the order of their
-// azimuths. If it has neither, the grid has 64 rows of equal steps over the elevations of the middle 99 % of the
-// points, and 1024 columns. A scan without points gives a grid without pixels.
+// Builds the grid of a scan. If the scan assigns its points to beams, the pixels are these beams. If the scan has only
+// rings, the column width is the median azimuth step between consecutive points, and the points of a ring are placed in
+// the order of their azimuths. If the scan has neither, the grid has 1024 columns and 64 rows, which divide the
+// elevations of the middle 99 % of the points evenly. A scan without points gives an empty grid.
 RangeGrid rangeGrid(const Scan& scan);
 
 }  // namespace scanmill

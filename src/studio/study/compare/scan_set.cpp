@@ -21,12 +21,12 @@ namespace scanmill {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kHorizon = -1;  // deg
+constexpr double kHorizon = -1;  // degrees; a ring counts as below the horizon if its mean elevation is less
 constexpr std::size_t kLongRun = 10;
-constexpr double kGroundReach = 40;  // m
-constexpr double kCell = 0.5;        // m
-constexpr double kStep = 0.25;       // m: if heights within a cell differ by more, the cell holds an object
-constexpr double kNearPoint = 5;     // m
+constexpr double kGroundReach = 40;  // m; ground is measured up to this horizontal distance
+constexpr double kCell = 0.5;        // m, edge of a cell in which the relief of the ground is measured
+constexpr double kStep = 0.25;       // m; if the heights within a cell differ by more, the cell contains an object
+constexpr double kNearPoint = 5;     // m; points at a smaller range count as near
 
 template <class T>
 double percentileOf(std::vector<T> values, double share) {
@@ -36,13 +36,13 @@ double percentileOf(std::vector<T> values, double share) {
   return static_cast<double>(values[static_cast<std::size_t>(index)]);
 }
 
-// Counts and figures of one scan.
+// Counts and measured values of one scan.
 struct ScanCounts {
   std::uint64_t points = 0, near = 0;
   std::uint64_t beams = 0, returns = 0;
   std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
-  double slope = kNaN, residual = kNaN;  // slope and residual of the ground
-  std::vector<double> relief;            // m, per cell
+  double slope = kNaN, residual = kNaN;  // slope of the ground plane; standard deviation from the plane (m)
+  std::vector<double> relief;            // deviation of the heights in each cell (m)
   std::uint32_t rows = 0;
   bool knowsRings = false, knowsMisses = false, labelled = false;
   Patches patches;
@@ -65,7 +65,7 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
     counts.points += filled;
     if (filled == 0 || degrees(elevation / filled) > kHorizon) continue;
     counts.below += grid.columns;
-    // Runs start at the first return; if the grid wraps, they continue around to it.
+    // Start at the first return, so that a run of missing beams is not cut at the last column if the grid wraps.
     std::uint32_t first = 0;
     while (grid.point[grid.at(row, first)] == RangeGrid::kNone) ++first;
     std::size_t run = 0;
@@ -88,7 +88,7 @@ void countBeams(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
   }
 }
 
-// z = a x + b y + c by least squares.
+// Returns a, b and c of the plane z = a x + b y + c that fits the points by least squares.
 Eigen::Vector3d levelPlane(const std::vector<Vec3d>& points) {
   Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -109,12 +109,12 @@ double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& poi
   return std::sqrt(squares / (static_cast<double>(points.size()) - freedom));
 }
 
-// Measures the ground: the level surface below the sensor. A second plane is fitted to the points within half a metre
-// of the first.
+// Measures the ground, which is the level surface below the sensor. Fits a plane to the lowest points, then a second
+// plane to the points within 0.5 m of the first.
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
-  constexpr double kBelow = 0.3, kOff = 0.5;  // m
+  constexpr double kBelow = 0.3, kOff = 0.5;  // m: least depth below the sensor, largest distance from the first plane
   constexpr std::size_t kFewest = 200, kFewestInCell = 6;
-  constexpr double kFewestSpread = 0.05;  // m, smallest standard deviation of a cell's points in both directions
+  constexpr double kFewestSpread = 0.05;  // m, least standard deviation of a cell's points in both directions
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] == RangeGrid::kNone) continue;
@@ -122,7 +122,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
     if (p.z < -kBelow && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
   if (points.size() < kFewest) return;
-  // The first plane goes through the lowest points in cells of 4 m.
+  // Fit the first plane to the lowest point in each cell of 4 m.
   std::map<std::pair<int, int>, Vec3d> lowest;
   for (const Vec3d& p : points) {
     const std::pair cell{static_cast<int>(std::floor(p.x / 4)), static_cast<int>(std::floor(p.y / 4))};
@@ -165,7 +165,8 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
       p = p - middle;
       spread += Vec3d{p.x * p.x, p.y * p.y, 0} * (1 / static_cast<double>(own.size()));
     }
-    if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;  // all on one ring: no plane
+    // All points are on one ring, which does not determine a plane.
+    if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;
     counts.relief.push_back(deviationFrom(levelPlane(own), own, 3));
   }
 }
@@ -183,13 +184,13 @@ ScanCounts countScan(const Scan& scan, std::uint32_t number, const ScanSetOption
   return counts;
 }
 
-// Returns the deviation over rows of their median value on flat patches, without the part due to chance, which is the
-// rows' standard errors. Both use medians, because a row where ground ends at a wall or a step is off for that reason
-// alone.
+// Returns the standard deviation of `values` between rows of the grid: that of the rows' medians over flat patches,
+// after the standard errors of these medians are removed. Deviations are computed from medians too, since a few rows
+// are far off where the ground ends at a wall or a step.
 double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
   constexpr std::size_t kFewest = 30, kFewestRows = 4;
-  constexpr double kNormal = 1.4826;     // standard deviation over the median absolute deviation
-  constexpr double kOfMedian = kPi / 2;  // variance of a median over that of a mean
+  constexpr double kNormal = 1.4826;     // standard deviation / median absolute deviation, for normal distributions
+  constexpr double kOfMedian = kPi / 2;  // variance of the median / variance of the mean, for normal distributions
   std::map<std::uint16_t, std::vector<float>> rows;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const bool flat = patches.kind[i] != PatchKind::Rough && patches.kind[i] != PatchKind::Sparse;
@@ -254,7 +255,7 @@ void addPatchFigures(ScanSet& set) {
   figure(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
 }
 
-// Adds up the counts of the scans, in their order.
+// Combines the counts of all scans, in the order of the scans.
 ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontology> ontology) {
   ScanSet set;
   set.name = std::move(name);
@@ -340,7 +341,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
                                  [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
   const std::string sensor = found || sensors.size() > 1 ? options.sensor : std::string();
   std::vector<ScanCounts> all(count);
-  // A few scans at a time, to show progress and limit memory.
+  // Process a few scans at a time, to show progress and to limit memory use.
   const auto batch = static_cast<std::size_t>(std::max(1, threadCount()));
   for (std::size_t start = 0; start < count; start += batch) {
     const std::size_t size = std::min(batch, count - start);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures a set of scans by itself, without reference to another set.
+// Measures one set of scans, without comparing it with another set.
 
 #include <array>
 #include <atomic>
@@ -18,14 +18,14 @@
 
 namespace scanmill {
 
-// A figure of a complete set.
+// A figure that describes a complete set of scans.
 struct SetFigure {
-  std::string_view name;   // in JSON
-  std::string_view title;  // for people
-  std::string_view unit;   // the unit of the shown values, which are the stored values times `factor`
+  std::string_view name;   // name in JSON
+  std::string_view title;  // name for users
+  std::string_view unit;   // unit of shown values; a shown value is the stored value times `factor`
   double factor;
   std::string_view meaning;
-  std::string_view keys;  // the keys of a pipeline that change it
+  std::string_view keys;  // keys of a pipeline that influence the figure
 };
 
 inline constexpr auto kSetFigures = std::to_array<SetFigure>({
@@ -71,37 +71,38 @@ inline constexpr auto kSetFigures = std::to_array<SetFigure>({
 });
 inline constexpr std::size_t kSetFigureCount = kSetFigures.size();
 
-// Upper ends of the bands of range (m); one more band, the last, is open.
+// Upper ends of the bands of ranges (m). A last band without upper end follows.
 inline constexpr std::array<double, 5> kRangeBands{5, 10, 20, 40, 80};
 inline constexpr std::size_t kRangeBandCount = kRangeBands.size() + 1;
 std::size_t comparedBandOf(double range);
 std::string comparedBandName(std::size_t band);
 
 struct ScanSet {
-  std::string name;          // the path's last part
-  std::uint32_t scans = 0;   // scans read
-  std::uint64_t stored = 0;  // scans in the set
-  std::uint64_t points = 0;  // in the scans read
-  std::uint32_t rows = 0;    // rows of the last scan's grid: the sensor's rings if they are known
-  bool foundSensor = false;  // the set has a sensor of the requested name
-  bool knowsRings = true;    // in all scans
-  bool knowsMisses = true;   // in all scans
+  std::string name;          // last component of the path
+  std::uint32_t scans = 0;   // number of scans that were read
+  std::uint64_t stored = 0;  // number of scans in the set
+  std::uint64_t points = 0;  // number of points in the scans that were read
+  std::uint32_t rows = 0;    // rows of the last scan's grid; the number of rings if rings are known
+  bool foundSensor = false;  // true: the set has a sensor with the requested name
+  bool knowsRings = true;    // true: rings are known in all scans
+  bool knowsMisses = true;   // true: missing beams are known in all scans
   bool labelled = false;     // all scans have labels, and their classes are known
   std::optional<Ontology> ontology{};
-  std::array<double, kSetFigureCount> figures{};  // NaN if the scans do not give the figure
-  Patches patches;                                // intensities in units of the set's median
+  std::array<double, kSetFigureCount> figures{};  // by kSetFigures; NaN if the scans do not show the figure
+  Patches patches;                                // intensities in them are divided by the set's median
 };
 
 struct ScanSetOptions {
-  std::string sensor;                  // name of the sensor; ignored if a set has only one; empty: the first sensor
-  std::size_t scans = 20;              // at most so many, taken evenly
-  std::size_t patchesPerScan = 20000;  // at most
+  std::string sensor;                  // name of the sensor; empty: the first; ignored if a set has only one sensor
+  std::size_t scans = 20;              // maximum number of scans, evenly distributed over the set
+  std::size_t patchesPerScan = 20000;  // maximum number of patches per scan
   const std::atomic<bool>* stop = nullptr;
 };
 
-// Reads a set: anything that ScanStore opens (dataset/scan_store.h). Throws InputError, and Error if stopped.
+// Reads and measures a set of scans: any dataset or folder that ScanStore can open (dataset/scan_store.h). Throws
+// InputError; throws Error if `*options.stop` becomes true.
 ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& options, Progress& progress);
-// Measures scans that are already in memory, as readScanSet() does.
+// Measures scans in memory in the same way as readScanSet().
 ScanSet measureScans(std::string name, const std::vector<Scan>& scans, std::optional<Ontology> ontology,
                      const ScanSetOptions& options);
 

@@ -17,11 +17,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestPatches = 50;  // in a band that the fit uses
+constexpr std::size_t kFewestPatches = 50;  // least number of patches in a band that the fit uses
 constexpr double kMostUneven = 2.5;         // largest unevenness of a band that the fit uses
 constexpr int kResamples = 200;
-constexpr double kGoodChiSquare = 3;  // per degree of freedom
-constexpr double kGoodMisfit = 0.1;  // relative: a line this close to all bands will do, however small their errors are
+constexpr double kGoodChiSquare = 3;  // largest acceptable chi^2 per degree of freedom
+constexpr double kGoodMisfit = 0.1;   // relative error of all bands up to which a line is accepted, whatever its chi^2
 
 using Patches = std::vector<const FlatPatch*>;
 
@@ -31,13 +31,15 @@ double quantileOf(std::vector<double> values, double share) {
   return *at;
 }
 
-// Rounding to a step adds step^2 / 12 to the variance wherever the noise, or the surface's slope, spans a step.
+// Removes the effect of rounding ranges to a step, which adds step^2 / 12 to the variance. The formula holds if the
+// ranges on a patch vary by more than a step.
 double withoutStep(double deviation, double step) {
   return std::sqrt(std::max(0.0, deviation * deviation - step * step / 12));
 }
 
-// Returns the standard deviation of `measure` over sets of as many patches, sampled with replacement: Efron, "Bootstrap
-// methods: another look at the jackknife", 1979. A patch is the unit of sampling, since its points share a surface.
+// Returns the bootstrap standard error of `measure`: its standard deviation over sets of equally many patches, sampled
+// with replacement (Efron, "Bootstrap methods: another look at the jackknife", 1979). Complete patches are sampled,
+// since the points of a patch share a surface and are not independent. `stream`: selects the random numbers.
 double bootstrapError(const Patches& patches, std::uint32_t stream,
                       const std::function<double(const Patches&)>& measure) {
   if (patches.size() < 2) return 0;
@@ -69,7 +71,7 @@ MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
   };
   MeasuredShare all = count(patches);
   if (all.of == 0) return all;
-  // If no return is lost, resampling shows no spread, although one more loss is always possible.
+  // If no return is lost, all resampled sets are equal, although there might have been a lost return by chance.
   const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
   const double spread = bootstrapError(patches, stream, [&](const Patches& chosen) { return count(chosen).share(); });
   all.error = std::max(all.lost == 0 ? least : 0.0, spread);
@@ -110,14 +112,15 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
   return group;
 }
 
-// Returns why a band of ranges gives no information about the noise; empty if it does.
+// Returns the reason why a band of ranges is not used for the fit; empty if the band is used.
 std::string unfit(const PatchGroup& band) {
   if (band.patches < kFewestPatches) return fmt::format("fewer than {} patches", kFewestPatches);
   if (band.unevenness > kMostUneven) return "not flat: the patches scatter too differently";
   return {};
 }
 
-// Fits the line. Neither coefficient may be negative, because the model's coefficients are not.
+// Fits the line sigma = base + growth * range to the bands. Negative coefficients become zero, since a sensor's are not
+// negative.
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   const auto solve = [&](bool constant, bool slope) {
     std::vector<double> design;
@@ -149,7 +152,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   }
   fit.linear = fit.freedom <= 0 || fit.chiSquare <= kGoodChiSquare * fit.freedom || fit.largestMisfit <= kGoodMisfit;
 
-  // Standard errors of the two coefficients: the inverse of the normal matrix.
+  // Compute the standard errors of both coefficients from the inverse of the normal matrix.
   double s = 0, sr = 0, srr = 0;
   for (const PatchGroup* band : used) {
     const double weight = 1 / std::pow(std::max(band->error, 1e-6), 2);
@@ -168,7 +171,7 @@ void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   }
 }
 
-// Returns "a, b and 3 more".
+// Joins names, at most three of them, such as "a, b, c and 3 more".
 std::string listed(const std::vector<std::string>& names) {
   constexpr std::size_t kShown = 3;
   if (names.size() <= kShown) return fmt::format("{}", fmt::join(names, ", "));
@@ -318,7 +321,7 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
 
 namespace {
 
-// Writes only errors that belong to the sensor; empty if there are none.
+// Returns the item `ring_bias` of the effects with the errors that belong to the sensor; empty if there are none.
 std::string ringBiasYaml(const RingErrors& rings) {
   std::string keys;
   const auto add = [&](const RingSpread& spread, const char* key) {
@@ -361,7 +364,7 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
   text += ringBiasYaml(fit.rings);
   for (const std::string& line : beyondMeasured(fit)) text += fmt::format("  # {}\n", line);
   if (fit.linear) {
-    // A line through as many bands as unknowns always fits, which tests nothing.
+    // A line through two bands or fewer always fits, so the fit does not test the model.
     std::string agreement = fmt::format("chi^2 {:.3g} for {:.0f} degrees of freedom", fit.chiSquare, fit.freedom);
     if (fit.freedom <= 0) {
       agreement = first == last ? "one band of ranges tells nothing of growth" : "two bands of ranges test no line";

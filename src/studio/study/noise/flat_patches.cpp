@@ -14,19 +14,21 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kCells = std::size_t{kPatchRings} * kPatchColumns;
-constexpr std::uint32_t kColumnStep = 3;     // columns between the windows that are examined
-constexpr double kReturned = 0.6;            // share of the tested half that must return
-constexpr std::size_t kFewestMeasured = 14;  // returns of the measured half
+constexpr std::uint32_t kColumnStep = 3;     // columns from one examined window to the next
+constexpr double kReturned = 0.6;            // least fraction of the tested half that must have returns
+constexpr std::size_t kFewestMeasured = 14;  // least number of returns in the measured half
 constexpr double kFewestFreedom = 6;
-constexpr double kEdgeOn = 0.02;             // cosine of incidence: flatter views give little information
-constexpr double kDeepest = 3;               // the farthest range of a patch, as a multiple of the nearest
-constexpr double kPlaneTolerance = 3;        // scatter about the plane, in common deviations
-constexpr double kOnPlane = 4;               // distance of a neighbour from the plane, in deviations of its patch
-constexpr std::size_t kTelling = 100;        // windows in a group, to make its tenth meaningful
-constexpr double kTenth = -1.2815515655;     // standard normal: 10 %
-constexpr double kMostNoise = 2.3263478740;  // standard normal: 99 %
+// Least cosine of the incidence angle of a patch; flatter views say little about noise.
+constexpr double kEdgeOn = 0.02;
+constexpr double kDeepest = 3;         // largest ratio between the farthest and the nearest range in a patch
+constexpr double kPlaneTolerance = 3;  // largest deviation from the plane, as a multiple of the usual deviation
+// Largest distance of a neighbour from the plane, as a multiple of the patch's deviation.
+constexpr double kOnPlane = 4;
+constexpr std::size_t kTelling = 100;        // least number of windows in a group for a meaningful quantile
+constexpr double kTenth = -1.2815515655;     // 10 % quantile of the standard normal distribution
+constexpr double kMostNoise = 2.3263478740;  // 99 % quantile of the standard normal distribution
 
-// A beam of a window.
+// One beam of a patch's window, with its position in the window and its measured range.
 struct Cell {
   std::uint32_t row = 0;
   std::uint32_t column = 0;
@@ -64,12 +66,13 @@ std::vector<const Cell*> returnedOf(const Cells& cells, bool tested) {
 
 struct PlaneFit {
   PatchPlane plane;
-  double squares = 0;  // m^2, of ranges along the beams
+  double squares = 0;  // sum of squared range differences along the beams (m^2)
   double freedom = 0;
 };
 
-// Fits a plane by least squares of ranges: plane * point = 1 for a point at its beam's range. This is linear in the
-// plane, but weighted by incidence; Gauss-Newton steps from that solution then minimise the ranges' own residuals.
+// Fits a plane by least squares of the range differences along the beams. First solves plane * point = 1, which is
+// linear in the plane but weights points by incidence; then Gauss-Newton steps minimise the range differences
+// themselves.
 std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const Cell*>& cells) {
   std::vector<double> design;
   std::vector<double> values;
@@ -102,8 +105,9 @@ std::optional<PlaneFit> fitPlane(const BeamTable& beams, const std::vector<const
   return found;
 }
 
-// Fits the differences between the ranges and the plane by a line for each ring, with slopes that change at most
-// linearly from ring to ring, and a curvature (a square and a cube). The result holds the residuals.
+// Fits the differences between the ranges and the plane by a model: an offset and a slope for each ring, where the
+// slope changes linearly from ring to ring, and a square and a cubic term for the curvature, common to all rings.
+// Returns the fit with its residuals.
 LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells, const PatchPlane& plane) {
   constexpr std::size_t kTerms = kPatchRings + 4;
   std::vector<double> design(cells.size() * kTerms, 0.0);
@@ -123,8 +127,9 @@ LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells
   return fitLinear(design, kTerms, values);
 }
 
-// Counts holes among the beams of the measured half away from the window's rim, if at least three of their four
-// neighbours (all of the tested half) returned, and none of these off the plane.
+// Counts the measured beams inside of the window that are enclosed (at least three of their four neighbours, which are
+// all tested beams, have returns, and these lie on the plane), and those among them that have no return themselves
+// (holes).
 void countHoles(const BeamTable& beams, const Cells& cells, double deviation, FlatPatch& patch) {
   for (const Cell& cell : cells) {
     const bool inner = cell.row > 0 && cell.row + 1 < kPatchRings && cell.column > 0 && cell.column + 1 < kPatchColumns;
@@ -144,7 +149,7 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
   }
 }
 
-// Patches are compared with patches at similar ranges that are seen equally steeply.
+// Windows are compared only within groups of similar range and similar incidence.
 std::size_t groups() {
   return 2 * rangeBandEdges().size();
 }
@@ -152,10 +157,11 @@ std::size_t groupOf(const FlatPatch& patch) {
   return 2 * rangeBandOf(patch.range) + (patch.incidence < kSteep ? 1 : 0);
 }
 
-// Returns the scatter of flat windows per group (m): the scatter of the smoothest tenth, since not all windows need be
-// flat. A band of ranges may hold no flat surface at all, so its neighbours bound it: noise does not fall with the
-// range, and grows no faster than the return fades, with the square of the range. If these bounds are too tight, fewer
-// patches are chosen, but without bias: the choice does not depend on their measured halves.
+// Returns the standard deviation (m) that flat windows have in each group. It is taken from the smoothest tenth of the
+// group, since most windows may not be flat. A group may have no flat window at all, so neighbouring bands of range
+// bound its value: noise does not decrease with range, and grows at most with the square of the range, as the returned
+// power decreases. If the bounds are too tight, fewer patches are chosen. This causes no bias, since the choice does
+// not depend on the measured halves.
 std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   const std::size_t bands = rangeBandEdges().size();
   std::vector<std::vector<double>> variances(groups());
@@ -192,7 +198,8 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   return usual;
 }
 
-// Chooses windows of one colour, in raster order, each unless it overlaps an earlier one.
+// Chooses flat windows in raster order, separately for each scan and colour. A window that overlaps a chosen one is
+// skipped.
 void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup, const BeamImage& image,
             std::vector<const FlatPatch*>& chosen) {
   std::vector<bool> taken(std::size_t{image.rows()} * image.columns());

@@ -29,7 +29,8 @@ Effects makeEffects(const std::string& yaml) {
   return made;
 }
 
-// Returns the scan that the sensor would make of the patches' planes in an empty world. The patches must not overlap.
+// Returns the scan that the sensor would make of a world that consists only of the patches' planes. The patches must
+// not overlap.
 RecordedScan simulate(const BeamTable& beams, const BeamImage& image, const std::vector<const FlatPatch*>& patches,
                       const Effects& effects, std::uint32_t stream) {
   Shot shot;
@@ -86,7 +87,7 @@ std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::
   const BeamImage image(beams);
   const Effects made = makeEffects(effects);
   const double leastCosine = std::cos(fit.mostIncidence);
-  std::vector<FlatPatch> recorded[2];  // steep, grazing
+  std::vector<FlatPatch> recorded[2];  // patches at steep and at grazing incidence
   std::vector<FlatPatch> simulated[2];
   for (std::uint32_t s = 0; s < scans.size(); ++s) {
     for (std::uint32_t tested = 0; tested < 2; ++tested) {

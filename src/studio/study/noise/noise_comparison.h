@@ -1,7 +1,7 @@
 #pragma once
 
-// Compares a recording with a simulation of its own patches: the same beams, the planes that were found, and the fitted
-// effects.
+// Compares recorded scans with simulated ones. The simulation uses the same beams, the planes of the flat patches that
+// were found in the recording, and the fitted effects.
 
 #include <cstddef>
 #include <string>
@@ -12,22 +12,22 @@
 
 namespace scanmill {
 
-// The scatter of the ranges of some patches, in the recording or in the simulation.
+// The deviations of ranges on the patches, in the recording or in the simulation.
 struct ResidualSpread {
-  std::vector<double> residuals;  // m, about the lines: see FlatPatch::residuals
-  double deviation = 0;  // m, the deviation that most patches share (commonDeviation()), with the rounding of ranges
-  double planeDeviation = 0;  // m, the same about planes
+  std::vector<double> residuals;  // m, deviations from lines, see FlatPatch::residuals
+  double deviation = 0;       // typical standard deviation (m), see commonDeviation(); includes the rounding of ranges
+  double planeDeviation = 0;  // typical standard deviation of the ranges from the patches' planes (m)
 };
 
-// Recorded and simulated patches side by side, seen at either steep or grazing incidence.
+// Recorded and simulated patches, either at steep or at grazing incidence.
 struct ResidualComparison {
-  std::string name;  // "up to 60 deg"
+  std::string name;  // such as "up to 60 deg"
   std::size_t patches = 0;
   ResidualSpread recorded;
   ResidualSpread simulated;
 };
 
-// Compares the patches at ranges that the fit uses. `effects` is a list as in a sensor file, see effectsYaml().
+// Compares the patches in the ranges that the fit uses. `effects`: YAML text with the key `effects`, see effectsYaml().
 std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                                              const std::vector<FlatPatch>& patches, const NoiseFit& fit,
                                              const std::string& effects);

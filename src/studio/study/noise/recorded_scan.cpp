@@ -16,7 +16,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kNoReturn = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kFewestReturns = 100;  // returns needed to find the frame
+constexpr std::size_t kFewestReturns = 100;  // least number of returns to find the sensor's pose in the scan's frame
 
 struct BeamPoint {
   std::size_t beam;
@@ -24,8 +24,9 @@ struct BeamPoint {
   std::size_t place;  // index in the scan
 };
 
-// Returns the sensor's ring for each ring of a scan, which may number rings from the other end or omit rings without
-// points: by the order of their elevations if both have the same number of rings, otherwise by the nearest elevation.
+// Returns the sensor's ring for each ring of a scan. The scan may number rings in the opposite order, or skip rings
+// without points. If both have the same number of rings, rings are matched in the order of their elevations; otherwise
+// each ring is matched to the sensor's ring of the nearest elevation.
 std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& beams) {
   std::vector<std::vector<double>> elevations;
   for (std::size_t i = 0; i < scan.size(); ++i) {
@@ -34,7 +35,8 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
     const Vec3d p(scan.position[i]);
     if (isFinite(p) && length(p) > 0) elevations[ring].push_back(std::asin(p.z / length(p)));
   }
-  std::vector<std::pair<double, std::uint16_t>> own, known;  // elevation (rad) and ring
+  // Pairs of elevation (rad) and ring, of the scan and of the sensor.
+  std::vector<std::pair<double, std::uint16_t>> own, known;
   for (std::size_t r = 0; r < elevations.size(); ++r) {
     if (!elevations[r].empty()) own.emplace_back(medianOf(elevations[r]), static_cast<std::uint16_t>(r));
   }
@@ -52,13 +54,14 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
   return rings;
 }
 
-// For scans that have only rings: assigns each point a column by its azimuth about the z axis of the scan's frame. The
-// rotation of that frame against the sensor's is found later, from the points.
+// Returns a scan with columns for a scan that has only rings: each point gets the column of its azimuth about the z
+// axis of the scan's frame. The frame may be rotated relative to the sensor's frame; alignedFrame() finds this rotation
+// later.
 Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan known = scan;
   const std::vector<std::uint16_t> rings = ringsByElevation(scan, beams);
   const double step = beams.field / (beams.fullTurn() ? beams.columns : std::max(beams.columns, 2u) - 1);
-  const double turn = 2 * kPi / step;  // columns
+  const double turn = 2 * kPi / step;  // columns per revolution
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const std::uint16_t ring = rings[scan[kRing][i]];
     known[kRing][i] = ring;
@@ -72,7 +75,8 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
   return known;
 }
 
-// Returns the first returns that have a position. In scans that are not organised, each point names its beam.
+// Returns the first return of each beam, if it has a finite position. If the scan is not organised, the columns ring
+// and column give the beam of each point.
 std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, const Location& where) {
   if (!knowsBeams(scan)) {
     throw InputError(where,
@@ -85,14 +89,16 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
                                         scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
   }
   std::vector<BeamPoint> points;
-  std::vector<bool> taken(beams.size());  // scans that do not number their returns give the first one first
+  // True for beams of which a point has been found. If returns are not numbered, a beam's first point in the file
+  // counts.
+  std::vector<bool> taken(beams.size());
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);
     if (key.ring >= beams.rings || key.column >= beams.columns) {
       throw InputError(where, fmt::format("point {} is of ring {}, column {}, but the sensor {} has {} x {} beams", i,
                                           key.ring, key.column, beams.model, beams.rings, beams.columns));
     }
-    if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings write misses as zeros
+    if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings store misses as zeros
     const std::size_t beam = std::size_t{key.ring} * beams.columns + key.column;
     if (key.number != 0 || taken[beam]) continue;
     taken[beam] = true;
@@ -101,8 +107,8 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
   return points;
 }
 
-// Returns the rotation of the points about the axis (rad): the circular mean of their rotations, weighted by the
-// distance from the axis.
+// Returns the rotation of the points about the z axis relative to their beams (rad). It is the circular mean of the
+// points' rotations, weighted by their distance from the axis.
 double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams) {
   double sine = 0;
   double cosine = 0;
@@ -114,7 +120,7 @@ double startingYaw(const std::vector<BeamPoint>& points, const BeamTable& beams)
   return std::atan2(sine, cosine);
 }
 
-// Returns the median of the angles between the points' directions and their beams' (rad).
+// Returns the median of the angles between the points' directions and the directions of their beams (rad).
 double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams, const Pose& scanFromSensor) {
   const Pose sensorFromScan = inverse(scanFromSensor);
   std::vector<double> angles;
@@ -127,8 +133,8 @@ double medianAngle(const std::vector<BeamPoint>& points, const BeamTable& beams,
   return medianOf(std::move(angles));
 }
 
-// Finds the frame by Gauss-Newton steps on the six degrees of freedom of a pose. They minimise the part of each point's
-// ray that is perpendicular to its beam, as an angle.
+// Returns the pose of the sensor in the scan's frame. Gauss-Newton steps over the six degrees of freedom minimise the
+// angles between the points' directions and their beams.
 Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) {
   constexpr std::size_t kUsed = 3000;
   constexpr int kRounds = 8;
@@ -147,7 +153,8 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
       const double range = std::max(length(ray), 1e-3);
       const Vec3d across = normalized(cross(u, std::abs(u.z) < 0.9 ? Vec3d{0, 0, 1} : Vec3d{1, 0, 0}));
       for (const Vec3d& axis : {across, cross(across, u)}) {
-        // A small rotation w and shift t of the sensor's frame move the point in that frame by -(w x own) - t.
+        // A small rotation w and translation t of the sensor's frame change the point's coordinates in this frame by
+        // -(w x own) - t.
         const Vec3d turn = cross(own, axis);
         for (const double part : {turn.x, turn.y, turn.z, axis.x, axis.y, axis.z}) design.push_back(part / range);
         values.push_back(dot(axis, ray) / range);
@@ -165,7 +172,8 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
   return scanFromSensor;
 }
 
-// Returns half of the smallest angle between two beams (rad): points that are farther off lie on other beams.
+// Returns half of the smallest angle between neighbouring beams (rad). A point with a larger angle to its beam belongs
+// to another beam.
 double tolerance(const BeamTable& beams) {
   double least = beams.field / std::max(beams.columns, 2u);
   std::vector<double> elevation = beams.elevation;
@@ -213,9 +221,9 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
 }
 
 double rangeStep(const std::vector<RecordedScan>& scans) {
-  constexpr double kSame = 2e-5;      // m: rounding error of a range from float32 coordinates
-  constexpr double kSmallest = 5e-4;  // m: finer steps are lost in that rounding
-  constexpr double kShare = 0.99;     // share of the ranges that must be multiples
+  constexpr double kSame = 2e-5;      // m, rounding error of ranges that are computed from float32 coordinates
+  constexpr double kSmallest = 5e-4;  // m; smaller steps cannot be distinguished from rounding errors
+  constexpr double kShare = 0.99;     // least fraction of the ranges that must be multiples of the step
   std::vector<double> sorted;
   for (const RecordedScan& scan : scans) {
     std::copy_if(scan.range.begin(), scan.range.end(), std::back_inserter(sorted), [](double r) { return r == r; });
@@ -229,7 +237,7 @@ double rangeStep(const std::vector<RecordedScan>& scans) {
   std::sort(gaps.begin(), gaps.end());
   double step = gaps[gaps.size() / 20];
   if (step < kSmallest) return 0;
-  // Gaps are only a few steps long; the longer the counted distance, the more exact the step.
+  // Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
   const double whole = sorted.back() - sorted.front();
   double reach = step;
   while (reach < whole) {
@@ -246,7 +254,7 @@ double rangeStep(const std::vector<RecordedScan>& scans) {
     }
     if (squares > 0) step = product / squares;
   }
-  // The offset of the multiples: the circular mean of their phases.
+  // Find the constant offset of the multiples: the circular mean of the ranges modulo the step.
   double sine = 0;
   double cosine = 0;
   for (const double r : sorted) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A recorded scan as its sensor measured it: ranges along known beams.
+// Converts recorded scans to ranges along the known beams of the sensor.
 
 #include <cstddef>
 #include <string>
@@ -13,21 +13,22 @@
 namespace scanmill {
 
 struct RecordedScan {
-  std::string name;              // the file's name
-  std::vector<double> range;     // m along each beam to its first return, from the beam's own origin; NaN: no return
-  std::vector<float> intensity;  // intensity of each beam, zero without a return; empty if the scan has no intensities
-  Pose scanFromSensor;           // pose of the sensor in the frame of the scan's points, which may be another frame
+  std::string name;              // name of the file
+  std::vector<double> range;     // m along each beam from the beam's origin to its first return; NaN: no return
+  std::vector<float> intensity;  // intensity of each beam; 0 if it has no return; empty if the scan has no intensities
+  Pose scanFromSensor;           // pose of the sensor in the frame of the scan's points
   std::size_t returns = 0;
 };
 
-// Assigns each point of a scan to a beam: by its position in an organised scan, by its ring and column, or by its ring
-// and the column nearest to its azimuth. Only the first return of a beam is used: later returns come from behind edges,
-// and a flat surface gives only one. The pose of the points' frame relative to the beams is found from the points,
-// since recordings often leave out the sensor's own offsets. Throws InputError that begins with `name` if the scan has
-// another size than the sensor, has no rings or is empty, or if its points do not lie on the sensor's beams.
+// Assigns each point of a scan to a beam: in an organised scan by its position in the image, otherwise by the columns
+// ring and column; if there is only the column ring, by ring and azimuth. Only the first return of a beam is used,
+// since later returns occur at edges and not on flat surfaces. The sensor's pose in the frame of the points is
+// estimated, since recordings often do not state it. Throws InputError if the scan has another size than the sensor,
+// has no rings or is empty, or if its points are not on the sensor's beams; the message starts with `name`.
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name);
 
-// Returns the step (m) to which ranges are rounded: they are multiples of it plus a constant. 0 if no step was found.
+// Returns the step (m) to which the sensor rounds ranges; all ranges are multiples of it plus a constant. Returns 0 if
+// no step is found.
 double rangeStep(const std::vector<RecordedScan>& scans);
 
 }  // namespace scanmill

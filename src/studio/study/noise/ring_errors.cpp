@@ -11,13 +11,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestBeams = 20;  // returns needed to use a patch
+constexpr std::size_t kFewestBeams = 20;  // least number of returns in a patch that is used
 constexpr double kRidge = 0.1;
-constexpr double kFarOff = 5;  // residuals beyond this multiple of their patch's median deviation are left out
+constexpr double kFarOff = 5;  // residuals larger than this multiple of their patch's median deviation are not used
 
-// The normal equations of one error per ring, A x = b, as ridge regression: (A + kRidge a I) x = b, with a the mean of
-// A's diagonal. An error that all rings of a patch share is not observable, and one that changes slowly from ring to
-// ring hardly is: the ridge keeps both from growing.
+// The normal equations A x = b for one error per ring, solved by ridge regression: (A + kRidge a I) x = b, where a is
+// the mean of A's diagonal. The ridge keeps errors small that the patches do not determine: an error common to all
+// rings of a patch is not observable, and an error that changes slowly from ring to ring hardly is.
 struct RingSystem {
   explicit RingSystem(Eigen::Index rings) : a(Eigen::MatrixXd::Zero(rings, rings)), b(Eigen::VectorXd::Zero(rings)) {}
 
@@ -26,7 +26,8 @@ struct RingSystem {
     return Eigen::LDLT<Eigen::MatrixXd>(a + Eigen::MatrixXd(ridge.asDiagonal()));
   }
   Eigen::VectorXd solve() const { return factor().solve(b); }
-  // Returns the matrix that maps true errors to the solution, which the ridge shrinks.
+  // Returns the matrix that maps true errors to the solution. It differs from the identity, since the ridge shrinks
+  // errors.
   Eigen::MatrixXd resolution() const { return factor().solve(a); }
   bool tellsOf(Eigen::Index ring) const { return a(ring, ring) > 0; }
 
@@ -34,13 +35,13 @@ struct RingSystem {
   Eigen::VectorXd b;
 };
 
-// The data of one patch: for each return its ring, the difference from the patch's plane, the derivative of this
-// difference by the plane, and the logarithm of the intensity.
+// The data of one patch. For each return: its ring, the difference (m) of its range from the patch's plane, the
+// derivative of this difference with respect to the plane, and the logarithm of the intensity.
 struct PatchView {
   std::vector<std::uint32_t> ring;
   std::vector<double> difference;
   std::vector<Vec3d> slope;
-  std::vector<double> brightness;  // brightness of the returns that have an intensity
+  std::vector<double> brightness;  // natural logarithm; only of returns with an intensity, whose rings and rows follow
   std::vector<std::uint32_t> brightRing;
   std::vector<double> brightRow;
 };
@@ -81,14 +82,15 @@ PatchView viewOf(const BeamTable& beams, const BeamImage& image, const RecordedS
   return kept;
 }
 
-// Adds a patch to the system. `columns`: the functions that the patch's own fit removes from the values.
+// Adds a patch to the normal equations. `values`: for each return of `ring`. `columns`: basis of the functions (a
+// plane, or a slope) that are fitted to each patch separately and removed from the values.
 void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std::vector<double>& values,
            const Eigen::MatrixXd& columns) {
   std::vector<std::uint32_t> rings = ring;
   std::sort(rings.begin(), rings.end());
   rings.erase(std::unique(rings.begin(), rings.end()), rings.end());
   const auto rows = static_cast<Eigen::Index>(ring.size()), own = static_cast<Eigen::Index>(rings.size());
-  Eigen::MatrixXd left(rows, own + 1);  // indicators of the rings, and the values
+  Eigen::MatrixXd left(rows, own + 1);  // one indicator column per ring, then the values
   for (Eigen::Index i = 0; i < rows; ++i) {
     left(i, own) = values[static_cast<std::size_t>(i)];
     for (Eigen::Index k = 0; k < own; ++k) {
@@ -103,7 +105,8 @@ void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std
   }
 }
 
-// Combines the systems of the odd and the even patches.
+// Computes the ring errors from the equations of the odd and the even patches. Comparing both shows which part is
+// noise.
 RingSpread spreadOf(const std::array<RingSystem, 2>& half) {
   RingSystem all = half[0];
   all.a += half[1].a;
@@ -123,7 +126,7 @@ RingSpread spreadOf(const std::array<RingSystem, 2>& half) {
     return own.array() - own.mean();
   };
   const Eigen::VectorXd a = aboutMean(half[0]), b = aboutMean(half[1]);
-  // Independent errors of variance 1 would give the two halves this covariance.
+  // This is the covariance between the halves' solutions if true errors are independent with variance 1.
   const double kept = half[0].resolution().cwiseProduct(half[1].resolution()).sum() / n;
   made.sigma = kept > 0 ? std::sqrt(std::max(0.0, a.dot(b) / n) / kept) : 0;
   made.agreement = a.norm() > 0 && b.norm() > 0 ? a.dot(b) / (a.norm() * b.norm()) : 0;
@@ -136,7 +139,7 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
                          const std::vector<FlatPatch>& patches) {
   const BeamImage image(beams);
   const RingSystem none(beams.rings);
-  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};  // the systems of the odd and of the even patches
+  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};  // for the odd and the even patches
   bool lit = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const PatchView view = viewOf(beams, image, scans[patches[p].window.scan], patches[p]);

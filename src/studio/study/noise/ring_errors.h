@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures the fixed errors of a sensor's lasers on flat patches: neighbouring rings that see one plane should measure
-// the same plane, and the same brightness.
+// Measures the constant errors of a sensor's lasers on flat patches. If lasers had no such errors, neighbouring rings
+// on the same surface would show the same plane and the same intensity.
 
 #include <cstddef>
 #include <vector>
@@ -12,15 +12,15 @@
 
 namespace scanmill {
 
-// How much rings differ. The plane fitted to a patch absorbs what its rings have in common, and any slope over them:
-// only differences between neighbouring rings can be seen.
+// The differences between rings. The plane that is fitted to each patch absorbs errors that its rings have in common
+// and errors that grow linearly over its rings. Only differences between neighbouring rings can be measured.
 struct RingSpread {
-  std::vector<double> ofRing;  // error of each ring; 0 if no patch has the ring
-  double sigma = 0;            // standard deviation over the rings, with the part due to noise removed
-  // Correlation of the errors from the odd patches with the errors from the even patches: near 1 if the errors belong
-  // to the sensor, near 0 if they are noise.
+  std::vector<double> ofRing;  // error of each ring; 0 if no patch contains the ring
+  double sigma = 0;            // standard deviation between rings, after removing the part due to noise
+  // Correlation between the errors measured on the odd patches and those measured on the even patches. Near 1: the
+  // errors belong to the sensor. Near 0: they are noise.
   double agreement = 0;
-  std::size_t rings = 0;  // number of rings that patches cover
+  std::size_t rings = 0;  // number of rings in the patches
 };
 
 struct RingErrors {
@@ -28,14 +28,14 @@ struct RingErrors {
   RingSpread gain;   // natural logarithm of the gain; empty if scans have no intensities
 };
 
-// Fits all patches at once by least squares: the differences of the ranges from a separate plane per patch plus an
-// offset per ring, and the logarithms of the intensities as a separate slope over the rings per patch plus a gain per
-// ring. If offsets are far larger than the noise, few patches pass as flat, and those have smaller offsets than the
-// rest.
+// Fits all patches together by least squares. The model of the range differences is a plane per patch plus an offset
+// per ring. The model of the intensities' logarithms is a constant and a slope over the rings per patch plus a gain per
+// ring. If offsets are much larger than the noise, they are underestimated: only patches with small offsets then count
+// as flat.
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<FlatPatch>& patches);
 
-// Errors with at least this agreement count as the sensor's own.
+// least RingSpread::agreement for which errors are attributed to the sensor.
 constexpr double kOwnErrors = 0.5;
 
 }  // namespace scanmill

@@ -27,7 +27,7 @@ bool isComment(const std::string& line) {
   return at != std::string::npos && line[at] == '#';
 }
 
-// True for a blank line or a comment that is not indented: it stands between two keys and may belong to the next.
+// True for a blank line or a comment without indentation: such a line separates two keys and may belong to the next.
 bool standsBetween(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
 }
@@ -36,8 +36,8 @@ bool standsBetween(const std::string& line) {
 
 namespace {
 
-// Returns the lines of the effects that stay, each with the comments above it. `first` is the line of the key, `end`
-// the line after its value.
+// Returns the lines of the file's effects that are not replaced, each with the comments above it. `first`: index of the
+// line with the key. `end`: index of the line after its value.
 std::string keptEffects(const Value& list, const std::vector<std::string>& lines, std::size_t first, std::size_t end,
                         const std::string& file, const std::string& effects) {
   const Value fitted = parseYaml(effects, file);
@@ -46,7 +46,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
   std::string kept;
   std::size_t begin = first + 1;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
-    // An item ends where the next item, or the comments above that item, begin.
+    // An item ends before the next item and the comments above that.
     std::size_t stop = i + 1 < list.items.size() ? static_cast<std::size_t>(list.items[i + 1].where.line - 1) : end;
     const auto own = static_cast<std::size_t>(list.items[i].where.line - 1);
     while (i + 1 < list.items.size() && stop > own + 1 && isComment(lines[stop - 1])) --stop;

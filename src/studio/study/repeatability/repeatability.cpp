@@ -18,9 +18,10 @@ namespace scanmill {
 
 namespace {
 
-using ObjectCloud = std::vector<Vec3f>;  // world axes, origin at the centre of the object
+using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 
-// Transforms a point of a scan (sensor frame of the step that fired it, or of the revolution's start) to the world.
+// Transforms a point of a scan to the world. The point is in the sensor's frame at the time of its column; if the scan
+// is deskewed, in the sensor's frame at the start of the revolution.
 Vec3d worldPoint(const Shot& shot, const Vec3f& point, std::uint16_t column) {
   return shot.worldFromSensor[shot.deskew ? 0 : shot.stepOf(column)] * static_cast<Vec3d>(point);
 }
@@ -35,13 +36,13 @@ ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedThing& thing, do
   return cloud;
 }
 
-// Two scans from one pose: their indices into the clouds, levels x scans.
+// Two scans from one pose. `source` and `target` are indices into the clouds: level * number of scans + scan.
 struct ScanPair {
   std::size_t source, target;
 };
 
-// Returns all ordered pairs, by source level, target level, source and target. Pairs with the same seed are left out,
-// because their random numbers are the same.
+// Returns all ordered pairs, sorted by source level, target level, source and target. Pairs with the same seed are left
+// out, since their noise is the same.
 std::vector<ScanPair> scanPairs(std::size_t levels, std::size_t scans) {
   std::vector<ScanPair> pairs;
   for (std::size_t a = 0; a < levels; ++a) {
@@ -157,8 +158,8 @@ class RepeatabilityRun {
     }
   }
 
-  // Warns if the scans of a level are all the same, since perfect agreement is then meaningless. `effects: []` gives no
-  // warning: there it is intended.
+  // Warns if all scans of a level are equal, since perfect agreement then says nothing. `effects: []` causes no
+  // warning, since equal scans are then intended.
   void warnOfStillNoise() {
     for (std::size_t level = 0; level < choice_.levels.size(); ++level) {
       std::vector<std::string> names;
@@ -195,7 +196,8 @@ class RepeatabilityRun {
 
   bool stopped() const { return options_.stop != nullptr && *options_.stop; }
 
-  // Traces once, since the hits are the same each time, then applies the receiver with every noise level and seed.
+  // Returns the object's points in the scans with all noise levels and seeds. Traces once, since the hits are the same
+  // for all.
   std::vector<ObjectCloud> scansOf(const Method& method, const Scene& scene, const Shot& shot,
                                    const BoxedThing& thing) const {
     Hits hits;

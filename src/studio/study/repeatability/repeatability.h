@@ -1,9 +1,9 @@
 #pragma once
 
-// Measures how well repeated scans of an object agree, by the ICP protocol of the paper "LiDAR-GEIL: LiDAR GPU
-// Exploitation in Lightsimulations" (its Figures 10, 11 and 13): the object is scanned several times from each pose
-// with different noise, the scans are cropped to the object, one scan is registered to the other, and the fitness is
-// taken.
+// Measures how well repeated scans of an object agree, with the ICP protocol of the paper "LiDAR-GEIL: LiDAR GPU
+// Exploitation in Lightsimulations" (its Figures 10, 11 and 13). From each pose, the object is scanned several times
+// with different noise, and each scan is cropped to the object. One scan is then registered to another by ICP, and the
+// fitness is measured.
 
 #include <atomic>
 #include <cstdint>
@@ -15,35 +15,36 @@
 
 namespace scanmill {
 
-// Number of points on the object in the scans from one pose with one noise level.
+// Numbers of points on the object in the scans from one pose with one noise level.
 struct PointCount {
   double mean = 0;
   std::uint64_t least = 0;
   std::uint64_t most = 0;
 };
 
-// The fitness of all ordered pairs of scans with different seeds, for one noise level of the sources and one of the
-// targets: mean squared distances (m²) from the points of the source to the nearest points of the target.
+// The fitness of all ordered pairs of scans with different seeds, for one noise level of the source and one of the
+// target. The fitness is the mean squared distance (m²) from the source's points to the nearest points of the target.
 struct LevelFitness {
-  FitnessSpread registered;  // after ICP; only pairs that ICP could move: it needs three points in each scan
-  FitnessSpread unmoved;     // without ICP, of the pairs that have points: both scans have the same pose
-  std::uint64_t pairs = 0;   // all pairs
+  FitnessSpread registered;  // after ICP; only pairs with at least three points in each scan, which ICP needs
+  FitnessSpread unmoved;     // without ICP (both scans have the same pose); only pairs with points in both scans
+  std::uint64_t pairs = 0;   // number of all pairs
 };
 
-// Measurements from one pose of the sensor.
+// The results for one pose of the sensor.
 struct RepeatedPlace {
   std::uint32_t frame = 0;
   std::string object;
-  double distance = 0;                // m, from the sensor to the object's box
+  double distance = 0;                // from the sensor to the object's bounding box (m)
   std::vector<PointCount> points;     // one per noise level
-  std::vector<LevelFitness> fitness;  // [source level * levels + target level]
+  std::vector<LevelFitness> fitness;  // index: source level * number of levels + target level
 };
 
 struct RepeatedView {
-  std::size_t method = 0;  // index into Repeatability::methods
-  // "small_box front": the scene, its seed if there are several, the trajectory, and the sensor if there are several.
+  std::size_t method = 0;  // index in Repeatability::methods
+  // The view's name, such as "small_box front". It consists of the scene, the seed and the sensor if there are several,
+  // and the trajectory.
   std::string name;
-  std::string sensor;  // "lidar0 (OS1-128, 128 x 1024 beams)"
+  std::string sensor;  // such as "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;
 };
 
@@ -51,25 +52,26 @@ struct Repeatability {
   static constexpr int kSchemaVersion = 1;
   std::string programVersion;
   std::string pipelineName;
-  std::string pipelineText;  // as Pipeline::text: with the overrides as comments
-  std::uint64_t seed = 0;    // seed of the first scan; the other scans have the seeds that follow
-  std::uint32_t scans = 0;   // from each pose
-  double margin = 0;         // m; points farther from the object's box are cropped away
+  std::string pipelineText;  // the text with overrides as comments, see Pipeline::text
+  std::uint64_t seed = 0;    // seed of the first scan; further scans have the following numbers
+  std::uint32_t scans = 0;   // number of scans from each pose
+  double margin = 0;         // m; points farther from the object's bounding box are removed
   IcpOptions icp;
-  std::vector<std::string> methods;  // the names of the settings
-  std::vector<std::string> levels;   // the names of the noise levels
-  std::size_t reference = 0;         // index into levels: the level of the first charts
+  std::vector<std::string> methods;  // names of the settings
+  std::vector<std::string> levels;   // names of the noise levels
+  std::size_t reference = 0;         // index of the level in `levels` that the first charts show
   std::vector<RepeatedView> views;
   std::vector<std::string> warnings;  // sentences about figures that are not meaningful
 
-  std::vector<std::string> objects() const;  // names of the objects that the sensors look at, each once
-  std::vector<std::string> sensors() const;  // RepeatedView::sensor of the views, each once
+  std::vector<std::string> objects() const;  // returns the names of the objects in the results, without repetitions
+  std::vector<std::string> sensors() const;  // returns RepeatedView::sensor of all views, without repetitions
   const LevelFitness& at(const RepeatedPlace& place, std::size_t source, std::size_t target) const {
     return place.fitness[source * levels.size() + target];
   }
 };
 
-// True if the spread has a meaningful deviation: two pairs are the same two scans in both directions.
+// True if there are enough pairs for a standard deviation. Two pairs are not enough, since they are the same scans in
+// both directions.
 inline bool hasDeviation(const FitnessSpread& spread) {
   return spread.count > 2;
 }
@@ -79,11 +81,11 @@ struct RepeatabilityOptions {
   const std::atomic<bool>* stop = nullptr;
 };
 
-// Measures what the pipeline's key `repeatability` describes; see study/repeatability/repeatability_choice.h. The plan
-// must have been made with repeatabilityChannels(). Throws InputError for unusable input.
+// Runs the study that the pipeline's key `repeatability` describes; see study/repeatability/repeatability_choice.h. The
+// plan must have been made with repeatabilityChannels(). Throws InputError for unusable input.
 Repeatability measureRepeatability(const Plan& plan, const RepeatabilityOptions& options);
 
-// Returns the result as JSON; the same figures give the same bytes.
+// Returns the result as JSON. The same figures always give the same bytes.
 std::string repeatabilityJson(const Repeatability& result);
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// The number of comparisons at each pose grows with the squares of both.
+// Maximum numbers of levels and scans. The number of compared pairs per pose grows with the squares of both.
 constexpr std::size_t kMostLevels = 32;
 constexpr std::int64_t kMostScans = 100;
 

@@ -1,17 +1,18 @@
 #pragma once
 
-// The choices of a repeatability study: the key `repeatability:` of a pipeline. All of its parts are optional.
+// Reads the options of a repeatability study, which are the key `repeatability:` of a pipeline. All keys in it are
+// optional.
 //
 //   repeatability:
-//     scans: 5                      # scans from each pose, with the seeds seed, seed + 1, ...
-//     noise:                        # noise levels (default: one, the pipeline's own effects)
+//     scans: 5                      # number of scans from each pose, with consecutive seeds
+//     noise:                        # noise levels (default: one, with the pipeline's effects)
 //       - {name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}
-//       - {name: fitted, effects: sensor}      # the effects of the sensor's own file
-//     reference: 1 cm               # the level of the first charts (default: the first)
-//     methods: [ray_tracing, {depth_camera: {resolution: 512}}]   # default: the pipeline's own
+//       - {name: fitted, effects: sensor}      # the effects in the sensor's file
+//     reference: 1 cm               # the level that the first charts show (default: the first)
+//     methods: [ray_tracing, {depth_camera: {resolution: 512}}]   # default: the pipeline's method
 //     object: crate                 # name of an object in the scene (default: the object nearest to the sensor)
-//     margin_m: 0.1                 # points farther from the object's box are cropped away
-//     icp: {iterations: 10, reach_m: 0.5, fitness_within_m: 0.5}  # default: as PCL's, 10 and no limits
+//     margin_m: 0.1                 # points farther from the object's bounding box are removed
+//     icp: {iterations: 10, reach_m: 0.5, fitness_within_m: 0.5}  # default: 10 and no limits, as in PCL
 
 #include <cstdint>
 #include <memory>
@@ -27,27 +28,28 @@ namespace scanmill {
 
 struct NoiseLevel {
   std::string name;
-  std::vector<std::shared_ptr<const Effects>> effects;  // the effects of each sensor
-  bool named = true;                                    // false: the pipeline's own effects
+  std::vector<std::shared_ptr<const Effects>> effects;  // one list per sensor
+  bool named = true;                                    // false: the level has the pipeline's effects and no name
 };
 
 struct RepeatabilityChoice {
   std::uint32_t scans = 5;
   std::vector<NoiseLevel> levels;
-  std::size_t reference = 0;  // index into levels
+  std::size_t reference = 0;  // index in `levels`
   std::vector<MethodSetting> methods;
-  std::string object;   // empty: the object nearest to the sensor
-  double margin = 0.1;  // m
+  std::string object;   // name of an object; empty: the object nearest to the sensor
+  double margin = 0.1;  // m around the object's bounding box
   IcpOptions icp;
 };
 
-// Reads the key, and checks the options of the pipeline's own method if that is `method: auto`. Throws InputError that
-// names the place in the pipeline.
+// Reads the key `repeatability` of a pipeline. Also checks the options of the pipeline's method if it is `auto`. Throws
+// InputError with file and line.
 RepeatabilityChoice readRepeatabilityChoice(const Pipeline& pipeline);
 
-// Columns that compared scans keep: the positions of the points, and the columns that fired them.
+// Returns the layout of scans for the comparison: positions, and the column of each point.
 ScanLayout repeatabilityLayout();
-// Returns the channels that the noise levels read. A plan made with them loads the textures that they need.
+// Returns the channels that the effects of all noise levels read. A plan with these channels loads the textures that
+// they need.
 Channels repeatabilityChannels(const Pipeline& pipeline);
 
 }  // namespace scanmill

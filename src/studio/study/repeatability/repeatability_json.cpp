@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Null without pairs: zero would mean perfect agreement.
+// Returns null if there are no pairs, since zeros would look like perfect agreement.
 OrderedJson spreadJson(const FitnessSpread& spread) {
   if (spread.count == 0) return nullptr;
   return {{"pairs", spread.count},

@@ -20,7 +20,7 @@ double BoxedThing::distance(const Vec3d& point) const {
 }
 
 std::vector<BoxedThing> boxedThings(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes;  // per mesh, per object in the mesh
+  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object; in the mesh's frame
   for (const Mesh& mesh : scene.meshes) {
     std::vector<Box>& own = boxes.emplace_back(mesh.objects);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

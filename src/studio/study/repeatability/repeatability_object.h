@@ -1,6 +1,6 @@
 #pragma once
 
-// The object that repeated scans look at, and the distance of points from it.
+// Finds the object that repeated scans look at, and measures the distance of points from it.
 
 #include <cstdint>
 #include <string>
@@ -11,15 +11,15 @@
 
 namespace scanmill {
 
-// An object of a scene with its box along the axes of its mesh. If the object is a box itself, the two are equal.
+// An object of a scene with its bounding box, which is aligned with the axes of the object's mesh.
 class BoxedThing {
  public:
   BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box);
 
   const std::string& name() const { return name_; }
   Vec3d center() const { return worldFromMesh_ * box_.center(); }
-  // Returns the distance (m) from a point of the world to the box; 0 inside it. The distance is exact if the mesh's
-  // axes stay perpendicular in the world.
+  // Returns the distance (m) from a point in the world frame to the bounding box; 0 inside of the box. The result is
+  // exact if the mesh's axes are perpendicular in the world frame too.
   double distance(const Vec3d& point) const;
 
  private:
@@ -28,11 +28,11 @@ class BoxedThing {
   Box box_;
 };
 
-// Returns all objects of a scene, in the order of their instance ids.
+// Returns all object instances of a scene, sorted by instance id.
 std::vector<BoxedThing> boxedThings(const Scene& scene);
 
-// Returns the object with this name that is nearest to `from`, or the nearest object of all if the name is empty.
-// Throws InputError that names the scene if there is no such object.
+// Returns the object with this name that is nearest to the point `from` (world frame, m); if the name is empty, the
+// nearest of all objects. Throws InputError with the scene's name if there is no such object.
 const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std::string& name, const Vec3d& from,
                                const Scene& scene);
 

@@ -12,12 +12,12 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kFewestInRing = 20;  // points in a usable ring
-constexpr double kNearlyWhole =
-    0.015;  // columns that cover a revolution to within this share of it make a full revolution
-constexpr double kSpreadWanted = 1;    // m, spread of the distances that is needed to find the beams' origins
-constexpr double kSurely = 3;          // standard errors, from which an offset counts as real
-constexpr double kLeastOffset = 2e-3;  // m
+constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
+// Largest difference from a full revolution (as a fraction) at which columns count as one.
+constexpr double kNearlyWhole = 0.015;
+constexpr double kSpreadWanted = 1;    // least spread of the distances (m) in a ring to find the beams' origin
+constexpr double kSurely = 3;          // number of standard errors from which an offset counts as not zero
+constexpr double kLeastOffset = 2e-3;  // m; smaller offsets count as zero
 
 struct Point {
   Vec3d place;
@@ -31,7 +31,7 @@ double wrapped(double angle) {
   return std::remainder(angle, 2 * kPi);
 }
 
-// Returns the median about the mean direction.
+// Returns the median of angles (rad) around their circular mean.
 double circularMedian(const std::vector<double>& angles) {
   double x = 0;
   double y = 0;
@@ -51,9 +51,9 @@ double axisDistance(const Point& p) {
   return std::hypot(p.place.x, p.place.y);
 }
 
-// The line z = b + m rho of a ring.
+// The line z = intercept + slope * rho through the points of a ring, where rho is the distance from the axis (m).
 struct Line {
-  double slope = 0, intercept = 0, error = 0;  // standard error of the intercept
+  double slope = 0, intercept = 0, error = 0;  // `error`: standard error of the intercept (m)
 };
 
 std::optional<Line> lineOf(const std::vector<Point>& points) {
@@ -137,7 +137,7 @@ class Fitter {
     }
   }
 
-  // Calls visit(a, b) for points of one ring in columns that are `apart` columns from each other.
+  // Calls visit(a, b) for all pairs of points in the same ring whose columns differ by `apart`.
   template <class Visit>
   void forPairs(std::uint32_t apart, const Visit& visit) const {
     std::vector<const Point*> byColumn(fit_.columns);
@@ -150,15 +150,15 @@ class Fitter {
     }
   }
 
-  // Finds the rotation of the head from column to column (rad), with its sign.
+  // Finds the rotation of the sensor's head from column to column (rad); negative if clockwise.
   void findStep() {
     std::vector<double> steps;
     forPairs(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
     if (steps.size() < kFewestInRing)
       throw InputError("the scans have hardly two points side by side: too few returns");
     step_ = medianOf(steps);
-    // The farther apart the columns, the more exact the step; steps found at smaller distances resolve the full turns
-    // between.
+    // Columns that are farther apart determine the step more exactly. The number of full turns between them follows
+    // from the previous, less exact step.
     for (std::uint32_t apart = 4; apart < fit_.columns; apart *= 4) {
       steps.clear();
       forPairs(apart, [&](const Point& a, const Point& b) {
@@ -179,7 +179,8 @@ class Fitter {
     fit_.field = whole ? 2 * kPi : std::fabs(step_) * (fit_.columns - 1);
   }
 
-  // Returns the azimuth offset of a point, for beams that start at this distance from the axis.
+  // Returns the angle (rad) of a point's beam relative to the head's azimuth. `origin`: distance of the beam's origin
+  // from the axis (m).
   double offsetOf(const Point& p, double origin) const {
     const double head = fit_.firstAzimuth + step_ * p.column;
     const double turned = azimuthOf(p) - head;
@@ -210,7 +211,8 @@ class Fitter {
     fit_.azimuthSpread = medianOf(off);
   }
 
-  // Finds the beams' origin: the intercepts of the rings' lines are height - offset cos(azimuth offset) slope.
+  // Finds the beams' origin. In each ring, intercept = height - offset * cos(azimuth offset) * slope, a linear equation
+  // for the height and the offset of the origin.
   void findOrigin() {
     double w = 0, wx = 0, wy = 0, wxx = 0, wxy = 0;
     for (std::uint32_t ring = 0; ring < fit_.rings; ++ring) {
@@ -256,7 +258,7 @@ class Fitter {
     fit_.elevationSpread = medianOf(off);
   }
 
-  // Fills bare rings from the line through the nearest rings that have points.
+  // Sets the elevations of rings with too few points from the line through the two nearest other rings.
   void fillBare() {
     const auto known = [&](std::int64_t ring) {
       return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewestInRing;
@@ -305,7 +307,7 @@ class Fitter {
   }
 
   Rings rings_;
-  double step_ = 0;  // rad
+  double step_ = 0;  // rotation from column to column (rad)
   SensorFit fit_;
 };
 

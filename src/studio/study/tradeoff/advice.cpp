@@ -16,15 +16,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSameTime = 0.10;     // share by which two measurements of the same work may differ
-constexpr double kSameShare = 1e-5;    // share of the beams: one in a hundred thousand is not decisive
-constexpr double kLittleGain = 1.5;    // times as fast: a smaller gain is seldom worth an error
-constexpr double kNotableEdges = 3;    // ratio of the errors with and without edges, from which the latter is reported
-constexpr std::size_t kMostNamed = 6;  // settings in one sentence
+// Relative difference below which times count as equal; repeated measurements differ by this much.
+constexpr double kSameTime = 0.10;
+constexpr double kSameShare = 1e-5;  // fraction of beams by which settings may differ and still count as equal
+constexpr double kLittleGain = 1.5;  // speed-up factor below which accepting an error is seldom worthwhile
+// Ratio of the p99 with and without edges from which the p99 without edges is reported too.
+constexpr double kNotableEdges = 3;
+constexpr std::size_t kMostNamed = 6;  // maximum number of settings in one sentence
 
 struct Need {
   const char* name;
-  const char* limits;  // in words; empty: none
+  const char* limits;  // the limits in words; empty: no limits
   std::optional<double> p95{}, p99{}, missRate{}, labels{};
 
   ErrorLimits asked() const {
@@ -55,18 +57,20 @@ const std::array<Need, 4> kNeeds{{
     {.name = "speed at any price", .limits = ""},
 }};
 
-// The sentences of the advice: a sentence appears in advice of its kind if its fact is present, in this order.
+// A sentence of the advice, which is written in advice of the kind `kind` if `fact` is among the facts of a setting.
+// Sentences are written in the order of kSentences.
 struct Sentence {
   const char* kind;
   const char* fact;
   const char* text;
 };
-constexpr const char* kTake = "take";          // a setting that answers a need
-constexpr const char* kUnbeaten = "unbeaten";  // a method that answers no need, but has a setting that no other beats
-constexpr const char* kBeaten = "beaten";      // a method that answers no need
-constexpr const char* kUnheld = "unheld";      // a need that no setting answers
-constexpr const char* kSlow = "slow";          // settings of methods that do answer a need
-constexpr const char* kAny = "any";            // applies to every setting that may be taken
+constexpr const char* kTake = "take";  // a setting that is recommended for a need
+// A method that is not recommended, but has a setting that no other setting dominates.
+constexpr const char* kUnbeaten = "unbeaten";
+constexpr const char* kBeaten = "beaten";  // a method that is not recommended and all of whose settings are dominated
+constexpr const char* kUnheld = "unheld";  // a need for which no setting is good enough
+constexpr const char* kSlow = "slow";      // slow settings of methods of which another setting is recommended
+constexpr const char* kAny = "any";        // sentences about any setting that may be recommended
 constexpr auto kSentences = std::to_array<Sentence>({
     {kTake, "alone", "Only this setting was measured. "},
     {kTake, "no_trade_fastest",
@@ -138,7 +142,7 @@ std::string p99Text(const GroupErrors& e) {
   return p99 == 0 ? "exact" : std::isnan(p99) ? "unknown" : metresText(p99);
 }
 
-// Compares the settings to find those that stand out. Settings are indices into Study::settings.
+// Compares settings to find the best ones. Settings are identified by their indices in Study::settings.
 class Comparison {
  public:
   explicit Comparison(const Study& of)
@@ -160,7 +164,7 @@ class Comparison {
     return *std::min_element(settings.begin(), settings.end(),
                              [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   }
-  // Times that differ by less than kSameTime are equal.
+  // True if setting `i` is faster than `other` by more than kSameTime.
   bool notablyFaster(std::size_t i, std::size_t other) const { return seconds(i) * (1 + kSameTime) < seconds(other); }
 
   bool rangesWorse(std::size_t i, std::size_t other) const {
@@ -176,10 +180,11 @@ class Comparison {
   bool worse(std::size_t i, std::size_t other) const {
     return rangesWorse(i, other) || labelsWorse(i, other) || missesWorse(i, other);
   }
-  // True if setting `i` is at least as fast as the other and worse in nothing.
+  // True if setting `i` is at least as fast as `other` and at least as exact in ranges, labels and misses.
   bool beats(std::size_t i, std::size_t other) const { return !notablyFaster(other, i) && !worse(i, other); }
 
-  // Returns the fastest other setting that is at least as fast, worse in nothing, and better in something.
+  // Returns the fastest setting that dominates `i`: at least as fast, worse in no respect, and better in at least one.
+  // Returns nothing if no setting dominates `i`.
   std::optional<std::size_t> dominator(std::size_t i) const {
     std::optional<std::size_t> best;
     for (const std::size_t other : measured) {
@@ -189,7 +194,8 @@ class Comparison {
     return best;
   }
 
-  // Among settings about as fast as the fastest, prefers defaults, then accuracy.
+  // Among the settings that are about as fast as the fastest, returns one with default options if possible, otherwise
+  // the most exact.
   std::size_t plainest(const std::vector<std::size_t>& settings) const {
     const std::size_t first = fastestOf(settings);
     std::size_t best = first;
@@ -198,14 +204,15 @@ class Comparison {
       const bool mine = isDefault(result(i).setting), its = isDefault(result(best).setting);
       if (mine != its ? mine : moreExact(errors(i), errors(best))) best = i;
     }
-    // Prefer defaults to a setting that is not faster or more exact.
+    // Prefer a setting with defaults to a setting that is neither faster nor more exact.
     for (const std::size_t i : settings) {
       if (!isDefault(result(best).setting) && isDefault(result(i).setting) && beats(i, best)) best = i;
     }
     return best;
   }
 
-  // Returns the plainest of the settings with the least error, up to differences that are not decisive.
+  // Returns the plainest() of the settings with the least error; differences up to kSameShare and kExactRange do not
+  // count.
   std::size_t mostExactOf(const std::vector<std::size_t>& settings) const {
     double least = 1;
     for (const std::size_t i : settings) least = std::min(least, wrongShare(errors(i)));
@@ -228,7 +235,8 @@ class Comparison {
   std::size_t fastest = 0, mostExact = 0;
 };
 
-// Returns the facts for the sentences of a setting. `there` is the value of ray tracing with defaults, if it is better.
+// Returns the facts that the sentences about a setting need. `there` in a fact is the value of ray tracing with
+// defaults, if that is better.
 Json factsOf(const Comparison& c, std::size_t i) {
   const GroupErrors& e = c.errors(i);
   const Cost& cost = c.result(i).measured.cost;
@@ -246,7 +254,7 @@ Json factsOf(const Comparison& c, std::size_t i) {
     facts["p99"] = p99;
     facts["p95"] = e.range.p95 < kExactRange ? Json() : Json(e.range.p95);
   }
-  // Silhouettes dominate the p99 of most shortcuts: report also the p99 away from them.
+  // The p99 of most shortcuts is determined by beams near silhouettes, so report also the p99 of the other beams.
   const GroupErrors* group = awayFromEdges(c.result(i).measured.errors);
   if (group != nullptr && group->range.count > 0 && p99 > kNotableEdges * rangeP99(*group)) {
     facts[rangeP99(*group) == 0 ? "away_exact" : "away"] = rangeP99(*group);
@@ -276,7 +284,7 @@ Json factsOf(const Comparison& c, std::size_t i) {
   return facts;
 }
 
-// Returns in what `i` is worse than `better`, and how much slower.
+// Returns facts that state in which respects setting `i` is worse than `better`, and how much slower.
 Json beatenFacts(const Comparison& c, std::size_t i, std::size_t better) {
   const GroupErrors &a = c.errors(i), &b = c.errors(better);
   const Json values{{"p99", p99Text(a)},        {"its_p99", p99Text(b)},  {"labels", a.labels()},
@@ -295,10 +303,10 @@ Json beatenFacts(const Comparison& c, std::size_t i, std::size_t better) {
 struct Answer {
   std::size_t setting;
   std::vector<const Need*> needs;
-  bool fastest;  // of the settings that keep the limits
+  bool fastest;  // true: the fastest of the settings that keep the limits
 };
 
-// Returns "For exact ranges and labels, for centimetres, and for speed at any price".
+// Returns a heading such as "For exact ranges and labels, for centimetres, and for speed at any price".
 std::string heading(const Answer& answer) {
   if (answer.needs.size() == kNeeds.size()) return "For every need";
   std::string text;
@@ -328,7 +336,8 @@ Advice adviceTo(const Comparison& c, const Answer& answer, bool noTrade) {
   return {heading(answer), c.nameOf(answer.setting), said(kTake, kAny, facts)};
 }
 
-// Judges a method that answers no need: is there a reason to take it at all?
+// Returns advice about a method that is recommended for no need: whether there is a reason to use it at all. `own`: the
+// method's settings.
 Advice judge(const Comparison& c, const std::string& method, const std::vector<std::size_t>& own) {
   const std::string need = "Whether to take " + method;
   std::vector<std::size_t> unbeaten;
@@ -355,7 +364,7 @@ Advice judge(const Comparison& c, const std::string& method, const std::vector<s
 std::vector<Advice> advise(const Study& study) {
   const Comparison c(study);
   if (c.measured.empty()) return {};
-  // If the most exact setting is as fast as any, accepting an error gains nothing.
+  // If the most exact setting is as fast as the fastest, accepting errors gains nothing.
   const bool noTrade = !c.notablyFaster(c.fastest, c.mostExact);
   std::vector<Answer> answers;
   std::vector<Advice> advice, unheld;
@@ -388,8 +397,8 @@ std::vector<Advice> advise(const Study& study) {
   for (const Answer& answer : answers) advice.push_back(adviceTo(c, answer, noTrade));
   advice.insert(advice.end(), unheld.begin(), unheld.end());
 
-  // Settings of methods that answer a need, but that no need selects. A setting as fast as the better one is not named:
-  // it might win in another run.
+  // List the slow settings of methods of which another setting is recommended. A setting that is as fast as the one it
+  // is compared with is not listed, since it might be faster in another run.
   Json slow = Json::array();
   for (const std::string& method : methodsOf(study)) {
     const auto ofMethod = [&](std::size_t i) { return c.result(i).setting.method == method; };

@@ -17,7 +17,7 @@ double leastSeconds(int repeats, const Work& work) {
   return least;
 }
 
-// Returns the scan without misses, as formats that cannot keep misses write it.
+// Returns the scan without misses, like formats that cannot store misses.
 Scan returnsOf(const Scan& scan) {
   Scan dense;
   for (const Vec3f& p : scan.position) {
@@ -26,7 +26,7 @@ Scan returnsOf(const Scan& scan) {
   return dense;
 }
 
-// Returns the largest distance (m) between points; the formats keep the points' order.
+// Returns the largest distance (m) between corresponding points. Formats preserve the order of points.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
     throw Error(fmt::format("{} points came back of {}", decoded.size(), scan.size()));

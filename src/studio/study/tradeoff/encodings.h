@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures the time, size and loss of each encoding of a scan.
+// Measures the time, size and error of encoding scans.
 
 #include <span>
 #include <vector>
@@ -11,9 +11,9 @@
 
 namespace scanmill {
 
-// Encodes and decodes all scans, one after the other on one thread, `repeats` times; the shortest time of each scan
-// counts. Points are returns: misses in an organised scan cost bytes, but do not count as points. Errors compare the
-// decoded positions with the originals, point by point.
+// Encodes and decodes each scan `repeats` times on one thread and uses the shortest time of each scan. Rates and sizes
+// are per return; misses in organised scans need bytes, but do not count as points. The error is the distance between
+// decoded and original positions.
 EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Scan> scans, int repeats);
 
 }  // namespace scanmill

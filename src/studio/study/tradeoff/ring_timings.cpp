@@ -26,7 +26,7 @@ std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t
 }
 
 void fitRings(RingFit& fit) {
-  std::vector<double> design, values;  // t = fixed + perRing * n, each divided by the measured t
+  std::vector<double> design, values;  // equations t = fixed + perRing * rings, each divided by the measured time t
   for (const RingTiming& t : fit.timings) {
     if (!(t.scanSeconds > 0)) throw Error("a scan that takes no time cannot be fitted");
     design.insert(design.end(), {1 / t.scanSeconds, t.rings / t.scanSeconds});

@@ -114,12 +114,13 @@ class StudyRun {
     }
   }
 
-  // Takes as many frames as the budget is likely to allow, estimated from a scan by each method's first setting.
+  // Selects the frames to measure: as many as the time budget probably allows, but at most `most`. The time per frame
+  // is estimated from one scan with each method's first setting.
   void takeShots(std::uint32_t most) {
     const std::vector<Shot> first = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
     double setup = 0;
     double perFrame = 0;
-    std::map<std::string, std::pair<double, double>> known;  // by method: set-up, scan (s)
+    std::map<std::string, std::pair<double, double>> known;  // set-up time and scan time (s), by method
     Hits hits;
     for (const MethodSetting& s : choice_.settings) {
       auto at = known.find(s.setting.method);
@@ -138,14 +139,16 @@ class StudyRun {
           });
           at->second.second = secondsOf(traceAll);
         } catch (const Error&) {
-          // The method's rows will give the reason.
+          // The error is reported when the method's settings are measured.
         }
       }
       setup += at->second.first;
       perFrame += at->second.second * (choice_.repeats + 1);
     }
-    constexpr double kShare = 0.6;  // share of the budget, because other settings take longer than the first ones
-    constexpr double kTruthSeconds = 1.5;  // s per frame for truth, edges and distances between clouds, about
+    // Fraction of the budget to plan for, since other settings may take longer than the first ones.
+    constexpr double kShare = 0.6;
+    // Approximate time per frame for exact hits, edges and distances between clouds (s).
+    constexpr double kTruthSeconds = 1.5;
     const double left = kShare * budget_ - timer_.seconds() - setup;
     const double fitting = left / (perFrame + kTruthSeconds + 0.15 * static_cast<double>(choice_.settings.size()));
     const auto count = static_cast<std::uint32_t>(std::clamp(fitting, 1.0, static_cast<double>(most)));
@@ -171,7 +174,7 @@ class StudyRun {
   void measureSettings() {
     for (const MethodSetting& s : choice_.settings) {
       checkStopped();
-      // Measure at least one setting, whatever the budget.
+      // At least one setting is measured, whatever the budget.
       if (!study_.settings.empty() && timer_.seconds() > budget_) {
         study_.left.push_back(fmt::format("{}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
         progress_.advance(1, 0);
@@ -190,7 +193,8 @@ class StudyRun {
     }
   }
 
-  // Times the first setting of each method, and of each of its backends, at the first shot's pose.
+  // Times scans with different numbers of rings, at the first shot's pose, with the first setting of each method and of
+  // each of its backends.
   void takeRings() {
     if (choice_.rings.empty()) return;
     std::set<std::string> seen;
@@ -243,7 +247,8 @@ class StudyRun {
     return spreadOf(std::move(seconds)).median;
   }
 
-  // Times the display of a scan. If nothing can be displayed, the rest of the study goes on.
+  // Times the display of a scan. Errors are ignored: if nothing can be displayed, the study continues without this
+  // timing.
   void timeShowing(const Method& method, const Shot& shot, const Hits& hits) {
     Returns returns;
     Scan scan;
@@ -272,7 +277,8 @@ class StudyRun {
       if (scans.size() == kMostScans) break;
       tracer->trace(t.shot, plan_.channels, hits);
       const ShotSetup setup = setupOf(source_, scene_, *tracer, t.shot.sensor);
-      senseShot(setup, t.shot, hits, returns, scan);  // once untimed: later scans reuse its buffers
+      // The first call is not timed: it allocates the buffers that later calls reuse.
+      senseShot(setup, t.shot, hits, returns, scan);
       effects += secondsOf([&] { senseShot(setup, t.shot, hits, returns, scan); });
       scans.push_back(scan);
     }
@@ -289,7 +295,7 @@ class StudyRun {
     }
   }
 
-  // Uses one frame: a truth of 127 rays a beam takes as long as 127 scans.
+  // Measures on one frame only: its reference scan has 127 rays per beam and takes as long as 127 scans.
   void takeSensing() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {
@@ -299,7 +305,8 @@ class StudyRun {
         plan_, scene_, shots, [this](const std::string& name) { progress_.say(name); }, measureOptions_.stop);
   }
 
-  // Draws where shortcuts err: for each method with errors, its first setting with errors and its worst.
+  // Draws pictures of the errors. For each method with errors, draws its first setting with errors and its worst
+  // setting.
   void takePictures() {
     if (!options_.drawErrors) return;
     std::set<std::string> wanted;

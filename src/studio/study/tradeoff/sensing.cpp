@@ -18,9 +18,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kFirstNoise = 3;  // the stage of the first effects that only add noise
+constexpr int kFirstNoise = 3;  // EffectEntry::stage of the first effects that only add noise
 
-// Effects that replace the pipeline's, by name; an empty text removes the effect.
+// Effect name -> YAML options that replace the pipeline's; an empty text removes the effect.
 using Changes = std::map<std::string, std::string>;
 
 struct Variation {
@@ -44,7 +44,7 @@ Effects changed(const Pipeline& pipeline, const MountedSensor& sensor, const Cha
   return readSensorEffects(list, EffectClasses(pipeline), sensor);
 }
 
-// How a sensor scans in one setting.
+// The effects and the setup of one sensor in one variation.
 struct Sensing {
   Effects effects;
   std::optional<Footprint> footprint;
@@ -104,7 +104,7 @@ class SensingStudy {
   }
 
  private:
-  // Returns the variations; the first is the truth.
+  // Returns the variations to measure; the first has the complete physics and is the reference.
   std::vector<Variation> variationsOf() const {
     const Pipeline& pipeline = plan_.pipeline;
     bool wide = false;
@@ -187,7 +187,7 @@ class SensingStudy {
     const Shot& shot = shots_[i];
     const auto sensing = makeSensing(plan_, scene_, *method_, shot.sensor, variation.changes);
     ShotBuffers buffers;
-    traceShot(sensing->setup, shot, buffers.hits);  // once untimed: the memory is new
+    traceShot(sensing->setup, shot, buffers.hits);  // first without timing, to allocate memory
     const WallTimer tracing;
     traceShot(sensing->setup, shot, buffers.hits);
     result.traceSeconds += tracing.seconds();
@@ -219,7 +219,7 @@ class SensingStudy {
   const std::function<void(const std::string&)>& say_;
   const std::function<bool()>& stop_;
   std::unique_ptr<Method> method_;
-  std::vector<std::vector<Nearest>> truth_;  // per shot
+  std::vector<std::vector<Nearest>> truth_;  // nearest return of each beam in the reference scan, per shot
 };
 
 }  // namespace

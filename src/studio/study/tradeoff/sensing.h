@@ -1,7 +1,7 @@
 #pragma once
 
-// Measures what it costs to leave out parts of the sensor's physics (fewer rays a beam, no glass, no mirrors, clear
-// air), compared with a truth that has them all.
+// Measures how much time is saved and how much error is caused by simplifying the sensor's physics (fewer rays per
+// beam, no glass, no mirrors, clear air). The reference, called the truth, has the complete physics.
 
 #include <functional>
 #include <span>
@@ -15,31 +15,32 @@
 
 namespace scanmill {
 
-// One setting compared with the truth, by the nearest returns of all beams.
+// A variation compared with the truth, by the nearest return of each beam.
 struct SensingResult {
-  std::string name;           // "7 rays a beam"
-  std::string failure;        // why it could not be measured; then all other members are empty
-  double traceSeconds = 0;    // s per scan, on all threads
-  double effectsSeconds = 0;  // s per scan, on one thread
+  std::string name;           // such as "7 rays a beam"
+  std::string failure;        // why the variation could not be measured; then all other members are empty
+  double traceSeconds = 0;    // s per scan, with all threads
+  double effectsSeconds = 0;  // s per scan, with one thread
   std::uint64_t beams = 0;
-  std::uint64_t both = 0;       // beams that return in both
-  std::uint64_t missing = 0;    // beams that return only in the truth
-  std::uint64_t added = 0;      // beams that return only in the setting
-  std::uint64_t sameClass = 0;  // beams that return the same class in both
-  Spread distance;              // m, between the two points of a beam that returns in both
-  double intensity = 0;         // mean difference of the intensity of these beams
+  std::uint64_t both = 0;       // number of beams with a return in both scans
+  std::uint64_t missing = 0;    // number of beams with a return only in the truth
+  std::uint64_t added = 0;      // number of beams with a return only in the variation
+  std::uint64_t sameClass = 0;  // number of beams in `both` whose returns have the same class
+  Spread distance;              // m, between the two returns of each beam in `both`
+  double intensity = 0;         // mean absolute difference of the intensities of beams in `both`
 };
 
-// Rays a beam, mirror bounces and panes of glass in the truth.
+// Number of rays per beam, and maximum numbers of mirrors and glass panes that a ray passes, in the truth.
 constexpr std::uint32_t kTrueRays = 127;
 constexpr std::uint32_t kTrueBounces = 2;
 constexpr std::uint32_t kTruePanes = 8;
 
-// Measures by ray tracing; the truth comes first and is compared with itself. In the truth, beams have 127 rays if the
-// pipeline has a footprint, rays pass 8 panes and 2 mirrors if the pipeline has light paths, and the weather is the
-// pipeline's. Every other setting leaves out or reduces one of these; the last one is the pipeline's own. All settings
-// omit the noise of ranges and angles and the own vehicle, and use the same random values. Returns an empty list if the
-// pipeline has none of the three. `stop` is called between scans; true ends the study with an Error.
+// Measures the variations by ray tracing. The first result is the truth, compared with itself: it has 127 rays per beam
+// if the pipeline has the effect footprint, passes 8 panes and 2 mirrors if the pipeline has light_paths, and has the
+// pipeline's weather. Each other result simplifies one of these; the last has the pipeline's settings. All omit the
+// noise of ranges and angles and the ego vehicle, and use the same random numbers. Returns nothing if the pipeline has
+// none of these effects. `say`: called with a text about the progress. `stop`: called between scans; if it returns
+// true, throws Error.
 std::vector<SensingResult> measureSensing(const Plan& plan, const Scene& scene, std::span<const Shot> shots,
                                           const std::function<void(const std::string&)>& say,
                                           const std::function<bool()>& stop);

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// These follow each method with its defaults.
+// The default settings of a study besides each method with its defaults, in YAML.
 constexpr const char* kDefaultSettings = R"(
 - {ray_tracing: {simplify: [0.5, 0.25, 0.1]}}
 - {depth_camera: {resolution: [512, 1024]}}

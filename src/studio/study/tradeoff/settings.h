@@ -1,17 +1,17 @@
 #pragma once
 
-// The choices of a trade-off study: the key `tradeoff:` of a pipeline. All of its parts are optional.
+// Reads the options of a trade-off study, which are the key `tradeoff:` of a pipeline. All keys in it are optional.
 //
 //   tradeoff:
 //     settings:                     # see evaluate/settings.h
 //       - ray_tracing
 //       - {depth_camera: {resolution: [512, 1024, 2048], sampling: [plane, nearest]}}
 //     encodings: [pcd, {draco: {max_error_mm: [1, 10]}}]
-//     rings: [16, 64, 256]          # also times each method's first setting at these numbers of rings (default: none)
-//     sequence: street-s1-lane      # the sequence of the pipeline that is scanned (default: the first)
-//     shots: 8                      # number of frames of the sequence to scan, at most
-//     repeats: 3                    # timed scans per frame
-//     budget_s: 300                 # approximate time of the study
+//     rings: [16, 64, 256]          # numbers of rings with which each method is also timed (default: none)
+//     sequence: street-s1-lane      # key of the sequence to scan (default: the first)
+//     shots: 8                      # maximum number of frames to scan
+//     repeats: 3                    # number of timed scans per frame
+//     budget_s: 300                 # approximate duration of the study
 
 #include <cstdint>
 #include <string>
@@ -32,17 +32,18 @@ struct StudyChoice {
   std::vector<MethodSetting> settings;
   std::vector<StudyEncoding> encodings;
   std::vector<std::uint32_t> rings;
-  std::size_t sequence = 0;  // index into Pipeline::sequences
+  std::size_t sequence = 0;  // index in Pipeline::sequences
   std::uint32_t shots = 8;
   int repeats = 3;
   double budgetSeconds = 300;
 };
 
-// Reads the key. Checks the options of every setting, and of the pipeline's own method if that is `method: auto`.
-// Throws InputError that names the place in the pipeline.
+// Reads the key `tradeoff` of a pipeline. Checks the options of all settings, and of the pipeline's method if it is
+// `auto`. Throws InputError with file and line.
 StudyChoice readStudyChoice(const Pipeline& pipeline);
 
-// Returns the settings of a pipeline that names none: all methods, each with one shortcut at a time.
+// Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations of
+// each with one shortcut at a time.
 std::vector<MethodSetting> defaultSettings();
 
 }  // namespace scanmill

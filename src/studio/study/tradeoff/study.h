@@ -1,7 +1,7 @@
 #pragma once
 
-// The trade-off study measures every method at several settings on a pipeline's own scene and sensors. It shows what
-// each shortcut costs, where the shortcut errs, and which setting to take.
+// The trade-off study measures every method with several settings on a pipeline's scene and sensors. It shows how much
+// time each shortcut saves, which errors the shortcut causes, and which settings to prefer.
 
 #include <atomic>
 #include <cstdint>
@@ -24,123 +24,125 @@ namespace scanmill {
 
 struct SettingResult {
   Setting setting;
-  std::string failure;  // why it could not be measured; then `measured` is empty
+  std::string failure;  // why the setting could not be measured; then `measured` is empty
   Measurement measured;
 };
 
 // The time of a scan with this number of rings.
 struct RingTiming {
   std::uint32_t rings = 0;
-  double scanSeconds = 0;  // median
+  double scanSeconds = 0;  // s, median over repeated scans
 };
-// The fit seconds = fixed + perRing * rings, by least squares of relative errors.
+// The model seconds = fixedSeconds + secondsPerRing * rings, fitted by least squares of relative errors.
 struct RingFit {
   Setting setting;
   std::vector<RingTiming> timings;
   double fixedSeconds = 0;
   double secondsPerRing = 0;
-  double largestResidual = 0;  // relative
+  double largestResidual = 0;  // largest relative error of the model
 };
 
-// Speed, size and error of scans in one format with one set of options.
+// Speed, size and error of encoding scans in one format with given options.
 struct EncodingResult {
-  std::string name;     // "draco max_error_mm=10"
-  std::string format;   // as in formats()
-  std::string options;  // "{max_error_mm: 10}"
+  std::string name;     // such as "draco max_error_mm=10"
+  std::string format;   // the format's name in the table formats()
+  std::string options;  // such as "{max_error_mm: 10}"
   std::string failure;
-  double encodePointsPerSecond = 0;  // on one thread
-  double decodePointsPerSecond = 0;  // on one thread
+  double encodePointsPerSecond = 0;  // with one thread
+  double decodePointsPerSecond = 0;  // with one thread
   double bytesPerPoint = 0;
-  double largestError = 0;  // m, of a position; measured by decoding
-  double statedError = 0;   // m; the bound that the format guarantees
+  double largestError = 0;  // largest position error (m), measured by decoding
+  double statedError = 0;   // bound of the position error that the format guarantees (m)
 };
 
 // The machine on which the study ran.
 struct StudyMachine {
-  std::string processor;  // "AMD EPYC 9B14"
+  std::string processor;  // such as "AMD EPYC 9B14"
   int threads = 0;
-  std::string renderer;  // the name of OpenGL's renderer; empty where no method used OpenGL
+  std::string renderer;  // name of the OpenGL device; empty if no method used OpenGL
 };
 
 struct StudyScene {
-  std::string key;                    // the key of the sequence, "street-s1-lane"
-  std::uint64_t triangles = 0;        // with all instances
-  std::vector<std::uint32_t> frames;  // the frames of the sequence that were scanned
+  std::string key;                    // key of the sequence, such as "street-s1-lane"
+  std::uint64_t triangles = 0;        // number of triangles of all instances
+  std::vector<std::uint32_t> frames;  // numbers of the scanned frames in the sequence
 };
 
-// A picture of a scan that shows which beams of a setting err.
+// A picture of a scan that shows which beams are wrong with a setting.
 struct ErrorPicture {
-  std::string setting;  // Setting::name
+  std::string setting;  // name of the setting, see Setting::name
   std::string title;
-  std::string png;  // the file's bytes
+  std::string png;  // contents of the PNG file
 };
 
 struct Study {
   static constexpr int kSchemaVersion = 3;
   std::string programVersion;
-  std::string date;  // "2026-11-20", UTC
+  std::string date;  // such as "2026-11-20", UTC
   StudyMachine machine;
   std::string pipelineName;
-  std::string pipelineFile;  // as given on the command line
-  bool budgetGiven = false;  // the budget was given by --budget, not by the pipeline
-  std::string pipelineText;  // as Pipeline::text: with the overrides as comments
+  std::string pipelineFile;  // path as given on the command line
+  bool budgetGiven = false;  // true: the budget is from --budget, not from the pipeline
+  std::string pipelineText;  // the text with overrides as comments, see Pipeline::text
   std::uint64_t budgetSeconds = 0;
   int repeats = 0;
-  double seconds = 0;  // wall time that the study took
+  double seconds = 0;  // duration of the study (s)
   StudyScene scene;
-  std::vector<std::string> sensors;  // "top: paper_64, 64 x 2048 beams"
+  std::vector<std::string> sensors;  // such as "top: paper_64, 64 x 2048 beams"
   std::uint64_t shots = 0;
   std::uint64_t beamsPerShot = 0;  // mean over the shots
   Ontology ontology;
   std::vector<SettingResult> settings;
-  // The stages whose times do not depend on the setting, by name, such as "effects" and "encode pcd": seconds per scan
-  // on one thread.
+  // Time per scan (s, with one thread) of each stage that does not depend on the setting, such as "effects" and "encode
+  // pcd".
   std::map<std::string, double> commonStages;
   std::vector<EncodingResult> encodings;
-  // The cost of leaving out footprint, light paths or weather, the truth first; empty if the pipeline has none of them.
+  // The cost of simplifying footprint, light paths or weather, see measureSensing(); empty if the pipeline has none of
+  // them.
   std::vector<SensingResult> sensing;
-  // Methods that the pipeline refuses, because they cannot do its footprint, light paths or moving objects.
+  // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
   std::vector<std::string> refused;
   std::vector<RingFit> rings;
-  // The time to show a scan of the first setting by number of rings, see StudyOptions::showScan. The fit's `setting` is
-  // empty.
+  // The time to show a scan on the screen, depending on the number of rings (`setting` is empty). Measured with the
+  // first setting by StudyOptions::showScan; absent if it was not measured.
   std::optional<RingFit> showing;
-  std::vector<std::string> left;       // lines on what was left out for lack of time
-  std::vector<ErrorPicture> pictures;  // the PNG bytes are not in the JSON, but in files beside it
+  std::vector<std::string> left;  // lines about measurements that were omitted for lack of time
+  // Lists the pictures; their contents are not stored in the JSON, but in files beside it.
+  std::vector<ErrorPicture> pictures;
 
-  // The settings that were measured, in their order.
+  // Returns the costs and errors of all settings that were measured, in the order of `settings`.
   std::vector<Candidate> candidates() const;
 };
 
-// One paragraph of advice in plain words: which setting to take for a need, and the drawbacks of the setting.
+// A paragraph of advice: which setting to use for a need, and its drawbacks.
 struct Advice {
-  std::string need;     // a heading: "For exact ranges and labels", "What not to take"
-  std::string setting;  // Setting::name; empty where no setting is good enough
+  std::string need;     // a heading such as "For exact ranges and labels" or "What not to take"
+  std::string setting;  // name of the recommended setting, see Setting::name; empty if no setting is good enough
   std::string text;
 };
 std::vector<Advice> advise(const Study& study);
 
 struct StudyOptions {
-  double budgetSeconds = 0;  // 0 takes the pipeline's budget, or 300 s
+  double budgetSeconds = 0;  // s; 0: the pipeline's budget, or 300 s
   bool quiet = false;
-  const std::atomic<bool>* stop = nullptr;  // true ends the study with an Error
-  // Shows a scan; the time that it takes goes into Study::showing. If absent, showing is not timed.
+  const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
+  // Shows a scan on the screen; its duration is stored in Study::showing. If empty, showing is not measured.
   std::function<void(const Scan& scan, const Ontology& ontology)> showScan{};
-  // Draws which beams of a setting err and returns the bytes of a PNG file. If absent, the study has no pictures.
+  // Draws which beams of a setting are wrong, and returns the contents of a PNG file. If empty, no pictures are drawn.
   std::function<std::string(const TrueShot& truth, const Hits& tested)> drawErrors{};
 };
 
 // Runs the study that the pipeline's key `tradeoff` describes; see study/tradeoff/settings.h. Throws InputError for
-// unusable input. A setting that cannot run here, such as one that needs Blender, is not an error: its row gives the
-// reason.
+// unusable input. If a setting cannot run on this machine, for instance because it needs Blender, this is not an error:
+// the reason is stored in SettingResult::failure.
 Study runStudy(const Plan& plan, const StudyOptions& options);
 
-// Returns the study as JSON, without the pictures' bytes: the file tradeoff.json.
+// Returns the study as JSON (the file tradeoff.json), without the contents of the pictures.
 std::string toJson(const Study& study);
-// Reads back exactly what toJson() has written, to make the same report again. `file` is the name in messages. Throws
-// InputError.
+// Parses the JSON of toJson() without any loss, so that the same report can be written again. `file`: name in messages.
+// Throws InputError.
 Study parseStudy(const std::string& text, const std::string& file);
-// Returns the study as a table in CSV, a row per setting and group of beams: the file tradeoff.csv.
+// Returns the study as a CSV table (the file tradeoff.csv), with one row per setting and group of beams.
 std::string toCsv(const Study& study);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// Writes a row per setting and group of beams, for spreadsheets and notebooks.
+// Writes tradeoff.csv for spreadsheets and notebooks, with one row per setting and group of beams.
 
 #include <fmt/core.h>
 
@@ -21,7 +21,7 @@ constexpr std::string_view kHeader =
     "range_max_m,intensity_mean_error,group_nearest_to_mean_m,group_nearest_from_mean_m,group_hausdorff_m,failure";
 constexpr std::size_t kCells = 1 + static_cast<std::size_t>(std::count(kHeader.begin(), kHeader.end(), ','));
 
-// Quotes a cell as RFC 4180 demands.
+// Quotes a cell as RFC 4180 requires.
 std::string cell(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string quoted = "\"";
@@ -43,7 +43,7 @@ std::string meanCell(const Spread& s) {
   return s.count == 0 ? std::string() : number(s.mean);
 }
 
-// Returns "render=0.0063;read_back=0.0027": seconds per scan as measured by the method itself.
+// Returns the times of stages (s per scan, as the method reports them), such as "render=0.0063;read_back=0.0027".
 std::string stagesCell(const std::map<std::string, double>& stages) {
   std::string text;
   for (const auto& [stage, seconds] : stages) {
@@ -52,7 +52,8 @@ std::string stagesCell(const std::map<std::string, double>& stages) {
   return cell(text);
 }
 
-// Returns the cost and the cloud errors of a setting, the same in each of its rows.
+// Returns the cells with a setting's cost and its distances between clouds, which are the same in all rows of the
+// setting.
 std::string settingCells(const Study& study, const SettingResult& result) {
   const Cost& cost = result.measured.cost;
   const CloudErrors& cloud = result.measured.cloud;

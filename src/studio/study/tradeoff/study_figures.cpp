@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Times that differ by less than this factor are equal: repeated measurements differ by this much.
+// Factor below which times count as equal, since repeated measurements differ by this much.
 constexpr double kFrontStep = 1.05;
 
 std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Derives figures from a study's measurements: shares of beams, and the settings that stand out.
+// Computes figures from a study's measurements: fractions of beams, and which settings are best.
 
 #include <cstddef>
 #include <optional>
@@ -12,42 +12,42 @@
 
 namespace scanmill {
 
-// Range errors below this (m) count as none: scans are stored in single precision, whose resolution at 100 m is no
+// Range errors below this (m) count as zero: scans are stored in single precision, whose resolution at 100 m is no
 // finer.
 inline constexpr double kExactRange = 1e-5;
 
-// The name of the beams away from edges among BeamErrors::byPlace.
+// The name of the group in BeamErrors::byPlace with the beams that are not near edges.
 inline constexpr std::string_view kAwayFromEdges = "interior";
 
-// Returns the errors of the beams away from edges; null if edges are unknown.
+// Returns the errors of the beams that are not near edges; null if edges are not known.
 const GroupErrors* awayFromEdges(const BeamErrors& errors);
 
-// Returns the share of all beams that are false negatives, false positives, unresolved or labelled wrongly.
+// Returns the fraction of all beams that are false negatives, false positives, unresolved or wrongly labelled.
 double wrongShare(const GroupErrors& errors);
-// Returns the share of false negatives among the beams that hit something in truth.
+// Returns the number of false negatives divided by the number of beams with a true hit.
 double falseNegativeShare(const GroupErrors& errors);
-// Returns the 99th percentile of the range error (m), or 0 if it counts as none; NaN if no beam hits in both scans.
+// Returns the 99th percentile of the range error (m); 0 if it is below kExactRange; NaN if no beam hits in both scans.
 double rangeP99(const GroupErrors& errors);
-// Returns the mean distance (m) from true points to the nearest points of the setting, or 0 if it counts as none; NaN
-// if there are no points.
+// Returns the mean distance (m) from true points to the nearest points of the setting; 0 if it is below kExactRange;
+// NaN if there are no points.
 double nearestMean(const GroupErrors& errors);
 
-// Returns how many beams a second the setting traces, without its set-up.
+// Returns how many beams per second the setting traces, without the time for its set-up.
 double beamsPerSecond(const Study& study, const SettingResult& result);
-// True if the setting is its method with all defaults.
+// True if all options of the setting have their defaults.
 bool isDefault(const Setting& setting);
 
-// Returns the indices into Study::settings of the measured settings.
+// Returns the indices in Study::settings of the settings that were measured.
 std::vector<std::size_t> measuredSettings(const Study& study);
 
-// Return indices into Study::settings of the Pareto front of time and an error, the fastest first. Going from the most
-// exact setting to the fastest, each is faster than the one before by more than repeated measurements differ.
-std::vector<std::size_t> rangeFront(const Study& study);  // the error is rangeP99()
-std::vector<std::size_t> wrongFront(const Study& study);  // the error is wrongShare()
+// Return the Pareto front of time and an error as indices in Study::settings, the fastest first. If two settings on the
+// front differ in time by less than repeated measurements do, only the more exact one is returned.
+std::vector<std::size_t> rangeFront(const Study& study);  // error: rangeP99()
+std::vector<std::size_t> wrongFront(const Study& study);  // error: wrongShare()
 
-// Returns the index of ray tracing with its defaults; absent if it was not measured.
+// Returns the index of ray tracing with default options; nothing if it was not measured.
 std::optional<std::size_t> tracingDefault(const Study& study);
-// Returns the names of the methods, in the order of the settings.
+// Returns the names of the methods, in the order in which their settings occur.
 std::vector<std::string> methodsOf(const Study& study);
 
 }  // namespace scanmill

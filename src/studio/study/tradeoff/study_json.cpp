@@ -1,4 +1,5 @@
-// Writes and reads tradeoff.json. One description of each struct serves both, so that all that is written is read back.
+// Writes and reads tradeoff.json. The same function describe() of each struct is used for both, so that reading
+// restores everything that was written.
 
 #include <fmt/core.h>
 
@@ -107,7 +108,7 @@ void describe(Archive& a, StudyScene& s) {
   a("key", s.key)("triangles", s.triangles)("frames", s.frames);
 }
 
-// The picture's bytes are in a file beside the study.
+// The contents of the picture are not part of the JSON; they are stored in a file beside it.
 template <class Archive>
 void describe(Archive& a, ErrorPicture& p) {
   a("setting", p.setting)("title", p.title);
@@ -133,7 +134,7 @@ class JsonWriter {
   OrderedJson object = OrderedJson::object();
 
  private:
-  // JSON has no infinity: null stands for infinity, such as the end of an open band.
+  // JSON cannot store infinity, so infinity is written as null. Infinity occurs as the end of an open band.
   static OrderedJson json(double value) {
     return std::isinf(value) ? OrderedJson() : OrderedJson(finite(value, "study"));
   }
@@ -218,7 +219,7 @@ constexpr const char* kStudyKind = "scanmill tradeoff";
 
 std::string toJson(const Study& study) {
   JsonWriter writer;
-  Study copy = study;  // describe() takes references that can be written to
+  Study copy = study;  // describe() needs references that can be written to
   describe(writer, copy);
   OrderedJson json{{"kind", kStudyKind}, {"schema_version", Study::kSchemaVersion}};
   json.update(writer.object);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The interface of the plug-in libscanmill_viewer.so (base/module.h), in which VTK draws on a GLFW window, or on EGL
-// without a window.
+// The interface of the plug-in libscanmill_viewer.so (base/module.h). The plug-in draws with VTK, in a GLFW window or,
+// without a window, with EGL.
 
 #include <memory>
 #include <string>

@@ -18,9 +18,11 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kGrain = 16384;
-constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;  // in the table for the join; 4 bytes each
+// Maximum number of beams in the table for the join, which takes 4 bytes per beam.
+constexpr std::uint64_t kMostBeams = std::uint64_t{1} << 26;
 
-constexpr int kMostReturns = 16;  // read per beam: in damaged scans one beam can have thousands of points
+// Maximum number of points per beam that are read; in damaged scans a beam may have thousands.
+constexpr int kMostReturns = 16;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool isFalsePositive(const Scan& scan, std::size_t point) {
@@ -31,7 +33,7 @@ bool numbersReturns(const Scan& scan) {
   return scan.organised || !scan[kReturn].empty();
 }
 
-// Lists for each beam its points with a finite position, in the order of the scan. Beams beyond `extent` have none.
+// For each beam, the points with a finite position in the order of the scan. Beams outside of `extent` have no points.
 class PointsOfBeams {
  public:
   PointsOfBeams(const Scan& scan, const PointKey& extent)
@@ -47,14 +49,14 @@ class PointsOfBeams {
     }
   }
 
-  // True if some beam has several points.
+  // True if at least one beam has several points.
   bool several() const { return several_; }
-  // Returns the beam's first point, or kNone.
+  // Returns the index of the beam's first point; kNone if it has none.
   std::uint32_t first(const PointKey& key) const {
     const bool within = key.ring < extent_.ring && key.column < extent_.column;
     return within ? first_[std::size_t{key.ring} * extent_.column + key.column] : kNone;
   }
-  // Calls use(point) for the points of a beam.
+  // Calls use(point) with the index of each point of a beam, up to kMostReturns.
   template <class Use>
   void each(const PointKey& key, const Use& use) const {
     std::uint32_t point = first(key);
@@ -63,23 +65,23 @@ class PointsOfBeams {
 
  private:
   PointKey extent_;
-  std::vector<std::uint32_t> first_;  // by beam
-  std::vector<std::uint32_t> next_;   // by point: the next point of its beam
+  std::vector<std::uint32_t> first_;  // first point of each beam, or kNone
+  std::vector<std::uint32_t> next_;   // for each point, the next point of the same beam, or kNone
   bool several_ = false;
 };
 
-// Finds the point of the reference that a point of the scan is joined to.
+// Finds the point in the reference that corresponds to a point of the scan.
 class Join {
  public:
   Join(const Scan& scan, const Scan& reference, const PointKey& extent)
       : scan_(scan), reference_(reference), ofReference_(reference, extent) {
-    // If each beam of the reference has at most one point, the counts of returns are not needed.
+    // If no beam of the reference has several points, the numbers of returns are not needed.
     if (ofReference_.several() && numbersReturns(scan) && numbersReturns(reference)) {
       ofScan_.emplace(scan, extent);
     }
   }
 
-  // Returns the point's partner in the reference, or kNone.
+  // Returns the index of the corresponding point in the reference; kNone if there is none.
   std::uint32_t partnerOf(std::size_t point) const {
     const PointKey key = keyOf(scan_, point);
     const std::uint32_t first = ofReference_.first(key);
@@ -98,7 +100,7 @@ class Join {
   }
 
  private:
-  // True if the beam has equally many returns in both scans and none is a false positive.
+  // True if the beam has the same number of returns in both scans and none of them is a false positive.
   bool sameReturns(const PointKey& key) const {
     int more = 0;
     bool surfaces = true;

@@ -10,20 +10,22 @@
 
 namespace scanmill {
 
-// Returns the distance (m) of each point of the scan from the point of the same beam and return in its noise-free
-// reference; NaN if the beam has no return in the reference, and for false positives, which no surface caused. Points
-// are joined by ring, column and return number, which follow from the order of the points in an organised scan.
+// Returns the distance (m) of each point from the point of the same beam and return in the noise-free reference. The
+// distance is NaN if the beam has no return in the reference, and for false positives, which come from no surface.
+// Corresponding points have the same ring, column and return number; in an organised scan these follow from the
+// position in the image.
 //
-// The return number counts the beam's returns in this scan, the nearest first. Hence it identifies the same return in
-// both scans only if the beam has equally many returns in both. If drop-out or false positives have changed the count,
-// or one of the scans does not number its returns, each point is joined to the nearest of the beam's returns in the
-// reference. This is the same surface as long as the noise is less than half the distance between two surfaces.
+// The return numbers of a beam start with the nearest return in each scan. They identify the same surface only if the
+// beam has the same number of returns in both scans. If drop-out or false positives have changed the number, or if a
+// scan does not number its returns, each point is compared with the nearest of the beam's returns in the reference.
+// This return is from the same surface as long as the noise is less than half the distance between two surfaces.
 //
-// Empty if the scans cannot be joined; then `why` tells the user what the scans lack.
+// Returns nothing if the scans cannot be compared; then `why` receives the reason as a text for the user.
 std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why);
 
-// Returns the difference (m) of each point's range from `range_true`; NaN if a point has no range. Ranges count from
-// the beam's origin; without a beam table, from the sensor's origin. Empty if the scan lacks the column `range_true`.
+// Returns the difference (m) between each point's range and its column `range_true`; NaN if a point has no range.
+// Ranges are measured from the beam's origin, or from the sensor's origin if `beams` is null. Returns nothing if the
+// scan has no column `range_true`.
 std::vector<float> rangeErrors(const Scan& scan, const BeamTable* beams);
 
 }  // namespace scanmill

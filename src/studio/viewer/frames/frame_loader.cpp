@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::int64_t kMostAhead = 64;  // frames; several seconds of play
+constexpr std::int64_t kMostAhead = 64;  // maximum number of frames that are read ahead, which play in several seconds
 
 template <class T>
 std::uint64_t columnBytes(const std::vector<T>& column) {
@@ -35,7 +35,7 @@ std::uint64_t frameBytes(const ViewFrame& frame) {
 ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
   try {
     return source.load(frame);
-  } catch (const std::exception& e) {  // for example if memory runs out
+  } catch (const std::exception& e) {  // for example if memory is exhausted
     return {source.keys().at(frame), {}, {e.what()}};
   }
 }
@@ -51,7 +51,7 @@ struct FrameLoader::State {
 
   State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), keptBytes(limit) {}
 
-  // Callers of the functions below must hold the lock.
+  // The caller must hold `mutex` when calling the following functions.
 
   bool has(std::size_t number) const { return kept.contains(number); }
 
@@ -62,15 +62,15 @@ struct FrameLoader::State {
     return found->second.frame;
   }
 
-  // True if the loaded mesh shows the scene; if nothing moves in it, the time does not matter.
+  // True if the loaded mesh shows the scene at the time in `scene`. If nothing in the scene moves, the time is ignored.
   bool meshShows(const SceneChoice& scene) const {
     if (mesh == nullptr) return false;
     return meshScene == scene || (!mesh->moves && meshScene.file == scene.file && meshScene.seed == scene.seed);
   }
   bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
 
-  // True if the frame must stay in the cache: a thread waits for it, or it lies between the wanted frame and the next
-  // frame to read ahead.
+  // True if the frame must stay in the cache: a thread waits for it, it is the frame shown, or it is between the frame
+  // shown and the next frame to read ahead.
   bool isNeeded(std::size_t number) const {
     if (awaited.contains(number)) return true;
     if (!wanted) return false;
@@ -85,7 +85,7 @@ struct FrameLoader::State {
     return bytes;
   }
 
-  // Drops the least recently used frames until `bytes` more fit into the cache. False if they cannot fit.
+  // Removes the least recently used frames until `bytes` more bytes fit into the cache. False if this is not possible.
   bool makeRoom(std::uint64_t bytes) {
     std::uint64_t held = total();
     while (held + bytes > keptBytes) {
@@ -100,8 +100,9 @@ struct FrameLoader::State {
     return true;
   }
 
-  // Returns the next frame to read ahead: in the direction of `step` and not cached. Read-ahead frames, together with
-  // one more frame of the largest size, may fill half of the cache; the rest is for frames that were seen.
+  // Returns the next frame to read ahead in the direction of `step` that is not cached; nothing if there is none.
+  // Frames that are read ahead, plus one frame of the largest size, may fill half of the cache. The other half is for
+  // frames that were shown before.
   std::optional<std::size_t> nextAhead() {
     if (!wanted || readAheadDone) return std::nullopt;
     const auto count = static_cast<std::int64_t>(source->keys().size());
@@ -138,7 +139,7 @@ struct FrameLoader::State {
     }
   }
 
-  // Runs on the loading thread: loads requested frames first, then the mesh, then frames that are read ahead.
+  // The function of the loading thread: loads requested frames first, then the mesh, then reads frames ahead.
   void run() {
     std::unique_lock lock(mutex);
     while (!stopping) {
@@ -176,7 +177,7 @@ struct FrameLoader::State {
   std::uint64_t clock = 0;
   std::optional<std::size_t> wanted;
   int step = 1;
-  std::int64_t ahead = 0;  // the next frame to read ahead; out of range if there is none
+  std::int64_t ahead = 0;  // index of the next frame to read ahead; outside of the range of frames if there is none
   bool readAheadDone = false;
   std::multiset<std::size_t> awaited;
 
@@ -232,7 +233,7 @@ void FrameLoader::wantMesh(const SceneChoice& scene) {
   const std::lock_guard lock(state_->mutex);
   state_->wantedMesh = scene;
   state_->work.notify_all();
-  state_->done.notify_all();  // threads that wait for other frames must request them again
+  state_->done.notify_all();  // threads that wait for a frame must request it again
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {
@@ -244,7 +245,7 @@ std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) 
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   while (!s.meshShows(scene)) {
-    if (!s.meshMissing()) {  // else another thread's mesh is loaded first
+    if (!s.meshMissing()) {  // if another thread's mesh is missing, it is loaded first
       s.wantedMesh = scene;
       s.work.notify_all();
     }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Loads frames and scenes on a separate thread, so that the window never waits for them.
+// Loads frames and scenes on a separate thread, so that the window never blocks.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,30 +16,30 @@ namespace scanmill {
 
 class FrameLoader {
  public:
-  // Caches the last used frames, up to `keptBytes`, and always the wanted frame.
+  // Caches the most recently used frames, up to `keptBytes` bytes; the frame that was requested last is always cached.
   explicit FrameLoader(std::shared_ptr<const FrameSource> source, std::uint64_t keptBytes = std::uint64_t{1} << 30);
-  ~FrameLoader();  // waits for the load in progress
+  ~FrameLoader();  // waits until the current load is finished
   FrameLoader(const FrameLoader&) = delete;
   FrameLoader& operator=(const FrameLoader&) = delete;
 
-  // Requests this frame next, and then at most 64 frames after it in the direction of `step` (1 or -1; 0: none), as
-  // long as they fit into half of `keptBytes`: the other half is for frames that were seen. Earlier requests that have
-  // not been started are dropped.
+  // Requests a frame, and after it at most 64 following frames in the direction of `step` (1 or -1; 0: none), as long
+  // as these fit into half of `keptBytes`; the other half is for frames that were shown before. Cancels earlier
+  // requests that have not been started.
   void want(std::size_t frame, int step = 1);
-  // Returns the frame, or null while it is not loaded.
+  // Returns the frame; null if it is not loaded yet.
   std::shared_ptr<const ViewFrame> frame(std::size_t frame);
-  // Waits until the frame is loaded.
+  // Waits until the frame is loaded and returns it.
   std::shared_ptr<const ViewFrame> wait(std::size_t frame);
 
-  // Requests the mesh of a scene, which is loaded after the requested frames. Only one mesh is cached.
+  // Requests the mesh of a scene. It is loaded after the requested frames. Only one mesh is cached.
   void wantMesh(const SceneChoice& scene);
-  // Returns the mesh, or null while it is not loaded.
+  // Returns the mesh; null if it is not loaded yet.
   std::shared_ptr<const ViewMesh> mesh(const SceneChoice& scene);
-  // Waits until the mesh is loaded.
+  // Waits until the mesh is loaded and returns it.
   std::shared_ptr<const ViewMesh> waitMesh(const SceneChoice& scene);
 
-  // Returns the name of the requested frame or scene that is not loaded yet, for the user: "street-s1-lane-000012",
-  // "scene street". Empty if there is nothing to load.
+  // Returns the name of the frame or scene that is being loaded, such as "street-s1-lane-000012" or "scene street";
+  // empty if nothing is.
   std::string busy() const;
 
  private:

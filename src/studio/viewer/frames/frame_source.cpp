@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// A scene without a dataset: one frame without scans.
+// A scene that is viewed without a dataset: one frame without scans.
 class SceneFrames : public FrameSource {
  public:
   explicit SceneFrames(const ViewInput& input)

@@ -1,6 +1,6 @@
 #pragma once
 
-// Gives the viewer its frames: the samples of a dataset or of a shard, a single scan, or a scene.
+// Provides the frames that the viewer shows: the samples of a dataset or of a shard, a single scan, or a scene.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,89 +18,94 @@
 
 namespace scanmill {
 
-// One scan of a sample, and its data besides its columns.
+// One scan of a sample, with data that are not in its columns.
 struct ViewScan {
-  std::string name;    // unique among the sample's scans: "top", "top, particle", "out/b: top"
+  std::string name;    // unique within the sample, such as "top", "top, particle" or "out/b: top"
   std::string sensor;  // empty if unknown
   std::string method;  // empty if unknown
   Scan scan;
-  std::optional<Pose> worldFromSensor;     // at the start of the revolution
+  std::optional<Pose> worldFromSensor;     // at the start of the revolution; absent if unknown
   double time = 0;                         // s since the start of the sequence
-  std::vector<float> error;                // m, one per point, not negative; NaN: unknown; empty: all unknown
-  std::string errorTitle;                  // "distance to the reference (m)", "range error (m)"
-  std::shared_ptr<const BeamTable> beams;  // the table of the dataset's sensor; null if unknown
-  std::string whyNoError{};                // the meaning of NaN in `error`: "no partner in the reference"; may be empty
+  std::vector<float> error;                // m, one per point, at least 0; NaN: unknown; empty: all unknown
+  std::string errorTitle;                  // such as "distance to the reference (m)" or "range error (m)"
+  std::shared_ptr<const BeamTable> beams;  // beam table of the sensor; null if unknown
+  std::string whyNoError{};  // what NaN in `error` means, such as "no partner in the reference"; may be empty
 };
 
-// An object instance near the sensors, as the sample lists it.
+// An object instance in the sample's list of objects.
 struct ViewObject {
   ObjectRecord record;
-  // m, world: the centre of its box in this frame and the neighbouring frames, in their order; empty if it is static.
+  // Centres of the object's box (m, world) in this frame and in neighbouring frames, in the order of frames; empty if
+  // the object is static.
   std::vector<Vec3d> track;
 };
 
 struct ViewFrame {
   std::string key;
   std::vector<ViewScan> scans;
-  std::vector<std::string> problems;  // a line for everything that could not be loaded
-  std::vector<ViewObject> objects{};  // empty if the dataset lists none
+  std::vector<std::string> problems;  // one line for each part of the frame that could not be loaded
+  std::vector<ViewObject> objects{};  // empty if the dataset has no object lists
 };
 
 struct SceneChoice {
   std::filesystem::path file;
   std::uint64_t seed = 1;
-  double time = 0;                   // s since the drive began: the time at which moving objects are shown
-  std::filesystem::path ontology{};  // replaces the scene's ontology; empty: the scene's own
+  double time = 0;  // time for which moving objects are shown (s since the drive began)
+  // File of an ontology that replaces the scene's ontology; empty: the scene's ontology is used.
+  std::filesystem::path ontology{};
   bool operator==(const SceneChoice&) const = default;
 };
 
-// The user's choice of what is shown. Empty members are not requested.
+// The user's choice of what to show. Empty members mean that nothing was chosen.
 struct ViewInput {
-  std::filesystem::path path;  // a dataset's folder, a shard, a scan of any known format, or a scene (.yaml)
-  // Further datasets, shards or scans. Their samples are joined by their keys, a single scan with every sample.
+  std::filesystem::path path;  // folder of a dataset, a shard, a scan of any known format, or a scene (.yaml)
+  // Further datasets, shards or scans to show on top. Samples with the same key are combined; a single scan is combined
+  // with every sample.
   std::vector<std::filesystem::path> over{};
-  std::filesystem::path reference{};    // the noise-free reference: a dataset, a shard or a scan
-  std::string sensor{};                 // only the scans of this sensor are shown
-  std::filesystem::path ontology{};     // a file like labels/*.yaml that replaces the dataset's own ontology
-  std::filesystem::path scene{};        // the scene that was scanned; replaces the scene that the manifest names
-  std::optional<std::uint64_t> seed{};  // the seed of a scene that is viewed without scans
+  std::filesystem::path reference{};  // noise-free reference of the scans: a dataset, a shard or a scan
+  std::string sensor{};               // if not empty, only scans of this sensor are shown
+  // File of an ontology that replaces the dataset's ontology.
+  std::filesystem::path ontology{};
+  std::filesystem::path scene{};  // file of the scene that was scanned, instead of the one that the manifest names
+  std::optional<std::uint64_t> seed{};  // seed of a scene that is viewed without scans
 };
 
-// A list of frames that are loaded on demand.
+// A list of frames, each of which is loaded when it is requested.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  // Returns the name of the folder or the file that is shown.
+  // Returns the name of the folder or file that is shown.
   virtual std::string title() const = 0;
   // Returns the names of the frames, in the order in which they are shown. A single scan or a scene is one frame.
   virtual const std::vector<std::string>& keys() const = 0;
-  // Returns the names and colours of the classes; null if they are unknown.
+  // Returns the names and colours of classes; null if they are unknown.
   virtual const Ontology* ontology() const = 0;
-  // True if a scene is shown: its only frame has no scans, only the scene that scene() returns.
+  // True if a scene is shown without scans: then there is one frame without scans, and scene() returns the scene.
   virtual bool isScene() const = 0;
-  // Loads a frame; any thread may call load(). Faults of the data do not throw: a damaged or missing shard, a member
-  // that cannot be decoded, or a sample that a further dataset lacks becomes one of the frame's problems, which names
-  // the file and says what to do.
+  // Loads a frame. May be called from any thread. Does not throw for faults in the data, such as a damaged or missing
+  // shard, a member that cannot be decoded, or a sample that is missing in a further dataset. These are reported in
+  // ViewFrame::problems, with the file and what to do.
   virtual ViewFrame load(std::size_t frame) const = 0;
-  // Returns the pose (worldFromSensor) of the first scan's sensor in every frame of this frame's sequence, in the order
-  // of the frames. Empty if the poses are unknown.
+  // Returns the poses (worldFromSensor) of the first scan's sensor in all frames of the same sequence, in the order of
+  // frames; empty if they are unknown.
   virtual std::vector<Pose> trajectory(std::size_t frame) const = 0;
-  // Returns the scene that the frame was scanned in. Absent if the scene is unknown or its file is missing; then `why`
-  // says which.
+  // Returns the scene in which the frame was scanned. If the scene is unknown or its file is missing, returns nothing,
+  // and `why` receives the reason.
   virtual std::optional<SceneChoice> scene(std::size_t frame, std::string& why) const = 0;
-  // Returns the ids of all classes that occur in the frames, ascending; empty if they are unknown.
+  // Returns the ids of all classes that occur in the frames, ascending; empty if this is unknown.
   virtual std::vector<std::uint16_t> classes() const { return {}; }
-  // Returns the indices of frames that are known so far to be unreadable, ascending. Any thread may call damaged().
+  // Returns the indices of frames that have been found unreadable so far, ascending. May be called from any thread.
   virtual std::vector<std::size_t> damaged() const { return {}; }
 };
 
-// Opens the user's choice: reads the manifest and the directories of the shards, but no scan of a dataset. Throws
-// InputError if there is nothing to show: the file does not exist or is of no known kind, the manifest or a single scan
-// cannot be read, or the sensor does not exist.
+// Opens what the user wants to see. Reads the manifest and the directories of shards, but no scans of a dataset. Throws
+// InputError if nothing can be shown: the file does not exist or is of an unknown kind, the manifest or a single scan
+// cannot be read, or there is no such sensor.
 std::unique_ptr<FrameSource> openFrames(const ViewInput& input);
 
-// Returns the index of the frame that `wanted` names: by its key, by a part of the key that occurs in no other key, or
-// by its index from 0; an empty `wanted` is the middle frame. Throws InputError that lists the most similar keys.
+// Returns the index of a frame. `wanted`: the frame's key, a part of the key that no other key contains, or its index
+// starting at 0; if empty, the middle frame is returned. Throws InputError if there is no such frame; the message lists
+// similar keys.
 std::size_t findFrame(const FrameSource& source, const std::string& wanted);
 
 }  // namespace scanmill

@@ -35,8 +35,8 @@ std::size_t findImage(const ImageList& list, const std::string& wanted) {
 std::vector<std::string> ImageList::materials(std::size_t file) const {
   std::vector<std::string> known;
   if (!recording) return known;
-  // A table of materials belongs to a scene and a seed. If the file's name starts with two of them ("town" and
-  // "town-s1-old"), the longer one is its scene.
+  // Each scene and seed has a table of materials. If a file's name starts with two scenes' names ("town" and
+  // "town-s1-old"), the longer one is right.
   const RecordedSequence* best = nullptr;
   std::size_t longest = 0;
   for (const RecordedSequence& s : recording->sequences) {
@@ -70,7 +70,7 @@ ImageList openImages(const fs::path& path, const std::string& wanted, std::optio
     if (entry.path().extension() == ".exr") list.files.push_back(entry.path());
   }
   if (list.files.empty()) throw InputError({path.string()}, "holds no EXR image: is the recording whole?");
-  // Sorts "a.9.exr" before "a.10.exr".
+  // Sort by name such that "a.9.exr" comes before "a.10.exr".
   std::sort(list.files.begin(), list.files.end(),
             [](const fs::path& a, const fs::path& b) { return ::strverscmp(a.stem().c_str(), b.stem().c_str()) < 0; });
   for (const fs::path& file : list.files) list.names.push_back(file.stem().string());

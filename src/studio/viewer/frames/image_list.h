@@ -1,6 +1,6 @@
 #pragma once
 
-// Lists the EXR images of a recording, or a single image, and what the numbers in them mean.
+// Lists a single EXR image or the images of a recording, with the names of classes and materials in them.
 
 #include <cstddef>
 #include <filesystem>
@@ -14,20 +14,20 @@
 namespace scanmill {
 
 struct ImageList {
-  std::string title;                         // the folder's or the file's name
-  std::vector<std::filesystem::path> files;  // at least one
-  std::vector<std::string> names;            // the names of the files without the suffix
-  std::size_t first = 0;                     // index of the file that is shown first
+  std::string title;                         // name of the folder or file
+  std::vector<std::filesystem::path> files;  // paths; not empty
+  std::vector<std::string> names;            // file names without suffix
+  std::size_t first = 0;                     // index of the image that is shown first
   std::optional<Ontology> ontology;
-  std::optional<Recording> recording;  // the recording that the files belong to
+  std::optional<Recording> recording;  // the recording to which the files belong; absent for a single image
 
-  // Returns the names of the materials that a file's numbers stand for, by index; empty if they are unknown.
+  // Returns the names of the materials in an image by material id; empty if they are unknown.
   std::vector<std::string> materials(std::size_t file) const;
 };
 
-// Lists an EXR file, or the images in the folder of a recording, sorted by name with digits compared as numbers.
-// `wanted` is a part of the name, or the index from 0, of the image that is shown first; if `wanted` is empty, the
-// first image is. `ontology` replaces the recording's. Throws InputError.
+// Lists an EXR file, or the images in a recording's folder, sorted by name with numbers in numerical order. `wanted`:
+// the image to show first, given by a part of its name or its index starting at 0; empty: the first image. `ontology`:
+// replaces the recording's ontology. Throws InputError.
 ImageList openImages(const std::filesystem::path& path, const std::string& wanted, std::optional<Ontology> ontology);
 
 }  // namespace scanmill

@@ -11,10 +11,11 @@ namespace scanmill {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kBoxSlack = 1e-6;  // m: rays hit flat boxes in spite of rounding
+// m by which boxes are enlarged, so that rounding errors cannot cause rays to miss flat boxes.
+constexpr double kBoxSlack = 1e-6;
 
-// Returns the distance at which the ray enters the box (0: it starts inside), by the slab method of T. Kay and
-// J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986.
+// Returns the distance (m) at which a ray enters a box; 0 if it starts inside; infinity if it misses. Slab method of T.
+// Kay and J. Kajiya, "Ray tracing complex scenes", SIGGRAPH 1986.
 double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
   double enter = 0;
   double leave = kNever;
@@ -36,8 +37,8 @@ double entry(const Box& box, const Vec3d& origin, const Vec3d& direction) {
   return enter <= leave ? enter : kNever;
 }
 
-// Returns the ray's distance to a triangle, which can be hit from both sides. T. Moeller and B. Trumbore, "Fast,
-// minimum storage ray-triangle intersection", 1997.
+// Returns the distance (m) at which a ray hits a triangle from either side; infinity if it misses. T. Moeller and B.
+// Trumbore, "Fast, minimum storage ray-triangle intersection", 1997.
 double distanceTo(const Vec3f* corners, const Vec3d& origin, const Vec3d& direction) {
   const Vec3d a(corners[0]);
   const Vec3d ab = Vec3d(corners[1]) - a;

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::string_view kSuffix = ".yaml";
 
-// Converts a scene's name to the form that it has in keys, as pipeline/pipeline.cpp does.
+// Converts a scene's name to the form used in sample keys, like keyPart() in pipeline/read/sequences.h.
 std::string inKey(std::string name) {
   for (char& c : name) {
     const auto byte = static_cast<unsigned char>(c);
@@ -48,7 +48,7 @@ bool hasSeed(const Value& entry, std::uint64_t seed) {
                      [&](const PlacedInteger& s) { return s.value == static_cast<std::int64_t>(seed); });
 }
 
-// Returns the seed that follows a scene's name at the start of a key.
+// Returns the seed in a key that starts with the scene's name; nothing if the key does not have this form.
 std::optional<std::uint64_t> seedBehind(const std::string& key, const std::string& scene) {
   if (!key.starts_with(scene + "-s")) return std::nullopt;
   const std::size_t begin = scene.size() + 2;
@@ -63,8 +63,8 @@ struct Entry {
   bool moving = true;
 };
 
-// Returns the pipeline's entry whose scene and seed the key starts with. If the names of two entries fit ("town" and
-// "town-s1-old"), the longer one counts.
+// Returns the entry of the pipeline's `scenes` whose name and seed the key starts with; nothing if there is none. If
+// two entries match ("town" and "town-s1-old"), returns the one with the longer name.
 std::optional<Entry> entryOf(const Value& root, const std::string& key) {
   const Value* scenes = root.find("scenes");
   std::optional<Entry> best;
@@ -74,7 +74,8 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
     const Value* file = entry.find("scene");
     if (file == nullptr) continue;
     const fs::path name = fs::path(file->text).filename();
-    for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {  // with and without ".yaml"
+    // Names without and with ".yaml".
+    for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {
       const auto seed = seedBehind(key, scene);
       if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;
       const Value* moving = entry.find("moving");

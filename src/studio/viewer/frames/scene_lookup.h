@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the scene that a sample was scanned in.
+// Finds the scene in which a sample was scanned.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,17 +11,17 @@
 
 namespace scanmill {
 
-// Finds the entry under `scenes:` of the pipeline whose scene and seed form the beginning of the sample's key. Since
-// the manifest does not record the pipeline's folder, a relative path is looked up in the current folder, in the
-// dataset's folder and among the program's own files. Absent if the scene is not found; then `why` says what is
-// missing. `time`: of the sample (s since the drive began).
+// Finds the entry of the pipeline's key `scenes` whose name and seed are at the start of the sample's key. The manifest
+// does not record the pipeline's folder, so a relative path is searched for in the current folder, in the dataset's
+// folder and among the files installed with the program. If the scene is not found, returns nothing, and `why` receives
+// the reason. `time`: time of the sample (s since the drive began).
 std::optional<SceneChoice> sceneOfSample(const std::string& pipelineText, const std::filesystem::path& datasetFolder,
                                          const std::string& key, double time, std::string& why);
 
-// Returns the seed of the scene in the sample's key: 3 for "street-s3-lane-000012"; 1 if the key contains no seed.
+// Returns the seed of the scene in a sample's key, such as 3 in "street-s3-lane-000012"; 1 if the key contains no seed.
 std::uint64_t seedOfKey(const std::string& key);
 
-// Throws InputError unless the file is a scene.
+// Throws InputError if the file is not a scene.
 void requireScene(const std::filesystem::path& file);
 
 }  // namespace scanmill

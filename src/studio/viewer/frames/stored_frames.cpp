@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns the names of files or folders, each with as many parent folders as are needed to make all names different.
+// Returns a label for each file or folder: its name, preceded by as many parent folders as are needed to make all
+// labels different.
 std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
   constexpr int kMostFolders = 8;
   std::vector<fs::path> whole;
@@ -45,7 +46,7 @@ std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
   return labels;
 }
 
-// Returns the first class that the ontologies name differently; empty if there is none.
+// Returns a description of the first class that has different names in the two ontologies; empty if there is none.
 std::string differenceOf(const Ontology& a, const Ontology& b) {
   const auto name = [](const Ontology& ontology, std::uint16_t id) {
     const SemanticClass* found = ontology.find(id);
@@ -61,8 +62,8 @@ std::string differenceOf(const Ontology& a, const Ontology& b) {
   return {};
 }
 
-// True if the scan's points were moved into the frame of the revolution's start. Then their ranges cannot be measured
-// from the origins of their beams.
+// True if the scan's points were transformed to the sensor's frame at the start of the revolution (deskewed). Then
+// ranges from the beams' origins cannot be computed.
 bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
   return manifest != nullptr && manifest->deskewed && record != nullptr && record->worldFromSensor.size() > 1 &&
          record->worldFromSensor.front() != record->worldFromSensor.back();
@@ -70,7 +71,7 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
 
 }  // namespace
 
-// A scan that is being loaded.
+// A scan while it is being loaded.
 struct StoredFrames::Loading {
   const Store* store = nullptr;
   std::size_t sample = 0;
@@ -155,7 +156,8 @@ void StoredFrames::takeOntology() {
   }
 }
 
-// Finds the scans of a sample in all stores.
+// Finds the scans of a sample in all datasets, shards and scans that are open. Adds a line to `problems` for each store
+// that does not have the sample.
 std::vector<StoredFrames::Loading> StoredFrames::find(const std::string& key,
                                                       std::vector<std::string>& problems) const {
   std::vector<Loading> all;
@@ -286,9 +288,9 @@ std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& 
   return objects_.front();
 }
 
-// Returns the objects that the sample lists, with their tracks over the neighbouring frames.
+// Returns the objects in the sample's list, with their tracks over the neighbouring frames.
 std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vector<std::string>& problems) const {
-  constexpr std::ptrdiff_t kNeighbours = 10;  // frames before and after
+  constexpr std::ptrdiff_t kNeighbours = 10;  // number of frames before, and number of frames after
   const std::string& key = keys().at(frame);
   std::vector<ViewObject> all;
   const auto sequence = sequences_.find(partsOfKey(key).sequence);
@@ -320,7 +322,7 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
   return all;
 }
 
-// Returns the sensor's pose in the first scan of the sample that is shown.
+// Returns the sensor pose of the first scan in the sample that is shown; null if it is unknown.
 const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
   for (const ScanRecord& scan : sample.scans) {
     const bool shown = input_.sensor.empty() || lowerCase(scan.sensor) == lowerCase(input_.sensor);
@@ -336,7 +338,8 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   std::vector<Pose> poses;
   if (found == sequences_.end()) return poses;
   for (const SampleRecord* sample : found->second) {
-    if (sequence.empty() && sample->key != key) continue;  // keys without numbers have no order
+    // If keys have no frame numbers, the order of samples is unknown.
+    if (sequence.empty() && sample->key != key) continue;
     if (const Pose* pose = poseOf(*sample)) poses.push_back(*pose);
   }
   return poses;
@@ -375,7 +378,7 @@ std::vector<std::uint16_t> StoredFrames::classes() const {
 }
 
 std::vector<std::size_t> StoredFrames::damaged() const {
-  // If there are several stores, a sample that is damaged in the first may be readable in another.
+  // If several stores are shown, a sample that is damaged in the first store may be readable in another.
   return stores_.size() == 1 ? first().unreadableSamples() : std::vector<std::size_t>{};
 }
 

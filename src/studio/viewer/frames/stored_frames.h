@@ -32,8 +32,8 @@ class StoredFrames : public FrameSource {
  private:
   struct Store {
     std::unique_ptr<const ScanStore> scans;
-    std::string label;    // the shortest end of its path that is unique among the stores
-    std::string classes;  // why its classes differ from those shown; empty if they are the same
+    std::string label;    // last components of the path, as many as make it unique among the stores
+    std::string classes;  // text about a difference between its classes and the classes that are shown; empty: none
   };
   struct Loading;
 
@@ -50,12 +50,14 @@ class StoredFrames : public FrameSource {
   std::shared_ptr<const SampleObjects> objectsOf(const std::string& key) const;
 
   ViewInput input_;
-  std::vector<Store> stores_;  // the store that is shown, then those overlaid on it
+  std::vector<Store> stores_;  // first the main store, then those that are shown on top of it
   std::unique_ptr<const ScanStore> reference_;
   std::optional<Ontology> ontology_;
-  std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;  // samples in the order of their frames
+  // For each sequence's name: its samples in the order of frames.
+  std::unordered_map<std::string, std::vector<const SampleRecord*>> sequences_;
   mutable std::mutex objectsMutex_;
-  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;  // lists of samples; the most recently used first
+  // Object lists of samples, the most recently used first.
+  mutable std::list<std::shared_ptr<const SampleObjects>> objects_;
 };
 
 }  // namespace scanmill

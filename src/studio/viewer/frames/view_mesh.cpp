@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kTriangleGrain = 16384;
 constexpr std::size_t kBoxGrain = 64;
 
-// Returns the index of each instance's first triangle, followed by the number of all triangles.
+// Returns the index of each instance's first triangle in the view mesh, followed by the total number of triangles.
 std::vector<std::size_t> firstTriangles(const Scene& scene) {
   std::vector<std::size_t> first{0};
   first.reserve(scene.instances.size() + 1);
@@ -32,13 +32,14 @@ std::vector<std::size_t> firstTriangles(const Scene& scene) {
   return first;
 }
 
-// Returns "hall: Wall.003", or only the node's name if it equals the object's, as "car" does for "car#3".
+// Returns the name of a part from the names of object and node, such as "hall: Wall.003"; only the object's name if the
+// node has the same name ("car" in "car#3") or none.
 std::string partName(const std::string& object, const std::string& node) {
   const bool same = object.starts_with(node) && (object.size() == node.size() || object[node.size()] == '#');
   return node.empty() || same ? object : object + ": " + node;
 }
 
-// Numbers names in the order of their first use.
+// Assigns numbers to names in the order of their first use.
 class NameList {
  public:
   explicit NameList(std::vector<std::string>& names) : names_(names) {}
@@ -54,7 +55,7 @@ class NameList {
   std::map<std::string, std::uint32_t> numbers_;
 };
 
-// Returns "line 9", or "walls.yaml, line 9" for a file that the scene includes.
+// Returns a position in a scene file as "line 9"; for a file that the scene includes, "walls.yaml, line 9".
 std::string shortPlace(const Scene& scene, const Location& where) {
   const std::filesystem::path file = std::filesystem::path(where.file).filename();
   return file == scene.file.filename() ? fmt::format("line {}", where.line)
@@ -66,15 +67,16 @@ std::string ruleKey(const Surface& surface) {
   return surface.semantic == 0 ? "none" : "own";
 }
 
-// Returns the source of a surface's class if no rule gave it: the place in the scene's file, and the class.
+// Returns the text about a surface's class that comes from the object and not from a rule: the position in the scene
+// file, and the class.
 std::string ofTheObject(const Scene& scene, const Surface& surface) {
   const SemanticClass* const known = scene.ontology.find(surface.semantic);
   return fmt::format("{}: {} (of the object)", shortPlace(scene, surface.labelledBy),
                      known == nullptr ? std::to_string(surface.semantic) : known->name);
 }
 
-// Lists the surfaces of the scene, with their parts, textures and rules, except for objects without triangles. Returns
-// the index of each instance's first surface.
+// Adds the surfaces of the scene to `view`, with the lists of parts, textures and rules; skips objects without
+// triangles. Returns the index of each instance's first surface.
 std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
   NameList textures(view.textures);
   NameList rules(view.rules);
@@ -91,7 +93,7 @@ std::vector<std::uint32_t> listSurfaces(const Scene& scene, ViewMesh& view) {
     first.push_back(static_cast<std::uint32_t>(view.surfaces.size()));
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (mesh.triangles.empty()) continue;
-    std::map<std::string_view, std::uint32_t> partOf;  // surfaces of one node are one part
+    std::map<std::string_view, std::uint32_t> partOf;  // node name -> index of its part
     for (const Surface& surface : mesh.surfaces) {
       const auto [part, added] = partOf.emplace(surface.node, static_cast<std::uint32_t>(view.parts.size()));
       if (added) view.parts.push_back(partName(instance.name, surface.node));
@@ -116,7 +118,7 @@ void fillTriangles(const Scene& scene, ViewMesh& view) {
     for (std::size_t t = first; t < last; ++owner) {
       const Instance& instance = scene.instances[owner];
       const Mesh& mesh = scene.meshes[instance.mesh];
-      // The large world coordinates cancel before they are rounded to float.
+      // Subtract the large world coordinates in double precision, before the result is rounded to float.
       const Affine fromMesh{instance.worldFromMesh.linear, instance.worldFromMesh.translation - view.origin};
       for (const std::size_t end = std::min(last, firstOf[owner + 1]); t < end; ++t) {
         const std::size_t own = t - firstOf[owner];
@@ -144,14 +146,14 @@ void fillBoxes(ViewMesh& view) {
   for (const Box& box : view.boxes) view.bounds.add(box);
 }
 
-// Returns a box that holds most of a scene. Large triangles, such as those of the surrounding ground, are ignored if
-// there are small ones. Each coarse cell is weighted by the logarithm of its number of corners, so that a tree of many
-// leaves does not outweigh the houses around it. `corners`: three per triangle.
+// Returns a box that contains most of a scene. Large triangles, such as those of surrounding ground, are ignored if
+// there are small ones. Space is divided into coarse cells; each is weighted by the logarithm of the number of corners
+// in it, so that a tree with many leaves does not outweigh the houses around it. `corners`: three per triangle.
 Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
-  constexpr std::size_t kCells = 32;          // along the longest side
-  constexpr std::size_t kEnough = 1'000'000;  // triangles
-  constexpr double kLeftOut = 0.05;           // share of the weight beyond each side of the box
-  constexpr double kLarge = 0.5;              // share of the longest side
+  constexpr std::size_t kCells = 32;          // number of cells along the longest side of the bounds
+  constexpr std::size_t kEnough = 1'000'000;  // maximum number of triangles that are examined
+  constexpr double kLeftOut = 0.05;           // fraction of the weight that may be outside of each side of the box
+  constexpr double kLarge = 0.5;  // fraction of the bounds' longest side from which a triangle counts as large
   struct Cell {
     Box box;
     double corners = 0;
@@ -185,7 +187,7 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   std::erase_if(cells, [](const Cell& cell) { return cell.corners == 0; });
   double all = 0;
   for (const Cell& cell : cells) all += 1 + std::log2(cell.corners);
-  std::vector<std::pair<double, double>> ends;  // end of each cell along the axis, and its weight
+  std::vector<std::pair<double, double>> ends;  // pairs of a cell's end along the axis and the cell's weight
   const auto edge = [&](double Vec3d::*axis, double sign) {
     ends.clear();
     for (const Cell& cell : cells) {
@@ -206,8 +208,8 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   return core;
 }
 
-// Removes moving objects that are far away from all static ones, such as a town's traffic that has not arrived yet:
-// they would only distract from the scene.
+// Removes moving objects that are far from all static objects at this time, such as a town's vehicles that have not
+// arrived yet.
 void leaveOutWhoIsAway(Scene& scene, double time) {
   Box standing;
   for (const Instance& i : scene.instances) {
@@ -219,7 +221,7 @@ void leaveOutWhoIsAway(Scene& scene, double time) {
     }
   }
   if (standing.empty()) return;
-  constexpr double kNear = 40;  // m, from the box of all static objects
+  constexpr double kNear = 40;  // m from the bounding box of all static objects
   std::erase_if(scene.instances, [&](const Instance& i) {
     if (!i.moves()) return false;
     const Vec3d p = i.worldFromMeshAt(time) * scene.meshes[i.meshAt(time)].bounds().center();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Converts a scene to the triangles that the viewer draws and picks, in world coordinates.
+// Converts a scene to the triangles that the viewer draws and selects, along the world's axes.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace scanmill {
 
-// Properties that the triangles of a surface share, as indices into the lists of ViewMesh.
+// Properties of all triangles of a surface: indices in the lists `parts`, `materials`, `textures` and `rules` of
+// ViewMesh.
 struct ViewSurface {
   std::uint32_t part = 0;
   std::uint32_t material = 0;
@@ -26,27 +27,29 @@ struct ViewSurface {
 
 struct ViewMesh {
   std::string name;
-  // Why there is no mesh: the scene could not be read, or is too large. Then everything else is empty.
+  // The reason why there is no mesh: the scene could not be read, or is too large. If it is not empty, all other
+  // members are empty.
   std::string problem;
-  Vec3d origin;                         // m, world; the corners count from here
-  std::vector<Vec3f> corners;           // m, along the world's axes; three for each triangle
+  Vec3d origin;                         // m, world: origin of all coordinates of this mesh
+  std::vector<Vec3f> corners;           // three per triangle, relative to `origin`, along the world's axes (m)
   std::vector<std::uint16_t> semantic;  // class id of each triangle
-  std::vector<std::uint32_t> instance;  // instance id of each triangle; 0: none
-  std::vector<std::uint32_t> surface;   // index of each triangle into `surfaces`
+  std::vector<std::uint32_t> instance;  // instance id of each triangle; 0: no instance
+  std::vector<std::uint32_t> surface;   // index in `surfaces` for each triangle
   std::vector<ViewSurface> surfaces;
-  std::vector<std::string> parts;  // "hall: Wall.003": the placed object and the asset's node
+  std::vector<std::string> parts;  // such as "hall: Wall.003": the object in the scene and the node in its asset
   std::vector<std::string> materials;
-  std::vector<float> reflectance;     // reflectance of each material
-  std::vector<std::string> textures;  // their names in the assets; the first stands for no texture
-  // The sources of the classes: "line 12: wall (node: Wall*)", a rule of the scene's file, or "line 30: wall (of the
-  // object)". The first two entries are neither: triangles without a class, and those whose object or file has its own.
+  std::vector<float> reflectance;     // of each material, 0 to 1
+  std::vector<std::string> textures;  // names of textures in the assets; the first entry means no texture
+  // The sources of classes: a rule in the scene file, such as "line 12: wall (node: Wall*)", or the object, such as
+  // "line 30: wall (of the object)". The first two entries are special: triangles without a class, and triangles whose
+  // object or file defines their class.
   std::vector<std::string> rules;
   Ontology ontology;
-  Box bounds;                         // m, from `origin`
-  Box core;                           // m, from `origin`: holds most of the mesh
-  std::vector<std::string> warnings;  // about rules without effect and files with one instance, see ruleWarnings()
-  bool moves = false;                 // objects of the scene move: the mesh shows them at one time
-  std::vector<Box> boxes;             // m, from `origin`; each holds the next kTrianglesPerBox triangles
+  Box bounds;                         // m, relative to `origin`
+  Box core;                           // m, relative to `origin`; contains most of the mesh
+  std::vector<std::string> warnings;  // about rules without effect and files with only one instance, see ruleWarnings()
+  bool moves = false;                 // true: the scene has moving objects, and the mesh shows them at one time
+  std::vector<Box> boxes;  // m, relative to `origin`; bounding boxes of kTrianglesPerBox consecutive triangles
 
   static constexpr std::size_t kTrianglesPerBox = 256;
   std::size_t size() const { return semantic.size(); }
@@ -55,20 +58,21 @@ struct ViewMesh {
 
 constexpr std::uint64_t kMostViewTriangles = 30'000'000;
 
-// Builds the mesh of a scene on all threads; the result is deterministic. A scene with more than kMostViewTriangles
-// gives a mesh without triangles whose `problem` says so.
+// Builds the mesh of a scene with all threads; the result is always the same. If the scene has more than
+// kMostViewTriangles triangles, returns a mesh without triangles whose `problem` states this.
 ViewMesh makeViewMesh(const Scene& scene);
 
-// Reads a scene without its textures and builds its mesh, with moving objects where they are at `time` (s since the
-// drive began). `ontology`: replaces the scene's own. Faults of the scene do not throw: `problem` names them.
+// Reads a scene without its textures and builds its mesh. Moving objects are at their positions at `time` (s
+// since the drive began). `ontology`: file that replaces the scene's ontology; empty: none. If the scene cannot be
+// read, does not throw but sets `problem`.
 ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time = 0,
                       const std::filesystem::path& ontology = {});
 
 struct MeshHit {
   std::size_t triangle = 0;
-  double distance = 0;  // m
+  double distance = 0;  // m from the ray's origin
 };
-// Returns the first triangle that a ray hits. `origin` (m) counts from mesh.origin. Absent if the ray hits no triangle.
+// Returns the first triangle that a ray hits; nothing if it hits none. `origin`: relative to mesh.origin (m).
 std::optional<MeshHit> pickTriangle(const ViewMesh& mesh, const Vec3d& origin, const Vec3d& direction);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws a picture without a window: views, and panels over them.
+// Draws a picture of views and panels without a window.
 
 #include <functional>
 #include <memory>
@@ -12,14 +12,15 @@ namespace scanmill {
 
 class PictureBoard {
  public:
-  // `letter`: px, see Toolkit. Throws Error as openOffscreen() does.
+  // `width`, `height`: in pixels. `letter`: height of a line of text in pixels, see Toolkit. Throws Error like
+  // openOffscreen().
   PictureBoard(int width, int height, double letter)
       : canvas_(openOffscreen(width, height)), toolkit_(*canvas_, letter) {}
 
   Canvas& canvas() { return *canvas_; }
   void setImage(ImageId image, const Image& picture) { scanmill::setImage(*canvas_, image, picture); }
   Image draw(const std::function<void()>& panels) {
-    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // in the second frame all sizes are known
+    for (int i = 0; i < 2; ++i) toolkit_.frame(panels);  // sizes that depend on contents are known in the second frame
     canvas_->render();
     return canvas_->read();
   }

@@ -49,13 +49,13 @@ void wrappedWords(const std::string& text) {
   ImGui::PopTextWrapPos();
 }
 
-// Returns the text, or as much of its beginning as fits, followed by "...".
+// Returns the text; if it is wider than `width` pixels, only as much of its beginning as fits, followed by "...".
 std::string fitted(const std::string& text, float width) {
   if (sizeOf(text).x <= width) return text;
   const float dots = sizeOf("...").x;
   std::size_t kept = text.size();
   const auto inLetter = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
-  // Halve the text first, since it may be very long.
+  // First halve the text repeatedly, since it may be very long.
   while (kept > 64 && sizeOf(text.substr(0, kept / 2)).x > width) kept /= 2;
   while (kept > 0 && (sizeOf(text.substr(0, kept)).x + dots > width || (kept < text.size() && inLetter(kept)))) --kept;
   return text.substr(0, kept) + "...";
@@ -84,7 +84,7 @@ struct LegendRow {
   enum class Look { Shown, Absent, Partly, Hidden } look = Look::Shown;
 };
 
-// Draws a row of a legend. True if the row was clicked.
+// Draws a row of a legend. Returns true if the user has clicked the row.
 bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
   using Look = LegendRow::Look;
   const ImVec2 at = ImGui::GetCursorScreenPos();
@@ -179,7 +179,7 @@ void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within) 
     if (label.text.empty()) continue;
     const std::string text = fitted(label.text, static_cast<float>(within.width) - 2 * away);
     const ImVec2 size = sizeOf(text);
-    // Put the text on the other side of the mark if it would leave the canvas.
+    // If the text would extend beyond the canvas, draw it on the other side of the mark.
     float x = at.x + 2 * away;
     if (x + size.x + away > right) x = std::max(at.x - 2 * away - size.x, away);
     float y = at.y - away - size.y;
@@ -240,10 +240,10 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
   const float high = letter() + 2 + ImGui::GetStyle().ItemSpacing.y;
   const float room = ImGui::GetContentRegionAvail().y;
   const auto absent = [&](const LegendEntry& entry) { return points > 0 && entry.points == 0; };
-  std::size_t left = legend.entries.size();  // entries still to be drawn
+  std::size_t left = legend.entries.size();  // number of entries that are not drawn yet
   if (still) left -= static_cast<std::size_t>(std::ranges::count_if(legend.entries, absent));
   auto lines = still ? static_cast<std::size_t>(std::max(room / high, 0.0F)) : left;
-  if (lines < left && lines > 0) --lines;  // one line tells how many entries are left out
+  if (lines < left && lines > 0) --lines;  // one line is needed for the number of omitted entries
   for (std::size_t i = 0; i < legend.entries.size() && lines > 0; ++i) {
     const LegendEntry& entry = legend.entries[i];
     if (still && absent(entry)) continue;
@@ -260,8 +260,8 @@ LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool
 
 namespace {
 
-constexpr double kTableLetters = 12;  // width of a column, in letter heights
-constexpr double kTableRow = 1.5;     // height of a row, in letter heights
+constexpr double kTableLetters = 12;  // width of a column as a multiple of the letter height
+constexpr double kTableRow = 1.5;     // height of a row as a multiple of the letter height
 
 int columnsOf(const Legend& legend, double width, double letters) {
   const auto fitting = static_cast<int>(width / (kTableLetters * letters));
@@ -392,7 +392,7 @@ void tip(const std::string& title, const Rgb& color, const NamedValues& rows, co
 bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair<double, double>>& mark) {
   const ImVec2 corner = ImGui::GetWindowPos();
   const ImVec2 size = ImGui::GetWindowSize();
-  ImGui::PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, false);  // clip at the panel's edge
+  ImGui::PushClipRect(corner, {corner.x + size.x, corner.y + size.y}, false);  // clips the image at the panel's edge
   ImGui::SetCursorScreenPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
   ImGui::Image(textureOf(image), {static_cast<float>(rect.width), static_cast<float>(rect.height)});
   const bool over = ImGui::IsItemHovered();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Parts of the panels that all sessions share. All functions are called within Toolkit::frame().
+// Parts of panels that are used in all sessions of the viewer. All functions must be called within Toolkit::frame().
 
 #include <cstddef>
 #include <functional>
@@ -18,78 +18,80 @@ namespace scanmill {
 
 using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
-// Draws a panel without title and border at `rect`, filled by `body`. If `scrolls`, the user can scroll to content that
-// does not fit; else it is cut off.
+// Draws a panel without title and border in `rect`. `body` draws the contents. If `scrolls` is true, the user can
+// scroll to contents that do not fit; otherwise they are clipped.
 void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::function<void()>& body);
-// Draws the row on top of a picture: the title on the left and, dimmed, details on the right.
+// Draws the row at the top of a picture: the title on the left, and details in a dim colour on the right.
 void titleRow(const PixelRect& rect, const std::string& left, const std::string& right);
-// Draws a section of a side panel. A click on its title folds `body` away, unless `still`: in pictures nothing can be
-// clicked.
+// Draws a section of a side panel. A click on its title hides or shows `body`. `still`: the section is in a picture,
+// where it cannot be clicked.
 void section(const std::string& title, bool still, const std::function<void()>& body);
-// Draws a section that is folded away at first.
+// Draws a section whose `body` is hidden until the user clicks its title.
 void folded(const std::string& title, const std::function<void()>& body);
 
-// A text over the views.
+// A text that is drawn over the views.
 struct PanelLabel {
-  double x = 0;  // px, canvas; the text is drawn to the right and above
+  double x = 0;  // pixels of the canvas; the text is drawn to the right of this point and above it
   double y = 0;
   std::string text;
-  bool mark = true;  // with a small ring at (x, y)
+  bool mark = true;  // draws a small ring at (x, y)
 };
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within);
 // Draws the name of a view among several.
 void drawCaption(const PixelRect& view, const std::string& text, bool active);
-// Draws the reason why a view shows nothing, large in its middle.
+// Draws the reason why a view is empty, in large letters in the middle of the view.
 void drawMessage(const PixelRect& view, const std::string& text);
 
-// Draws the entries of a legend and returns what was clicked. `hidden`: one per entry, or empty.
+// Draws the entries of a legend, and returns which of them was clicked. `hidden`: one per entry, or empty.
 struct LegendUse {
-  std::optional<std::size_t> entry;  // the entry that was clicked
-  bool all = false;                  // the row for all entries was clicked
+  std::optional<std::size_t> entry;  // index of the clicked entry
+  bool all = false;                  // true: the row for all entries was clicked
 };
 LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
-// Draws the entries in as many columns as fit, or the scale, for a picture; legendTableHeight() returns px.
+// Draws a legend in a picture: its entries in as many columns as fit, or its scale. legendTableHeight() returns the
+// height in pixels.
 void legendTable(const Legend& legend);
 int legendTableHeight(const Legend& legend, int width, double letter);
-// Draws the scale and, unless `still`, fields for its ends; returns the ends if the user has changed them.
+// Draws the scale of a legend. Unless `still` is true, also draws input fields for its ends; returns the ends if the
+// user has changed them.
 std::optional<ScaleRange> scaleBar(const Legend& legend, bool still);
-// Draws the entries or the scale in a section, where the user cannot click or change them.
+// Draws the entries or the scale of a legend in a section, without input by the user.
 void legendSection(const Legend& legend, bool still);
 
 void words(const std::string& text);
-// Draw a text at a pixel of the canvas, shortened to `width` pixels, and return its width (px); namedColorAt() draws a
-// sample of the colour before it.
+// Draw a text at a position (pixels of the canvas), shortened to `width` pixels, and return its width in pixels.
+// namedColorAt() also draws a sample of the colour before the text.
 double wordsAt(double x, double y, double width, const std::string& text, bool dim = false);
 double namedColorAt(double x, double y, double width, const std::string& name, const Rgb& color);
 
-// Draws names and values; the row with the name `alarm` is marked as a warning.
+// Draws a table of names and values. The row with the name `alarm` is highlighted as a warning.
 void valueRows(const char* id, const NamedValues& rows, const std::string& alarm = "");
 void heading(const std::string& text, const Rgb& color);
 // Draws a tooltip beside the pointer.
 void tip(const std::string& title, const Rgb& color, const NamedValues& rows, const std::string& alarm = "");
 
-// Draws an image of setImage() over a rectangle, cut off at the panel's edge, with a ring about `mark` (px of the
-// canvas). True if the pointer is over the image.
+// Draws an image from setImage() in a rectangle, clipped at the panel's edge, with a ring around `mark` (pixels of the
+// canvas). Returns true if the pointer is over the image.
 bool imageAt(ImageId image, const PixelRect& rect, const std::optional<std::pair<double, double>>& mark = {});
 
 struct FrameBar {
   std::size_t frame = 0;
-  std::size_t frames = 0;  // fewer than 2: neither the slider nor `key` is shown
+  std::size_t frames = 0;  // number of frames; if it is less than 2, the slider and `key` are not shown
   std::string key, speed, busy;
   bool playing = false;
-  std::vector<std::size_t> damaged;  // marked on the slider
+  std::vector<std::size_t> damaged;  // indices of frames that are marked on the slider
 };
 struct FrameBarUse {
-  bool play = false;                 // the play button was pressed
-  std::optional<std::size_t> frame;  // the frame that the slider was moved to
+  bool play = false;                 // true: the play button was pressed
+  std::optional<std::size_t> frame;  // index of the frame to which the slider was moved
 };
 FrameBarUse frameBar(const PixelRect& rect, const FrameBar& bar);
 
-// Draws messages in the lower left corner of `within`. True if the user has clicked the problems away.
+// Draws messages in the lower left corner of `within`. Returns true if the user has dismissed the problems by a click.
 bool messages(const PixelRect& within, const std::vector<std::string>& problems,
               const std::vector<std::string>& notices);
 
-// Draws the list of keys and what they do, over everything. False if the user has closed it.
+// Draws a window with the list of keys and their functions. Returns false if the user has closed it.
 bool helpWindow(const NamedValues& keys);
 
 }  // namespace scanmill

@@ -10,7 +10,7 @@ namespace scanmill {
 namespace {
 
 int columnsFor(const PixelRect& body, int parts) {
-  constexpr double kPleasing = 1.4;  // width over height
+  constexpr double kPleasing = 1.4;  // preferred width divided by height of a view
   int best = 1;
   double bestStray = 1e9;
   for (int columns = 1; columns <= parts; ++columns) {
@@ -53,7 +53,7 @@ PanelNeeds needsOfPicture(int width, int height, bool side) {
 
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
   constexpr double kSideLetters = 17;
-  constexpr double kLeastLetters = 30;  // narrower canvases get no side panel
+  constexpr double kLeastLetters = 30;  // canvases with a width of fewer letter heights get no side panel
   PanelRooms rooms;
   PixelRect body{0, 0, std::max(width, 1), std::max(height, 1)};
   const int row = std::min(static_cast<int>(std::lround(needs.row)), body.height / 4);
@@ -85,8 +85,8 @@ PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
 }
 
 int stripHeight(int imageHeight, int width, int height) {
-  constexpr double kFlattest = 1.0 / 7;  // height over width; flatter images are hard to read
-  constexpr double kMostShare = 0.2;     // share of the canvas's height
+  constexpr double kFlattest = 1.0 / 7;  // least height divided by width; flatter images are hard to read
+  constexpr double kMostShare = 0.2;     // maximum fraction of the canvas's height
   const int wanted = std::max(static_cast<int>(std::min(width * kFlattest, height * kMostShare)), 1);
   return imageHeight <= 0 || imageHeight > wanted ? wanted : wanted / imageHeight * imageHeight;
 }

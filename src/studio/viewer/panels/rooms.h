@@ -1,6 +1,6 @@
 #pragma once
 
-// Computes the rectangles of panels on a canvas, and the rectangle that is left to the views.
+// Computes the rectangles of panels on a canvas, and the remaining rectangle for the views.
 
 #include <vector>
 
@@ -9,33 +9,36 @@
 namespace scanmill {
 
 struct PanelNeeds {
-  double letter = 15;  // px, see Toolkit
-  double row = 21;     // px: height of a menu, a button or a slider
+  double letter = 15;  // pixels, see Toolkit
+  double row = 21;     // height of a menu, a button or a slider (pixels)
   bool title = true;
-  bool side = true;     // the panel with the legends and the clicked point
-  bool bar = true;      // the frame slider
-  int stripHeight = 0;  // px: height of the range image, without its caption; 0: none
+  bool side = true;     // panel with the legends and the selected point
+  bool bar = true;      // frame slider
+  int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
-// Return the letter height (px) in a window on a display of this scale (see Canvas), and in a picture of this size.
+// Return the letter height in pixels: for a window on a display with the scale factor `scale` (see Canvas), and for a
+// picture of the given size in pixels.
 double letterOfWindow(double scale);
 double letterOfPicture(int width, int height);
 
-// Returns the needs of a picture with a title and, if `side`, the legend.
+// Returns the panels of a picture: a title and, if `side` is true, the legend.
 PanelNeeds needsOfPicture(int width, int height, bool side);
 
-// Rectangles of the panels, empty for panels that are not shown. `body` is for the views and is never empty.
+// The rectangles of the panels; empty for panels that are not shown. `body` is the rectangle for the views; it is never
+// empty.
 struct PanelRooms {
   PixelRect title, side, strip, bar, body;
 };
 
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs);
 
-// Returns the height (px) at which a range image is drawn on such a canvas: a whole multiple of its rows if it fits.
+// Returns the height (pixels) at which a range image of `imageHeight` rows is drawn on a canvas of the given size. It
+// is a multiple of imageHeight if such a height fits.
 int stripHeight(int imageHeight, int width, int height);
 
-// Divides `body` into a full grid of equal parts with gaps between them, each at least one pixel. Of the grids with
-// exactly `parts` cells the one is taken whose cells' aspect ratio is best.
+// Divides `body` into a grid of exactly `parts` equal rectangles with gaps of `gap` pixels; each rectangle has at least
+// one pixel. Of all such grids, uses the one whose rectangles have the best aspect ratio.
 std::vector<PixelRect> partsOf(const PixelRect& body, std::size_t parts, int gap);
 
 }  // namespace scanmill

@@ -21,7 +21,8 @@ namespace {
 
 constexpr ImageId kFontImage = 0xFFFFFFFF;
 
-// Fonts of Debian's packages fonts-inter and fonts-dejavu-core; without both, Dear ImGui's built-in font is used.
+// Font files in Debian's packages fonts-inter and fonts-dejavu-core. If neither exists, Dear ImGui's built-in font is
+// used.
 constexpr std::array<const char*, 2> kFonts{"/usr/share/fonts/opentype/inter/Inter-Regular.otf",
                                             "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"};
 
@@ -54,7 +55,7 @@ void addFont(ImFontAtlas& atlas, double letter) {
   atlas.AddFontDefault(&config);
 }
 
-// Dear ImGui 1.89 and later (Debian 13) take keys as events, earlier versions (Debian 12) as a table and flags.
+// Dear ImGui 1.89 and later (Debian 13) receive keys as events, earlier versions (Debian 12) in a table and flags.
 #if IMGUI_VERSION_NUM >= 18900
 void nameKeys(ImGuiIO&) {}
 
@@ -87,7 +88,7 @@ struct Toolkit::State {
   Canvas& canvas;
   ImGuiContext* context;
   int clicks = 1;
-  std::vector<ImGuiKey> pressed;  // keys that are released after the next frame
+  std::vector<ImGuiKey> pressed;  // keys to release after the next frame
 };
 
 Toolkit::Toolkit(Canvas& canvas, double letter)

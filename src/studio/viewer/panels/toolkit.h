@@ -1,7 +1,7 @@
 #pragma once
 
-// Connects Dear ImGui to a canvas: its fonts, its colours, its events and its triangles. The function that is passed to
-// frame() fills the panels.
+// Connects Dear ImGui to a canvas: fonts, colours, events and triangles. The function passed to frame() draws the
+// panels.
 
 #include <functional>
 #include <memory>
@@ -13,28 +13,29 @@ namespace scanmill {
 
 class Toolkit {
  public:
-  // `letter`: px, height of a line of text.
+  // `letter`: height of a line of text in pixels.
   Toolkit(Canvas& canvas, double letter);
   ~Toolkit();
   Toolkit(const Toolkit&) = delete;
   Toolkit& operator=(const Toolkit&) = delete;
 
-  double letter() const;  // px
-  double row() const;     // px, the height of a menu, a button or a slider
+  double letter() const;  // in pixels
+  double row() const;     // height of a menu, a button or a slider in pixels
 
-  // Makes the panels light or dark, like the background of the views.
+  // Makes the panels light or dark, to match the background of the views.
   void suit(const Rgb& background);
-  // Takes an event for the next frame.
+  // Stores an event, which the next frame() processes.
   void take(const CanvasEvent& event);
-  // Runs `panels`, which calls Dear ImGui, and gives the resulting triangles to the canvas as its overlay. Sizes that
-  // depend on a panel's content are right from the second frame on.
+  // Calls `panels`, which draws with Dear ImGui, and sets the resulting triangles as the canvas's overlay. Sizes that
+  // depend on a panel's contents are right from the second frame on.
   void frame(const std::function<void()>& panels);
-  // True if in the last frame the pointer was over a panel or dragging a part of it, or if the user was typing a text.
+  // True if, in the last frame, the pointer was over a panel or dragged a part of it (hasPointer), or the user was
+  // typing text into a panel (hasKeys).
   bool hasPointer() const;
   bool hasKeys() const;
-  // Closes open menus and lists. False if none was open.
+  // Closes open menus and lists. Returns false if none was open.
   bool closeMenus();
-  // Returns how often the button was pressed at one place in quick succession: 2 is a double click.
+  // Returns how many times the button was pressed at the same place in quick succession; 2 for a double click.
   int clicks() const;
   bool shift() const;
 

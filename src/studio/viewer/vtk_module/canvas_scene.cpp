@@ -73,7 +73,7 @@ void CanvasScene::setViews(std::span<const CanvasView> views) {
 
 void CanvasScene::placeViews() {
   drawn_ = false;
-  // The black background is added first, so that it is drawn under the views.
+  // The black background is added first, so that the views are drawn on top of it.
   if (window_->HasRenderer(uncovered_) == 0) window_->AddRenderer(uncovered_);
   for (std::size_t k = 0; k < renderers_.size(); ++k) {
     const bool used = k < views_.size() && views_[k].rect.left < width_ && views_[k].rect.top < height_;
@@ -146,7 +146,7 @@ void CanvasScene::drop(ItemId number) {
   items_.erase(found);
 }
 
-// Adds the item to the views that its look names, and removes it from the others.
+// Adds the item to the views that its look selects, and removes it from the other views.
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
     const bool wanted = (item.look().views >> k & 1u) != 0;
@@ -178,8 +178,8 @@ void CanvasScene::setOverlay(Overlay overlay) {
   overlay_.set(std::move(overlay));
 }
 
-// VTK draws the views to one framebuffer, which keeps them, and copies them to another, where the overlay is drawn over
-// the copy.
+// Draws the views, if they have changed, and then the overlay. VTK draws the views to one framebuffer, where they are
+// kept. They are copied to a second framebuffer, in which the overlay is drawn on top.
 void CanvasScene::draw(std::uint64_t mostPoints) {
   vtkOpenGLState* state = window_->GetState();
   if (!drawn_ || drawnPoints_ != mostPoints) {

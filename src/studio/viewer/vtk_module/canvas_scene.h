@@ -1,6 +1,6 @@
 #pragma once
 
-// The items, views and overlay of a canvas, and the picture drawn of them.
+// Draws the items, views and overlay of a canvas.
 
 #include <vtkNew.h>
 #include <vtkRenderer.h>
@@ -22,8 +22,9 @@
 
 namespace scanmill {
 
-// A scene belongs to one OpenGL context, which must be current in every call. The views that VTK has drawn are kept: as
-// long as only the overlay changes, only the overlay is drawn again. Wrong use throws std::invalid_argument.
+// Holds the items, views and overlay of a canvas. Belongs to one OpenGL context, which must be current in all calls.
+// The views that VTK has drawn are cached: if only the overlay changes, only the overlay is drawn again. Throws
+// std::invalid_argument for wrong arguments.
 class CanvasScene {
  public:
   CanvasScene(int width, int height);
@@ -33,12 +34,12 @@ class CanvasScene {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  // See Canvas.
+  // These functions have the same effects as the functions of Canvas with the same names.
   void resize(int width, int height);
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);
-  // Draws only these elements (ascending); nullopt: all.
+  // Draws only the elements with these indices (ascending); nullopt: all elements.
   void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);
@@ -46,9 +47,9 @@ class CanvasScene {
   void setOverlay(Overlay overlay);
 
   void draw(std::uint64_t mostPoints);
-  // Reads width * height pixels, the upper row first.
+  // Copies the picture to `pixels`, which has width * height entries, row by row from top to bottom.
   void read(std::span<Rgb> pixels);
-  // Copies the picture to the context's own framebuffer.
+  // Copies the picture to the context's default framebuffer.
   void showPicture();
 
  private:
@@ -60,15 +61,15 @@ class CanvasScene {
   int width_;
   int height_;
   vtkNew<GlWindow> window_;
-  vtkNew<vtkRenderer> uncovered_;  // black background under all views
+  vtkNew<vtkRenderer> uncovered_;  // black background below all views
   std::array<vtkNew<ViewRenderer>, kCanvasViews> renderers_;
   std::vector<CanvasView> views_;
   std::map<ItemId, std::unique_ptr<Item>> items_;
   DepthEdges edges_;
   OverlayPainter overlay_;
-  bool drawn_ = false;  // the window's framebuffer holds the views in their current state
+  bool drawn_ = false;  // true: the window's framebuffer contains the current views
   std::uint64_t drawnPoints_ = 0;
-  bool pictured_ = false;  // a picture of the canvas's size exists
+  bool pictured_ = false;  // true: a picture with the canvas's size exists
 };
 
 }  // namespace scanmill

@@ -12,8 +12,8 @@ namespace scanmill {
 
 namespace {
 
-// Draws one triangle that covers the viewport. VTK's own vtkOpenGLQuadHelper requires shaders that use its texture
-// coordinates; these shaders use gl_FragCoord.
+// A vertex shader that draws one triangle over the complete viewport. VTK's class vtkOpenGLQuadHelper is not used,
+// since it needs shaders that use its texture coordinates; these shaders use gl_FragCoord.
 constexpr const char* kVertex = R"(//VTK::System::Dec
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
@@ -21,12 +21,13 @@ void main() {
 }
 )";
 
-// Boucheny's own form sums how much nearer each neighbour is, by the logarithms of the depths. This darkens every slope
-// that falls away from the eye, a road most of all. Here the two neighbours on opposite sides are added: on a plane
-// they cancel out, so that only edges are darkened. A neighbour without a depth is given the depth of this pixel.
-// Without perspective the depths themselves are compared. Logarithms of single depths are avoided, since they cost more
-// than everything else: with u, a and b the inverse depths of this pixel and of a pair of neighbours, the pair's
-// difference is log2(a * b / u^2), and the sum over the pairs is the logarithm of a product.
+// A fragment shader that darkens pixels. Boucheny's formula adds up how much nearer each neighbour is, in logarithms of
+// depths. This darkens every surface that slopes away from the eye, most of all roads. Here, the differences of two
+// neighbours on opposite sides are added; on a plane they cancel out, so that only edges are darkened. A neighbour
+// without a depth is given the depth of this pixel. Without perspective, depths are compared instead of their
+// logarithms. Logarithms of single depths would take most of the time: with the inverse depths u of this pixel and a
+// and b of the two neighbours, the difference of the pair is log2(a * b / u^2), so the sum over all pairs is the
+// logarithm of a product.
 constexpr const char* kFragment = R"(//VTK::System::Dec
 //VTK::Output::Dec
 uniform sampler2D depths;
@@ -60,7 +61,7 @@ void main() {
 }
 )";
 
-// Orthographic pictures are darkened as if they had this focal length (px).
+// Focal length (pixels) that is assumed for darkening orthographic pictures.
 constexpr double kUsualFocal = 800;
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 
-// Eye-dome lighting: pixels beside the edge of a nearer surface are darkened, so that a point cloud, which has no
-// normals for shading, shows its shapes (Boucheny, "Interactive scientific visualization of large datasets: towards a
+// Eye-dome lighting: darkens pixels beside the edge of a nearer surface, so that shapes are visible in point clouds,
+// which have no normals for shading (Boucheny, "Interactive scientific visualization of large datasets: towards a
 // perceptive-based approach", 2009).
 
 #include <vtkNew.h>
@@ -14,13 +14,15 @@ namespace scanmill {
 
 class DepthEdges {
  public:
-  // Darkens colours in the view's rectangle of a window `height` pixels high. Depths and the background stay unchanged.
+  // Darkens pixels in the view's rectangle. `height`: height of the window in pixels. Depths and background are not
+  // changed.
   void darken(vtkOpenGLRenderWindow* window, const CanvasView& view, int height);
   void release(vtkWindow* window);
 
  private:
   unsigned vertexArray_ = 0;
-  vtkNew<vtkOpenGLFramebufferObject> frame_;  // the window's colours without its depths, which the shader reads
+  // The window's colours without its depths, since the shader reads the depths.
+  vtkNew<vtkOpenGLFramebufferObject> frame_;
 };
 
 }  // namespace scanmill

@@ -22,10 +22,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = CanvasEvent::Kind;
 
-constexpr double kDoubleClick = 0.4;  // s
-constexpr double kSamePlace = 4;      // px, greatest distance between the presses of a double click
+constexpr double kDoubleClick = 0.4;  // s, maximum time between the presses of a double click
+constexpr double kSamePlace = 4;      // pixels, maximum distance between the presses of a double click
 
-// The error message is global, since GLFW's error handler gets no window; only one window is open at a time.
+// Returns GLFW's last error message. It is global, since GLFW's error handler does not get the window; only one window
+// can be open at a time.
 std::string& complaint() {
   static std::string text;
   return text;
@@ -38,10 +39,10 @@ void keepComplaint(int /*code*/, const char* text) {
 void connect() {
   complaint().clear();
   glfwSetErrorCallback(keepComplaint);
-  // Suppresses Mesa's warning that the X server has no graphics card; Mesa works without a card.
+  // Suppresses Mesa's warning that the X server has no graphics card, which Mesa does not need.
   ::setenv("EGL_LOG_LEVEL", "fatal", 0);
 #ifdef GLFW_PLATFORM
-  glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, but VTK only supports X11
+  glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);  // GLFW 3.4 tries Wayland first, but VTK supports only X11
 #endif
   if (glfwInit() == GLFW_TRUE) return;
   const char* const name = std::getenv("DISPLAY");
@@ -61,8 +62,8 @@ GLFWwindow* create(const std::string& title, int width, int height) {
     glfwDefaultWindowHints();
     glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_FOCUS_ON_SHOW, GLFW_TRUE);
-    glfwWindowHint(GLFW_ALPHA_BITS, 0);  // with alpha the desktop would be visible through the window
-    glfwWindowHint(GLFW_DEPTH_BITS, 0);  // VTK draws to a framebuffer of its own
+    glfwWindowHint(GLFW_ALPHA_BITS, 0);  // with an alpha channel, the desktop would be visible through the window
+    glfwWindowHint(GLFW_DEPTH_BITS, 0);  // VTK draws to a separate framebuffer
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
     glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
@@ -76,8 +77,8 @@ GLFWwindow* create(const std::string& title, int width, int height) {
   throw NoDevice(fmt::format("there is no OpenGL 3.2 for a window on this display: {}", complaint()));
 }
 
-// Returns the name of a key that types nothing. Without num lock, the number pad's keys have the meanings that are
-// printed below their digits.
+// Returns the name of a key that types no character; empty for other keys. Without num lock, keys of the number pad
+// have the functions printed below their digits.
 std::string_view nameOf(int key, bool numLock) {
   if (!numLock && key >= GLFW_KEY_KP_0 && key <= GLFW_KEY_KP_9) {
     constexpr std::array<std::string_view, 10> kPad{"", "End",   "Down", "Page_Down", "Left",
@@ -140,8 +141,8 @@ struct GlfwWindow::State {
   bool shift = false;
   bool control = false;
   CanvasEvent lastPress;
-  double pressedAt = 0;  // s
-  int clicks = 0;        // 1 or 2: whether the last press was the second of a double click
+  double pressedAt = 0;  // s, time of the last press
+  int clicks = 0;        // number of clicks up to the last press
 
   ~State() {
     if (window != nullptr) glfwDestroyWindow(window);
@@ -162,7 +163,8 @@ struct GlfwWindow::State {
     return event;
   }
 
-  // Queues an event. Of consecutive moves or resizes only the last is kept.
+  // Appends an event to the queue. Of several consecutive events of the kind Move, Resize or Redraw, only the last is
+  // kept.
   void add(CanvasEvent event) {
     const bool replaces = event.kind == Kind::Move || event.kind == Kind::Resize || event.kind == Kind::Redraw;
     if (replaces && !events.empty() && events.back().kind == event.kind) events.pop_back();
@@ -174,8 +176,8 @@ struct GlfwWindow::State {
     control = (mods & GLFW_MOD_CONTROL) != 0;
   }
 
-  // Handles keys that type nothing, which includes all keys pressed with control. typed() handles the others, by the
-  // keyboard's layout.
+  // Handles keys that type no character, and all keys pressed with control. typed() handles the other keys, depending
+  // on the keyboard layout.
   void key(int code, int scan, int mods) {
     modifiers(mods);
     std::string name(nameOf(code, (mods & GLFW_MOD_NUM_LOCK) != 0));
@@ -195,7 +197,7 @@ struct GlfwWindow::State {
   }
 
   void button(int code, bool down, int mods) {
-    constexpr std::array<int, 3> kNumbers{1, 3, 2};  // left, right, middle
+    constexpr std::array<int, 3> kNumbers{1, 3, 2};  // GLFW's order is left, right, middle
     if (code < 0 || code >= static_cast<int>(kNumbers.size())) return;
     modifiers(mods);
     CanvasEvent event = plain(down ? Kind::Down : Kind::Up);
@@ -217,7 +219,7 @@ struct GlfwWindow::State {
     glfwSetInputMode(window, GLFW_LOCK_KEY_MODS, GLFW_TRUE);
     glfwSetKeyCallback(window, [](GLFWwindow* from, int code, int scan, int action, int mods) {
       if (action != GLFW_RELEASE) return of(from).key(code, scan, mods);
-      // When a modifier is released, X still reports it as pressed, so the keys' state is read here.
+      // X still reports a modifier as pressed in the event of its release, so the state of the keys is read.
       const auto held = [&](int left, int right) {
         return glfwGetKey(from, left) == GLFW_PRESS || glfwGetKey(from, right) == GLFW_PRESS;
       };
@@ -253,7 +255,7 @@ struct GlfwWindow::State {
 };
 
 GlfwWindow::GlfwWindow(const std::string& title, int width, int height) : state_(std::make_unique<State>()) {
-  constexpr int kLargest = 32767;  // X's sizes have 16 bits
+  constexpr int kLargest = 32767;  // X stores sizes in 16 bits
   constexpr int kLeastWidth = 160;
   constexpr int kLeastHeight = 120;
   if (width < 1 || height < 1 || width > kLargest || height > kLargest) {
@@ -282,7 +284,7 @@ double GlfwWindow::scale() const {
 }
 
 void GlfwWindow::present() {
-  glfwPollEvents();  // detects a lost connection, on which Mesa would loop for a long time
+  glfwPollEvents();  // detects a lost connection, which Mesa would not notice for a long time
   glfwSwapBuffers(state_->window);
 }
 
@@ -302,7 +304,7 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   glfwPollEvents();
   s.events.clear();
   if (!handler(s.plain(Kind::Resize))) return;
-  // Passes one event to the handler; false if the handler ends the run or the window is closed.
+  // Passes one event to the handler. Returns false if the handler returns false or the window is closed.
   const auto next = [&] {
     const CanvasEvent event = std::move(s.events.front());
     s.events.pop_front();
@@ -313,15 +315,15 @@ void GlfwWindow::run(int tickMilliseconds, const std::function<bool(const Canvas
   Clock::time_point due = Clock::now() + tick;
   for (;;) {
     glfwPollEvents();
-    // A tick that is due comes before further events, or a moving mouse could delay it for ever.
+    // A due tick is sent before further events; otherwise a moving mouse could delay it forever.
     while ((tickMilliseconds <= 0 || Clock::now() < due) && !s.events.empty()) {
       if (!next()) return;
     }
     if (tickMilliseconds > 0 && Clock::now() >= due) {
       if (!handler(s.plain(Kind::Tick))) return;
       check();
-      due = std::max(due + tick, Clock::now());  // missed ticks are skipped
-      if (!s.events.empty() && !next()) return;  // handles at least one event between two ticks
+      due = std::max(due + tick, Clock::now());  // skips missed ticks
+      if (!s.events.empty() && !next()) return;  // at least one event is handled between two ticks
       continue;
     }
     if (tickMilliseconds <= 0) {

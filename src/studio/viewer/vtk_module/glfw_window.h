@@ -1,6 +1,6 @@
 #pragma once
 
-// A GLFW window with an OpenGL context.
+// A window with an OpenGL context, made by GLFW.
 
 #include <functional>
 #include <memory>
@@ -10,26 +10,27 @@
 
 namespace scanmill {
 
-// VTK's own window is not used: it calls abort() if the X server lacks a feature, and its interactor binds keys. This
-// window is invisible until run(). It uses OpenGL through EGL, as drawing without a window does. If the connection to
-// the display breaks, Xlib ends the program with a message and exit code 1.
+// A window that is invisible until run(). VTK's window is not used, since it calls abort() if the X server lacks a
+// feature, and its interactor has fixed key bindings. OpenGL is used through EGL, as in drawing without a window. If
+// the connection to the X server is lost, the program ends with a message and exit code 1, since Xlib cannot continue.
 class GlfwWindow {
  public:
-  // Leaves the context current. Throws NoDisplay, and NoDevice.
+  // Creates the window and makes its context current. Throws NoDisplay if there is no display, and NoDevice if there is
+  // no suitable OpenGL.
   GlfwWindow(const std::string& title, int width, int height);
   ~GlfwWindow();
   GlfwWindow(const GlfwWindow&) = delete;
   GlfwWindow& operator=(const GlfwWindow&) = delete;
 
   void makeCurrent() noexcept;
-  double scale() const;  // see Canvas
-  // Shows what was drawn to the context's own framebuffer.
+  double scale() const;  // see Canvas::scale()
+  // Shows what was drawn to the context's default framebuffer.
   void present();
-  // Requests another size, which the window manager may refuse: a Resize event reports the new size.
+  // Requests another size. The window manager may refuse it; a Resize event reports the actual size.
   void resize(int width, int height);
   // See Canvas::run().
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handler);
-  // Throws the first error that GLFW has reported since the last call.
+  // Throws the first error that GLFW has reported since the last call, if there was one.
   void check();
 
  private:

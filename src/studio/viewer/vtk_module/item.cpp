@@ -18,11 +18,11 @@ namespace scanmill {
 
 namespace {
 
-// The share of a triangle's colour that remains if the triangle is seen edge-on.
+// The fraction of a triangle's colour that remains if the triangle is seen edge-on.
 constexpr double kAmbient = 0.35;
 
-// VTK's own headlight shines along the camera's axis. This light shines from the eye, so that a surface that faces the
-// eye has its full colour in the corners of a wide picture, too.
+// Shader code for a light at the eye. VTK's headlight shines along the camera's axis, so that surfaces in the corners
+// of a wide picture would be darker even if they face the eye.
 constexpr const char* kLightAtTheEye = R"(
   float facing = cameraParallel == 1 ? normalVCVSOutput.z : -dot(normalVCVSOutput, normalize(vertexVC.xyz));
   gl_FragData[0] = vec4(ambientColor + max(facing, 0.0) * diffuseColor, opacity);
@@ -33,7 +33,7 @@ constexpr const char* kRoundPoint = R"(
 //VTK::Color::Impl
 )";
 
-// Steele, Lea and Flood's splitmix64: deterministic pseudorandom numbers.
+// Returns a pseudorandom number that depends only on k (splitmix64 by Steele, Lea and Flood).
 std::uint64_t scattered(std::uint64_t k) {
   k += 0x9E3779B97F4A7C15u;
   k = (k ^ (k >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -41,8 +41,8 @@ std::uint64_t scattered(std::uint64_t k) {
   return k ^ (k >> 31);
 }
 
-// Divides 0 .. count-1 into `most` equal runs and returns a random index of run k. With equal distances a scan's rings
-// and columns would cause patterns.
+// Divides the indices 0 to count - 1 into `most` equal ranges and returns a random index in range k. If the index were
+// not random, the rings and columns of a scan would cause visible patterns.
 std::uint64_t sample(std::uint64_t k, std::uint64_t most, std::uint64_t count) {
   const std::uint64_t first = k * count / most;
   const std::uint64_t end = (k + 1) * count / most;
@@ -94,7 +94,8 @@ void Item::set(std::span<const Vec3f> vertices, std::span<const Rgb> colors) {
   };
   unsigned others = 0;
   for (std::uint64_t i = 0; i < 3 * vertices.size(); ++i) {
-    others |= !(std::abs(positions[i]) <= std::numeric_limits<float>::max());  // without a branch, for SIMD
+    // Without a branch, so that the compiler can use SIMD.
+    others |= !(std::abs(positions[i]) <= std::numeric_limits<float>::max());
   }
   if (others != 0) {
     finite_.emplace();
@@ -181,7 +182,8 @@ void Item::choose(std::uint64_t mostPoints) {
   few_.actor->SetVisibility(seen && few);
 }
 
-// All points form a single cell, since VTK iterates over cells.
+// Sets the elements that the part draws; null: all. All points form a single cell, since VTK's time depends on the
+// number of cells.
 void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
   part.elements = elements != nullptr ? elements->size() : count_;
   const std::uint32_t step = corners();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Points, triangles or segments on the canvas.
+// An item on the canvas: points, triangles or segments.
 
 #include <vtkActor.h>
 #include <vtkFloatArray.h>
@@ -22,25 +22,26 @@
 
 namespace scanmill {
 
-enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };  // value: corners per element
+// The value is the number of corners per element.
+enum class ItemKind : std::uint32_t { Points = 1, Segments = 2, Triangles = 3 };
 
-// The elements that are drawn are a list of indices, separate from the positions: a new list or new colours leave the
-// positions unchanged.
+// Draws the elements of an item. Which elements are drawn is a list of indices, separate from the positions, so that
+// positions are not copied again if only the list or the colours change.
 class Item {
  public:
   explicit Item(ItemKind kind);
 
   ItemKind kind() const { return kind_; }
   std::uint32_t count() const { return count_; }  // number of elements
-  // Replaces all elements and shows them. Throws std::length_error if there are too many.
+  // Replaces all elements and shows all of them. Throws std::length_error if there are too many.
   void set(std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(std::span<const Rgb> colors);
-  // Shows only these elements (ascending); nullopt: all.
+  // Shows only the elements with these indices (ascending); nullopt: all elements.
   void show(std::optional<std::vector<std::uint32_t>> indices);
   void setLook(const ItemLook& look);
   const ItemLook& look() const { return look_; }
 
-  // Prepares drawing of at most `mostPoints` points; 0: all.
+  // Prepares for drawing at most `mostPoints` points; 0: all points.
   void choose(std::uint64_t mostPoints);
   std::array<vtkActor*, 2> actors() { return {all_.actor.Get(), few_.actor.Get()}; }
 
@@ -60,14 +61,14 @@ class Item {
   std::uint32_t count_ = 0;
   ItemLook look_;
   vtkNew<vtkPoints> points_;
-  vtkNew<vtkUnsignedCharArray> colors_;               // RGBA, one per corner: VTK uses this format without a copy
-  std::optional<std::vector<std::uint32_t>> finite_;  // elements with finite coordinates; nullopt: all
-  std::optional<std::vector<std::uint32_t>> drawn_;   // elements of finite_ that are shown; nullopt: all
+  vtkNew<vtkUnsignedCharArray> colors_;               // RGBA, one per corner; VTK uses this format without copying
+  std::optional<std::vector<std::uint32_t>> finite_;  // indices of elements with finite coordinates; nullopt: all
+  std::optional<std::vector<std::uint32_t>> drawn_;  // indices of elements that are shown; nullopt: all finite elements
   vtkNew<vtkMatrix4x4> canvasFromItem_;
   vtkNew<vtkProperty> property_;
   Part all_;
   Part few_;
-  std::uint64_t chosen_ = 0;  // the number of points in few_; 0: few_ is not filled
+  std::uint64_t chosen_ = 0;  // number of points in few_; 0: few_ is empty
 };
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// The plug-in libscanmill_viewer.so: canvases on a GLFW window, or on EGL without a window. It implements the interface
-// of viewer/canvas/canvas_interface.h.
+// The plug-in libscanmill_viewer.so, which implements viewer/canvas/canvas_interface.h: canvases in a GLFW window or,
+// without a window, with EGL.
 
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
@@ -25,7 +25,7 @@ namespace scanmill {
 
 namespace {
 
-// Does the work, and converts exceptions to those that Canvas documents.
+// Calls `work`, and converts its exceptions to those that Canvas documents.
 template <class Work>
 decltype(auto) told(const Work& work) {
   try {
@@ -133,9 +133,9 @@ class VtkCanvas final : public Canvas {
     return image;
   }
 
-  // VTK's messages are not silenced here: the canvas calls that `handle` makes silence them.
+  // VTK's messages are not collected here, but in the functions of the canvas that `handle` calls.
   void run(int tickMilliseconds, const std::function<bool(const CanvasEvent&)>& handle) override {
-    std::exception_ptr thrown;  // exception of `handle`, rethrown unchanged
+    std::exception_ptr thrown;  // the exception that `handle` has thrown; it is rethrown unchanged
     const auto handled = [&](const CanvasEvent& event) {
       if (event.kind == CanvasEvent::Kind::Resize) {
         makeCurrent();
@@ -168,7 +168,7 @@ class VtkCanvas final : public Canvas {
     }
   }
 
-  // Does work on the scene with the context current and VTK's messages silenced.
+  // Calls `work`, which changes the scene, with the context current and VTK's messages collected.
   template <class Work>
   void change(const Work& work) {
     told([&] {
@@ -180,8 +180,8 @@ class VtkCanvas final : public Canvas {
     });
   }
 
-  std::unique_ptr<GlfwWindow> window_;   // null for an image without a window
-  std::unique_ptr<EglContext> context_;  // null for a window
+  std::unique_ptr<GlfwWindow> window_;   // null if there is no window
+  std::unique_ptr<EglContext> context_;  // null if there is a window
   std::unique_ptr<CanvasScene> scene_;
   std::string device_;
 };

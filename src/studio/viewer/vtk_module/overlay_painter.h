@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws the overlay over the views.
+// Draws the overlay on top of the views.
 
 #include <vtkNew.h>
 #include <vtkOpenGLRenderWindow.h>
@@ -16,16 +16,16 @@ namespace scanmill {
 class OverlayPainter {
  public:
   void setImage(vtkOpenGLRenderWindow* window, ImageId image, int width, int height, std::span<const Rgba> pixels);
-  // Throws std::invalid_argument if an index of the overlay is out of range, or one of its images does not exist.
+  // Throws std::invalid_argument if an index in the overlay is out of range, or if one of its images does not exist.
   void set(Overlay overlay);
-  // Draws onto the bound framebuffer, which has this size (px).
+  // Draws to the framebuffer that is bound, which has this size (pixels).
   void draw(vtkOpenGLRenderWindow* window, int width, int height);
   void release(vtkWindow* window);
 
  private:
   std::map<ImageId, vtkNew<vtkTextureObject>> images_;
   Overlay overlay_;
-  bool uploaded_ = false;  // the buffers hold the overlay
+  bool uploaded_ = false;  // true: the buffers contain the current overlay
   unsigned vertexArray_ = 0;
   unsigned vertices_ = 0;
   unsigned corners_ = 0;

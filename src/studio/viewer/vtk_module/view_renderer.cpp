@@ -15,9 +15,10 @@ vtkStandardNewMacro(ViewRenderer);
 void ViewRenderer::setView(const CanvasView& view, int canvasWidth, int canvasHeight) {
   view_ = view;
   canvasHeight_ = canvasHeight;
-  // Cullers need bounds. Points that are not finite make bounds invalid, and computing them takes as long as drawing.
+  // Removes VTK's cullers, since they need the bounds of items: points that are not finite make bounds invalid, and
+  // computing bounds takes as long as drawing.
   GetCullers()->RemoveAllItems();
-  // If the canvas has become smaller, its views are cut off at its edges until they are set again.
+  // If the canvas has become smaller, views that extend beyond its edges are clipped until setViews() is called again.
   const auto fraction = [](int pixel, int side) { return std::min(1.0, static_cast<double>(pixel) / side); };
   const PixelRect& rect = view.rect;
   SetViewport(fraction(rect.left, canvasWidth), 1 - fraction(rect.top + rect.height, canvasHeight),
@@ -48,7 +49,7 @@ void ViewRenderer::DeviceRenderOpaqueGeometry(vtkFrameBufferObjectBase* frame) {
   }
 }
 
-// While a renderer draws translucent geometry, vtkOpenGLActor writes no depths.
+// Draws translucent items. During this call vtkOpenGLActor writes no depths.
 void ViewRenderer::DeviceRenderTranslucentPolygonalGeometry(vtkFrameBufferObjectBase*) {
   UpdateTranslucentPolygonalGeometry();
 }

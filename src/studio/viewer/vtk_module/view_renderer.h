@@ -7,12 +7,12 @@
 
 namespace scanmill {
 
-// Draws one view: first opaque items, then eye-dome lighting, then translucent items, which write no depths.
+// Draws one view: opaque items, then eye-dome lighting, then translucent items, whose depths are not written.
 class ViewRenderer : public vtkOpenGLRenderer {  // NOLINT(cppcoreguidelines-virtual-class-destructor): VTK counts
  public:
   static ViewRenderer* New();
 
-  // Sets the camera and the rectangle of the view on a canvas of this size (px).
+  // Sets the camera and the rectangle of the view. `canvasWidth`, `canvasHeight`: size of the canvas in pixels.
   void setView(const CanvasView& view, int canvasWidth, int canvasHeight);
   void useEdges(DepthEdges* edges) { edges_ = edges; }
 
