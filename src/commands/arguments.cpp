@@ -22,7 +22,7 @@ std::string Arguments::positional(const std::string& what) const {
       options.count("input") == 0 ? std::vector<std::string>{} : options["input"].as<std::vector<std::string>>();
   if (values.size() == 1) return values.front();
   throw InputError(values.empty() ? fmt::format("{} is missing; see --help", what)
-                                  : fmt::format("one {} at a time, not also '{}'", what, values[1]));
+                                  : fmt::format("give only one {}: '{}' is a second", what, values[1]));
 }
 
 std::filesystem::path Arguments::fileOrName(const std::string& what,
@@ -56,7 +56,7 @@ const Command& commandNamed(std::string_view name) {
 cxxopts::Options describe(const Command& command) {
   cxxopts::Options options("scanmill " + std::string(command.name), std::string(command.summary));
   options.positional_help(std::string(command.usage)).show_positional_help();
-  options.add_options()("h,help", "this text");
+  options.add_options()("h,help", "print this help");
   options.add_options("positional")("input", "", cxxopts::value<std::vector<std::string>>());
   options.parse_positional({"input"});
   return options;
@@ -98,7 +98,7 @@ std::uint64_t memoryOption(const Arguments& arguments) {
   static const std::map<std::string, int> kShifts{{"", 0},   {"k", 10},   {"kib", 10}, {"m", 20},  {"mib", 20},
                                                   {"g", 30}, {"gib", 30}, {"t", 40},   {"tib", 40}};
   if (failure != std::errc() || !kShifts.contains(unit) || !(number > 0) || number > 1e15) {
-    throw InputError(fmt::format("--memory-limit is a number with K, M, G or T, such as 8G, not '{}'", text));
+    throw InputError(fmt::format("--memory-limit must be a number with K, M, G or T, such as 8G, not '{}'", text));
   }
   return static_cast<std::uint64_t>(std::ldexp(number, kShifts.at(unit)));
 }
@@ -108,9 +108,10 @@ std::uint64_t memoryOption(const Arguments& arguments) {
 void addPipelineOptions(cxxopts::Options& options) {
   options.add_options()("threads", "how many threads to use, 0 for all cores",
                         cxxopts::value<int>()->default_value("0"))(
-      "memory-limit", "how much memory to take, such as 8G or 500M (default: the machine's, or the container's)",
+      "memory-limit",
+      "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)",
       cxxopts::value<std::string>(),
-      "SIZE")("seed", "seed of the sensors' noise, in place of the pipeline's", cxxopts::value<std::string>())(
+      "SIZE")("seed", "seed of the sensors' noise, instead of the pipeline's", cxxopts::value<std::string>())(
       "set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)",
       cxxopts::value<std::vector<std::string>>(), "key=value");
 }
@@ -123,9 +124,11 @@ std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
 }
 
 void addRecordingOptions(cxxopts::Options& options) {
-  options.add_options()("from-hits", "make the scans of kept hits: no scene, no tracing", cxxopts::value<std::string>(),
-                        "DIR")("from-passes", "make the scans of kept or other renderers' images: no scene",
-                               cxxopts::value<std::string>(), "DIR");
+  options.add_options()("from-hits",
+                        "make scans from the hits that --keep-hits saved, without loading or tracing the scene",
+                        cxxopts::value<std::string>(), "DIR")(
+      "from-passes", "make scans from images that --keep-passes saved or another renderer drew, without the scene",
+      cxxopts::value<std::string>(), "DIR");
 }
 
 std::uint64_t countOption(const Arguments& arguments, const char* name) {
@@ -133,7 +136,7 @@ std::uint64_t countOption(const Arguments& arguments, const char* name) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) {
-    throw InputError(fmt::format("--{} {}: is no whole number from 0", name, text));
+    throw InputError(fmt::format("--{} {}: must be a whole number of at least 0", name, text));
   }
   return number;
 }
@@ -141,14 +144,14 @@ std::uint64_t countOption(const Arguments& arguments, const char* name) {
 std::string folderOption(const Arguments& arguments, const std::string& name) {
   if (arguments.options.count(name) == 0) return {};
   auto folder = arguments.options[name].as<std::string>();
-  if (folder.empty()) throw InputError(fmt::format("--{} names no folder", name));
+  if (folder.empty()) throw InputError(fmt::format("--{}: the name of the folder is empty", name));
   return folder;
 }
 
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments) {
   const std::string hits = folderOption(arguments, "from-hits");
   const std::string passes = folderOption(arguments, "from-passes");
-  if (!hits.empty() && !passes.empty()) throw InputError("--from-hits and --from-passes exclude each other");
+  if (!hits.empty() && !passes.empty()) throw InputError("give only one of --from-hits and --from-passes");
   if (!hits.empty()) return std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));
   if (!passes.empty()) return std::make_shared<const Recording>(readRecording(passes, RecordingKind::Passes));
   return nullptr;
@@ -163,12 +166,13 @@ void expectDataset(const std::filesystem::path& folder, std::string_view command
   if (std::filesystem::exists(manifest, unreadable)) return;
   if (isUnfinished(folder)) {
     throw InputError({folder.string()},
-                     fmt::format("{} takes the folder of a whole dataset, and this one is unfinished: "
-                                 "`scanmill generate PIPELINE -o {} --resume` goes on with it",
+                     fmt::format("{} takes the folder of a complete dataset, but this one is unfinished: `scanmill "
+                                 "generate PIPELINE -o {} --resume` completes it",
                                  command, folder.string()));
   }
-  throw InputError({folder.string()}, fmt::format("{} takes the folder of a dataset: {} is not there{}", command,
-                                                  manifest.string(), unreadable ? ": " + unreadable.message() : ""));
+  throw InputError({folder.string()},
+                   fmt::format("{} takes the folder of a dataset, but the file {} does not exist{}", command,
+                               manifest.string(), unreadable ? ": " + unreadable.message() : ""));
 }
 
 ResourceLimits::ResourceLimits(const Arguments& arguments)

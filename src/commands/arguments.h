@@ -25,7 +25,7 @@ struct Arguments {
   cxxopts::ParseResult options;
   bool help = false;  // help was requested and has been printed
 
-  // Returns the only positional argument. Throws InputError that says what is missing.
+  // Returns the only positional argument, which messages call `what`. Throws InputError for none or several.
   std::string positional(const std::string& what) const;
   // Returns the only positional argument as a path: the argument itself if it exists, otherwise the file of this name
   // in the first of the program's folders that has one, otherwise the argument itself.
@@ -34,7 +34,8 @@ struct Arguments {
   std::filesystem::path pipeline() const;
 };
 
-// Adds --help, parses and, if asked, prints the help with `examples`. Throws InputError for unknown options.
+// Adds --help, parses the arguments and, if --help is given, prints the help with `examples`. Throws InputError for
+// unknown options.
 Arguments parseArguments(const Command& command, cxxopts::Options& options, const std::vector<std::string>& arguments,
                          const std::string& examples);
 
@@ -64,7 +65,7 @@ std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
 // Returns the value of an option that is a whole number from 0. Throws InputError for any other value.
 std::uint64_t countOption(const Arguments& arguments, const char* name);
 
-// Returns the value of an option; empty if it is not given. Throws InputError if it is given without a name.
+// Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.
 std::string folderOption(const Arguments& arguments, const std::string& name);
 
 // Throws InputError unless the folder holds a manifest.

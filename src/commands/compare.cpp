@@ -25,11 +25,11 @@ namespace {
 
 constexpr const char* kResultFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
-constexpr std::size_t kMostScans = 200;  // 2 MB each
+constexpr std::size_t kMostScans = 200;  // per set; a scan takes about 2 MB
 
 void printComparison(const SetComparison& comparison) {
   std::vector<std::vector<std::string>> rows{
-      {"feature of a patch", "tells apart", "within real", "real", "simulated", "what moves it"}};
+      {"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
   for (const Separation& s : comparison.features) {
     const PatchFeature& f = kPatchFeatures[s.feature];
     const double within = comparison.withinReal[s.feature];
@@ -37,8 +37,12 @@ void printComparison(const SetComparison& comparison) {
                     std::isnan(within) ? "-" : fmt::format("{:.3f}", within), figureText(s.realValue, f.factor, f.unit),
                     figureText(s.simulatedValue, f.factor, f.unit), std::string(f.keys)});
   }
-  printText("{}\n", formatTable(rows));
-  rows = {{"figure", "real", "simulated", "what moves it"}};
+  printText(
+      "{}separation: |area under the ROC curve - 0.5| of the real against the simulated patches, 0 to 0.5; within "
+      "real:\n"
+      "the same of odd against even real scans\n\n",
+      formatTable(rows));
+  rows = {{"figure", "real", "simulated", "changed by"}};
   for (std::size_t i = 0; i < kSetFigureCount; ++i) {
     const SetFigure& f = kSetFigures[i];
     rows.push_back({std::string(f.title), figureText(comparison.real.figures[i], f.factor, f.unit),
@@ -46,7 +50,7 @@ void printComparison(const SetComparison& comparison) {
   }
   printText("{}\n", formatTable(rows));
   if (comparison.advice.empty()) {
-    printText("to try: nothing. {}\n\n", comparison.unadvised);
+    printText("settings to try: none. {}\n\n", comparison.unadvised);
     return;
   }
   rows = {{"to try", "now", "try", "for"}};
@@ -54,7 +58,7 @@ void printComparison(const SetComparison& comparison) {
     rows.push_back(
         {fmt::format("{} {}", a.effect, a.key), fmt::format("{:g}", a.now), nextText(a), std::string(a.figure)});
   }
-  printText("{}or all at once, beside the options that made the set: --set '{}'\n\n", formatTable(rows),
+  printText("{}to change all at once, add to the options that made the set: --set '{}'\n\n", formatTable(rows),
             comparison.assignment);
 }
 
@@ -63,13 +67,14 @@ void printComparison(const SetComparison& comparison) {
 int runCompare(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("compare");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the page and the figures (made where absent)",
-                        cxxopts::value<std::string>(), "DIR")(
-      "scans", "at most so many scans of each set, evenly taken", cxxopts::value<std::size_t>()->default_value("20"),
-      "N")("sensor", "whose scans are taken of datasets with several sensors (default: the first)",
-           cxxopts::value<std::string>(),
-           "NAME")("pipeline", "of SIMULATED, for what to try; default: looked for near the dataset",
-                   cxxopts::value<std::string>(), "FILE")("overwrite", "replace a comparison that is there already")(
+  options.add_options()("o,out", "folder of the page and the figures; it is made if it does not exist",
+                        cxxopts::value<std::string>(),
+                        "DIR")("scans", "the greatest number of scans to read of each set, evenly spaced",
+                               cxxopts::value<std::size_t>()->default_value("20"),
+                               "N")("sensor", "the sensor to compare, if a dataset has several (default: the first)",
+                                    cxxopts::value<std::string>(), "NAME")(
+      "pipeline", "the pipeline that made SIMULATED, for the settings to try (default: searched for near the dataset)",
+      cxxopts::value<std::string>(), "FILE")("overwrite", "replace an existing comparison")(
       "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
       "q,quiet", "print one line instead of progress and tables");
   const Arguments parsed =
@@ -81,8 +86,8 @@ int runCompare(const std::vector<std::string>& arguments) {
                                                         : parsed.options["input"].as<std::vector<std::string>>();
   if (given.size() != 2) {
     throw InputError(
-        fmt::format("compare takes two sets, REAL and SIMULATED, not {}: folders of recorded scans (files, "
-                    "SemanticKITTI's, KITTI's, nuScenes'), datasets, shards or single scans",
+        fmt::format("compare takes two sets, REAL and SIMULATED, not {}: each is a folder of recorded scans (single "
+                    "files, SemanticKITTI, KITTI or nuScenes), a dataset, a shard or a scan",
                     given.size()));
   }
   const std::filesystem::path folder = folderOption(parsed, "out");
@@ -105,7 +110,7 @@ int runCompare(const std::vector<std::string>& arguments) {
   if (!read.sensor.empty() && !real.foundSensor && !simulated.foundSensor) {
     throw InputError(fmt::format("--sensor {}: neither set has a sensor of this name", read.sensor));
   }
-  progress.say("telling them apart");
+  progress.say("comparing the sets");
   SetComparison comparison = compareSets(std::move(real), std::move(simulated));
   addKeyChanges(comparison, given[1], read.sensor,
                 parsed.options.count("pipeline") > 0 ? parsed.options["pipeline"].as<std::string>() : "");
@@ -118,10 +123,10 @@ int runCompare(const std::vector<std::string>& arguments) {
   writeFile(folder / kResultFile, comparisonJson(comparison, date));
   for (const std::string& warning : comparison.warnings) warn(warning);
   if (comparison.features.empty()) {
-    warn("no patches of one class or shape at like ranges are in both sets: nothing tells what differs");
+    warn("the sets have no patches of the same class or shape at similar ranges, so their patches are not compared");
   }
   if (!quiet) printComparison(comparison);
-  printText("{} points of {} and {} of {}: open {}\n", grouped(comparison.real.points), comparison.real.name,
+  printText("compared {} points of {} with {} of {}: open {}\n", grouped(comparison.real.points), comparison.real.name,
             grouped(comparison.simulated.points), comparison.simulated.name, (folder / kPageFile).string());
   return 0;
 }

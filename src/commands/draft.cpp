@@ -24,7 +24,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kPlace = 60;  // m: a single file at least this large is shown as a place
+constexpr double kPlace =
+    60;  // m: a single file at least this large is drawn as a place, a smaller one on a contact sheet
 
 // Replaces folders by the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
@@ -36,14 +37,14 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
       continue;
     }
     const std::vector<std::filesystem::path> found = assetsIn(name);
-    if (found.empty()) throw InputError({name}, "holds no 3D file");
+    if (found.empty()) throw InputError({name}, "contains no 3D file");
     files.insert(files.end(), found.begin(), found.end());
   }
   return files;
 }
 
 std::vector<std::string> assetsOf(const Arguments& parsed) {
-  if (parsed.options.count("input") == 0) throw InputError("draft: name 3D files, or folders that hold some");
+  if (parsed.options.count("input") == 0) throw InputError("draft: name 3D files, or folders that contain 3D files");
   return parsed.options["input"].as<std::vector<std::string>>();
 }
 
@@ -100,15 +101,19 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   if (!doubts) {
     for (std::vector<std::string>& row : rows) row.pop_back();
   }
-  printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that stand in {}\n", formatTable(rows),
+  printText("{}\nclasses are guessed for {} of {} triangles ({}), by the names that {} lists\n", formatTable(rows),
             grouped(guessed), grouped(triangles), percent(static_cast<double>(guessed), static_cast<double>(triangles)),
             out.string());
   if (made.files.size() > 1) {
-    printText("{}\n", made.onePlace ? "the files keep their own coordinates, as parts of one place"
-                                    : "the files stand side by side; their own coordinates do not make one place");
+    printText("{}\n",
+              made.onePlace
+                  ? "the files keep their coordinates, since these fit together as one place"
+                  : "the files are placed side by side, since their coordinates do not fit together as one place");
   }
   if (units.size() > 1) {
-    printText("units differ: files that fit together, such as tiles, have one; see why in the draft\n");
+    printText(
+        "the guessed units differ, but files that fit together, such as tiles, share a unit: see the reasons in the "
+        "draft\n");
   }
 }
 
@@ -117,26 +122,27 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
 int runDraft(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("draft");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "the scene file", cxxopts::value<std::string>(), "FILE.yaml")(
-      "ontology", "classes to guess: a file, or the name of one of the program's",
+  options.add_options()("o,out", "the scene file to write", cxxopts::value<std::string>(), "FILE.yaml")(
+      "ontology", "the classes to choose from: an ontology file, or a name of `scanmill list ontologies`",
       cxxopts::value<std::string>()->default_value("scanmill"))(
-      "words", "what words mean, in place of labels/words.yaml", cxxopts::value<std::string>(), "FILE.yaml")(
-      "overwrite", "replace a scene file and a picture that are there")(
-      "allow-outside", "glTF and OBJ files may name files outside of their folders; the draft says so, too");
+      "words", "the classes that words in names stand for, instead of labels/words.yaml", cxxopts::value<std::string>(),
+      "FILE.yaml")("overwrite", "replace an existing scene file and picture")(
+      "allow-outside",
+      "allow glTF and OBJ files to name files outside their folders; the scene file then allows it, too");
   const Arguments parsed = parseArguments(
       command, options, arguments,
       "  scanmill draft models/town.glb -o scenes/town.yaml\n"
-      "  scanmill draft models/ -o scenes/all.yaml   # what is in a folder, side by side\n"
+      "  scanmill draft models/ -o scenes/all.yaml   # all 3D files of a folder, side by side\n"
       "  scanmill view scenes/town.yaml              # or look at scenes/town.png, which draft makes too\n");
   if (parsed.help) return 0;
   const std::vector<std::filesystem::path> files = filesOf(assetsOf(parsed));
   const std::filesystem::path out = folderOption(parsed, "out");
-  if (out.empty()) throw InputError("draft: name the scene file: -o FILE.yaml");
+  if (out.empty()) throw InputError("-o FILE.yaml is missing: name the scene file to write");
   const std::filesystem::path picture = std::filesystem::path(out).replace_extension(".png");
   for (const std::filesystem::path& made : {out, picture}) {
     std::error_code error;
     if (std::filesystem::exists(made, error) && parsed.options.count("overwrite") == 0) {
-      throw InputError({made.string()}, "is there already: name another file, or say --overwrite");
+      throw InputError({made.string()}, "exists: name another file, or add --overwrite");
     }
   }
   const std::string ontologyName = parsed.options["ontology"].as<std::string>();
@@ -160,7 +166,8 @@ int runDraft(const std::vector<std::string>& arguments) {
   } else {
     runView({out.string(), "--screenshot", picture.string()});
   }
-  printText("next: scanmill view {0}; scanmill info {0}; a pipeline for it (docs/guide.md)\n", out.string());
+  printText("next: scanmill view {0}; scanmill info {0}; write a pipeline that uses it (docs/guide.md)\n",
+            out.string());
   return 0;
 }
 

@@ -35,15 +35,15 @@ int runExport(const std::vector<std::string>& arguments) {
   std::vector<std::string> names;
   for (const LayoutEntry& entry : layouts()) names.emplace_back(entry.name);
   options.add_options()("to", fmt::format("{}", fmt::join(names, ", ")), cxxopts::value<std::string>(), "LAYOUT")(
-      "o,out", "folder that is written", cxxopts::value<std::string>(), "DIR")(
+      "o,out", "folder to write", cxxopts::value<std::string>(), "DIR")(
       "classes",
-      "ontology in place of the layout's: a file, or a name of `scanmill list ontologies`; its aliases say which class "
-      "becomes which",
+      "ontology to write, instead of the layout's: a file, or a name of `scanmill list ontologies`; its aliases map "
+      "the dataset's classes to its own",
       cxxopts::value<std::string>(),
       "NAME")("sensor", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
       "split", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
-      "resume", "go on with an export that was stopped")("quiet", "no progress")(
-      "threads", "of all work; 0: one for each core", cxxopts::value<int>()->default_value("0"), "N");
+      "resume", "continue an export that was stopped")("quiet", "print no progress")(
+      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
   const Arguments parsed = parseArguments(
       command, options, arguments,
       "  scanmill export out/town --to semantic_kitti -o out/town_kitti\n"
@@ -53,10 +53,10 @@ int runExport(const std::vector<std::string>& arguments) {
   ExportOptions chosen;
   chosen.dataset = parsed.positional("DIR");
   expectDataset(chosen.dataset, "export");
-  if (parsed.options.count("to") == 0) throw InputError("--to says in which layout:\n" + layoutLines());
+  if (parsed.options.count("to") == 0) throw InputError("--to LAYOUT is missing; the layouts are:\n" + layoutLines());
   chosen.layout = &requireLayout(parsed.options["to"].as<std::string>());
   chosen.folder = folderOption(parsed, "out");
-  if (chosen.folder.empty()) throw InputError("-o DIR says which folder is written");
+  if (chosen.folder.empty()) throw InputError("-o DIR is missing: name the folder to write");
   if (parsed.options.count("classes") > 0) {
     chosen.classes = namedResource(parsed.options["classes"].as<std::string>(), "labels");
   }

@@ -53,8 +53,10 @@ void printFrame(const RecordedScan& scan) {
   const Pose& pose = scan.scanFromSensor;
   const double turn = 2 * std::acos(std::min(1.0, std::abs(pose.rotation.w)));
   if (turn < 1e-4 && length(pose.translation) < 1e-4) return;
-  printText("{}: its frame is turned by {:.2f} deg and shifted by [{:.4f}, {:.4f}, {:.4f}] m against the sensor's\n",
-            scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
+  printText(
+      "{}: the frame of its points is rotated by {:.2f} deg and shifted by [{:.4f}, {:.4f}, {:.4f}] m from the "
+      "sensor's\n",
+      scan.name, degrees(turn), pose.translation.x, pose.translation.y, pose.translation.z);
 }
 
 }  // namespace
@@ -62,12 +64,13 @@ void printFrame(const RecordedScan& scan) {
 int runFitNoise(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("fit-noise");
   cxxopts::Options options = describe(command);
-  options.add_options()("sensor", "the sensor that made the scans: a sensor file, or the name of one of the program's",
+  options.add_options()("sensor",
+                        "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`",
                         cxxopts::value<std::string>(), "FILE|NAME")(
-      "o,out", "the sensor's file with the fitted effects, for pipelines that say `effects: sensor`",
+      "o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
       cxxopts::value<std::string>(),
       "FILE")("report", "a folder for a report with charts", cxxopts::value<std::string>(), "DIR")(
-      "max-incidence", "patches that are seen at a greater angle from their normals are not used (deg)",
+      "max-incidence", "the greatest incidence angle of patches to use (deg)",
       cxxopts::value<double>()->default_value("60"), "DEG")("overwrite", "replace the file and the report")(
       "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   const Arguments parsed = parseArguments(
@@ -79,8 +82,8 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
   const auto files = parsed.options["input"].as<std::vector<std::string>>();
   const std::filesystem::path preset = namedResource(
-      requiredText(parsed, "sensor", "the sensor that made the scans, such as os1_128"), "pipelines/sensors");
-  const std::filesystem::path out = requiredFile(parsed, "the sensor file to write, such as fitted.yaml");
+      requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
+  const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
   const std::string report = folderOption(parsed, "report");
   const bool overwrite = parsed.options.count("overwrite") > 0;
   const double most = parsed.options["max-incidence"].as<double>();
@@ -112,20 +115,23 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   printText("{} of {} beams returned ({}); range step: {}\n\n", grouped(fit.returns), grouped(fit.beams),
             percent(static_cast<double>(fit.returns), static_cast<double>(fit.beams)),
             fit.step > 0 ? fmt::format("{:.3g} mm", fit.step * 1000) : "none found");
-  printGroups(fit.bands, fmt::format("range, up to {:g} deg", most));
+  printGroups(fit.bands, fmt::format("range (incidence to {:g} deg)", most));
   printGroups(fit.incidences, "incidence");
   if (!fit.intensities.empty()) printGroups(fit.intensities, "intensity");
   printText(
-      "sigma:        standard deviation of the range about a smooth surface, the rounding to the range step taken out\n"
-      "with step:    the same with that rounding, as it stands in the recording\n"
-      "about planes: sigma about a flat plane: offsets between rings, bends and the vehicle's motion added\n\n");
+      "sigma:        standard deviation of the range about a smooth surface, without the rounding to the range step\n"
+      "with step:    the same with the rounding, as the recording has it\n"
+      "about planes: standard deviation about a flat plane, with offsets between rings, curvature and vehicle motion\n"
+      "lost, of:     beams without a return, and all beams whose neighbours returned from the plane of a patch\n\n");
 
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
   const auto printRings = [](const char* what, const RingSpread& spread, const std::string& sigma) {
     if (spread.rings == 0) return;
-    printText("{} of {} rings differ by {}; odd and even patches agree by a correlation of {:.2f}{}\n", what,
-              spread.rings, sigma, spread.agreement, spread.agreement < kOwnErrors ? ": noise, left out" : "");
+    printText(
+        "{} of {} rings have a standard deviation of {}; odd and even patches agree with a correlation of {:.2f}{}\n",
+        what, spread.rings, sigma, spread.agreement,
+        spread.agreement < kOwnErrors ? ": too little, so they count as noise and are left out" : "");
   };
   printRings("offsets", fit.rings.range, fmt::format("{:.1f} mm", 1000 * fit.rings.range.sigma));
   printRings("gains", fit.rings.gain, fmt::format("{:.1f} %", 100 * fit.rings.gain.sigma));
@@ -143,7 +149,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
     writeFile(std::filesystem::path(report) / "index.html", noiseReport(fit, comparison, beams->model, effects, date));
   }
   writeFile(out, fitted);
-  printText("\nwrote {}: name it as `preset:` of a sensor, and say `effects: sensor` in the pipeline\n", out.string());
+  printText("\nwrote {}: use it as `preset:` of a sensor, with `effects: sensor` in the pipeline\n", out.string());
   return 0;
 }
 

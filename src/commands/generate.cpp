@@ -65,14 +65,14 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
   printMade(s, options);
   // The share of the counted samples that this process made; other processes may have made the rest.
   const double made = static_cast<double>(s.samplesMade) / static_cast<double>(std::max<std::size_t>(s.samples, 1));
-  printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes a point\n", grouped(s.beams), grouped(s.points),
+  printText("{} beams gave {} points in {}: {} beams/s, {:.2f} bytes per point\n", grouped(s.beams), grouped(s.points),
             shortTime(s.seconds), shortNumber(static_cast<double>(s.beams) * made / s.seconds),
             s.points == 0 ? 0.0 : static_cast<double>(s.bytes) / static_cast<double>(s.points));
   if (told) {
     printText("forecast: {}; {}; actual: {} and {}\n", timeText(*told), sizeText(*told), shortTime(s.seconds),
               shortBytes(static_cast<double>(s.bytes)));
   }
-  printText("stages (s of thread time):");
+  printText("stages (s, summed over threads):");
   for (const auto& [name, seconds] : s.stages) printText(" {} {:.2f}", name, seconds);
   printText("\n");
   if (s.whole) {
@@ -96,11 +96,11 @@ Plan withMethod(const Plan& plan, const GenerateOptions& options) {
   if (options.resume || shared) {
     if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chosenAgain(plan, *chosen);
   }
-  // Fail now, not after minutes.
+  // Refuse before the calibration, which takes minutes.
   if (shared) {
     throw InputError(
-        "parts of a dataset need a method that does not change: `method: auto` measures anew in each process; name "
-        "the one that it takes");
+        "`method: auto` measures in each process, so that parts of a dataset could get different methods: name the "
+        "method in the pipeline, or by --set");
   }
   DatasetFolder::check(options.folder, options.overwrite ? FolderUse::Replace
                                        : options.resume  ? FolderUse::Resume
@@ -131,7 +131,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
     return {ShardChoice::Kind::Any, {}};
   }
   if (!worker || !workers) {
-    throw InputError("--worker I and --workers N belong together, I from 0 to N - 1; or --workers auto");
+    throw InputError("give both --worker I and --workers N, with I from 0 to N - 1, or --workers auto");
   }
   const std::uint64_t own = countOption(parsed, "worker");
   const std::uint64_t all = countOption(parsed, "workers");
@@ -141,7 +141,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
   for (std::uint64_t shard = own; shard < shards; shard += all) choice.listed.push_back(shard);
   if (choice.listed.empty()) {
     warn(fmt::format(
-        "worker {} of {} makes nothing: the dataset has {} shard{}, and a smaller `output.shard_samples` makes more",
+        "worker {} of {} has no shard to make: the dataset has {} shard{}; a smaller `output.shard_samples` gives more",
         own, all, shards, shards == 1 ? "" : "s"));
   }
   return choice;
@@ -171,7 +171,9 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   const std::vector<ShardJob> jobs = shardJobs(plan);
   generateOptions.shards = shardsOption(parsed, jobs.size());
   if (generateOptions.overwrite && generateOptions.shards.kind != ShardChoice::Kind::All) {
-    throw InputError("--overwrite would remove what other processes make: remove the old dataset first");
+    throw InputError(
+        "--overwrite would remove the shards of other processes: remove the old dataset by hand, and leave --overwrite "
+        "out");
   }
   generateOptions.quiet = parsed.options.count("quiet") > 0;
   generateOptions.stop = &stopSignal();
@@ -260,12 +262,11 @@ int runGenerate(const std::vector<std::string>& arguments) {
   }
   if (parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0) {
     throw InputError(
-        "--sweep and --corruptions make several datasets, whose recordings would be one: keep hits with the first "
-        "alone, and "
-        "sweep effects with --from-hits");
+        "--sweep and --corruptions make several datasets, but a recording belongs to one: first run once with "
+        "--keep-hits, then sweep effects with --from-hits");
   }
   const std::vector<SweepSet> sets = sweepSets(sweeps);
-  for (const SweepSet& set : sets) {  // check all before the first is made
+  for (const SweepSet& set : sets) {  // check all datasets before making the first
     const Plan plan = planOf(parsed, set.overrides);
     const ShotSource vehicle(plan);
   }

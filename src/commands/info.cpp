@@ -81,7 +81,7 @@ void printDataset(const std::filesystem::path& folder) {
   printText("{} points of {} beams ({})\n", grouped(points), grouped(beams),
             percent(static_cast<double>(points), static_cast<double>(beams)));
   if (unresolved > 0) {
-    printText("{} beams were given up by the method ({}): neither hit nor miss\n", grouped(unresolved),
+    printText("the method gave up {} beams ({}): they count neither as hits nor as misses\n", grouped(unresolved),
               percent(static_cast<double>(unresolved), static_cast<double>(beams)));
   }
   for (const FormatRecord& f : m.formats) {
@@ -126,11 +126,12 @@ void printScan(const Scan& scan, const std::string& what) {
 }
 
 void printScanFolder(const std::filesystem::path& folder, const ScanFolder& found) {
-  printText("{} recorded scans, layout {}{}\n", grouped(found.scans.size()), found.layout,
+  printText("{} recorded scans in the layout {}{}\n", grouped(found.scans.size()), found.layout,
             found.ontology ? ", labelled with the classes of " + found.ontology->name : "");
   const FolderScan& middle = found.scans[found.scans.size() / 2];
-  printText("{}{}\n\n", found.scans.front().key,
-            found.scans.size() == 1 ? "" : fmt::format(" to {}; below, {}", found.scans.back().key, middle.key));
+  printText(
+      "{}{}\n\n", found.scans.front().key,
+      found.scans.size() == 1 ? "" : fmt::format(" to {}; the table shows {}", found.scans.back().key, middle.key));
   const std::filesystem::path whole = std::filesystem::absolute(middle.points);
   printScan(readFolderScan(middle), whole.lexically_relative(std::filesystem::absolute(folder)).string());
 }
@@ -169,13 +170,13 @@ void printObjects(const Scene& scene) {
     rows.push_back({firsts[i]->name, sizeText(box), fmt::format("{:.5g}", box.low.z), grouped(mesh.triangles.size()),
                     grouped(placed[firsts[i]->mesh])});
   }
-  printText("\n{} meshes, {} times placed\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
+  printText("\n{} meshes, placed {} times\n{}", grouped(scene.meshes.size()), grouped(scene.instances.size()),
             formatTable(rows));
   if (firsts.size() > kMostObjects) printText("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
 }
 
-// Returns the bounds of the static instances, or of all if none is static: moving ones may be anywhere before they
-// appear.
+// Returns the bounds of the static instances, or of all instances if none is static: moving instances may be
+// anywhere before they appear.
 Box boundsAtRest(const Scene& scene) {
   Box box;
   for (const Instance& instance : scene.instances) {
@@ -196,7 +197,7 @@ void printScene(const std::filesystem::path& file, std::uint64_t seed) {
   printText("from [{:.2f}, {:.2f}, {:.2f}] to [{:.2f}, {:.2f}, {:.2f}] m; ontology {}\n", box.low.x, box.low.y,
             box.low.z, box.high.x, box.high.y, box.high.z, scene.ontology.name);
   if (scene.dropped.total() > 0) {
-    printText("dropped triangles: {} degenerate, {} with NaN or infinite corners, {} with indices out of range\n",
+    printText("triangles left out: {} without area, {} with NaN or infinite corners, {} with indices out of range\n",
               grouped(scene.dropped.degenerate), grouped(scene.dropped.nonFinite), grouped(scene.dropped.outOfRange));
   }
   printObjects(scene);
@@ -269,7 +270,8 @@ void printClips(const std::filesystem::path& file) {
   for (const gltf::Clip& c : clips)
     rows.push_back({c.name, fmt::format("{:.4g}", c.first), fmt::format("{:.4g}", c.last)});
   printText("\n{}", formatTable(rows));
-  printText("`animation: {{clip: NAME}}` of the object in a scene plays one, with `time_s` it stands\n");
+  printText(
+      "in a scene, `animation: {{clip: NAME}}` of the object plays an animation, and `time_s` holds it at that time\n");
 }
 
 // Prints the colours of triangles that rules of a scene can match, by material; a colour near a more frequent one is
@@ -350,8 +352,8 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   if (asset.instanced.empty()) {
     for (std::vector<std::string>& row : rows) row.pop_back();
   }
-  printText("asset {}: {} triangles; rules of a scene match these names\n\n{}\n", file.string(), grouped(triangles),
-            formatTable(rows));
+  printText("asset {}: {} triangles; labelling rules of a scene can match these names\n\n{}\n", file.string(),
+            grouped(triangles), formatTable(rows));
   if (notFinite > 0 || asset.dropped.outOfRange > 0) {
     warn(fmt::format("{}: scenes leave out {} triangles with NaN or infinite corners and {} with indices out of range",
                      file.string(), grouped(notFinite), grouped(asset.dropped.outOfRange)));
@@ -364,12 +366,13 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
   printText("from [{:.8g}, {:.8g}, {:.5g}] to [{:.8g}, {:.8g}, {:.5g}]: {} m\n", whole.low.x, whole.low.y, whole.low.z,
             whole.high.x, whole.high.y, whole.high.z, sizeText(whole));
   printText(
-      "read with unit: {:g} (m per unit) and up: {}; others by --unit and --up here, by the keys `unit` and `up` of "
-      "the object in a scene\n",
+      "read with unit: {:g} (m per unit) and up: {}; change them by --unit and --up here, and by the keys `unit` and "
+      "`up` of the object in a scene\n",
       options.metresPerUnit,
-      options.up ? std::string(1, asset.up)
-                 : fmt::format("{}, as {}", asset.up,
-                               asset.upDeclared ? "the file or its kind has it" : "its kind does not say"));
+      options.up
+          ? std::string(1, asset.up)
+          : fmt::format("{} ({})", asset.up,
+                        asset.upDeclared ? "stated by the file or its kind" : "assumed, the file does not state it"));
   if (options.textures) printColors(asset);
   if (nodes.size() < 2) return;
   const auto diagonal = [](const Node& n) { return length(n.box.high - n.box.low); };
@@ -379,7 +382,7 @@ void printAsset(const std::filesystem::path& file, const AssetOptions& options) 
     sizes.push_back({nodes[i].name, sizeText(nodes[i].box), fmt::format("{:.5g}", nodes[i].box.low.z)});
   }
   printText("\n{}", formatTable(sizes));
-  if (nodes.size() > kMostNodes) printText("and {} smaller ones\n", nodes.size() - kMostNodes);
+  if (nodes.size() > kMostNodes) printText("and {} smaller nodes\n", nodes.size() - kMostNodes);
 }
 
 void printOntology(const std::filesystem::path& file) {
@@ -421,11 +424,12 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
   }
   throw InputError(
       {file.string()},
-      "is neither a scene (objects), a sensor (elevation_deg), a pipeline (sensors), an ontology (classes) "
-      "nor a material table (materials)" +
-          std::string(value.find("lasers") == nullptr ? ""
-                                                      : "; it looks like a unit's calibration: name it as "
-                                                        "`calibration` of a sensor"));
+      "is of no known kind: a scene has the key `objects`, a sensor `elevation_deg`, a pipeline `sensors`, an ontology "
+      "`classes`, a material table `materials`" +
+          std::string(
+              value.find("lasers") == nullptr
+                  ? ""
+                  : "; it looks like the calibration of a sensor: name it by the key `calibration` of the sensor"));
 }
 
 AssetOptions assetOptions(const Arguments& parsed) {
@@ -449,16 +453,16 @@ int runInfo(const std::vector<std::string>& arguments) {
   cxxopts::Options options = describe(command);
   options.add_options()("unit", "metres per unit of a 3D file", cxxopts::value<std::string>()->default_value("1"))(
       "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>())(
-      "seed", "of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N")(
-      "colors", "the colours of a 3D file's triangles, which labelling rules can match")(
-      "allow-outside", "a glTF or OBJ file may name files outside of its folder");
+      "seed", "seed of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N")(
+      "colors", "list the colours of a 3D file's triangles, which labelling rules can match")(
+      "allow-outside", "allow a glTF or OBJ file to name files outside its folder");
   const Arguments parsed =
       parseArguments(command, options, arguments,
                      "  scanmill info out/quickstart\n"
                      "  scanmill info out/quickstart/train/train-000000.tar\n"
                      "  scanmill info scenes/street.yaml\n"
                      "  scanmill info pipelines/sensors/os1_128.yaml\n"
-                     "  scanmill info SemanticKITTI/sequences/08      # somebody's scans, a folder or one file\n"
+                     "  scanmill info SemanticKITTI/sequences/08      # recorded scans: a folder or one file\n"
                      "  scanmill info out/passes      # a recording, or one of its EXR images\n"
                      "  scanmill info model.glb       # names that labelling rules can match, sizes, animations\n"
                      "  scanmill info model.obj --unit 0.01 --up y\n");

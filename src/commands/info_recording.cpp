@@ -33,8 +33,8 @@ void printRecording(const std::filesystem::path& folder) {
     images += entry.path().extension() == ".exr" ? 1 : 0;
   }
   printText("recording of {}{}: {} images, {}\n\n", nameOf(r.kind),
-            r.programVersion.empty() ? std::string(" not made by scanmill")
-                                     : fmt::format(" made by {}, scanmill {}", r.method, r.programVersion),
+            r.programVersion.empty() ? std::string(", not made by scanmill")
+                                     : fmt::format(", made by {}, scanmill {}", r.method, r.programVersion),
             grouped(images), shortBytes(static_cast<double>(bytes)));
   Rows sensors{{"sensor", "rings", "columns"}};
   for (const RecordedSensor& s : r.sensors) {
@@ -48,7 +48,7 @@ void printRecording(const std::filesystem::path& folder) {
   }
   printText("{}\n", formatTable(sequences));
   if (r.ontology.classes.empty()) {
-    printText("no ontology: the pipeline must name one with `labels`\n");
+    printText("no ontology: name one in the pipeline by the key `labels`\n");
   } else {
     printText("ontology {}: {} classes\n", r.ontology.name, r.ontology.classes.size());
   }
@@ -64,7 +64,7 @@ void printExr(const std::filesystem::path& file) {
   printText("{}\n", formatTable(rows));
   const auto& channels = exr.channels();
   if (std::any_of(channels.begin(), channels.end(), [](const ExrChannel& c) { return c.name == "range"; })) {
-    printText("hits: a row per ring, a column per column of the sensor\n");
+    printText("hits: an image row for each ring, an image column for each column of the sensor\n");
     return;
   }
   try {
@@ -77,7 +77,7 @@ void printExr(const std::filesystem::path& file) {
     printText("at {:.3f}, {:.3f}, {:.3f} m, looking along {:.4f}, {:.4f}, {:.4f}\n", t.x, t.y, t.z, forward.x,
               forward.y, forward.z);
   } catch (const InputError& e) {
-    printText("no camera for passes: {}\n", e.what());
+    printText("the image cannot be used as a pass: {}\n", e.what());
   }
 }
 

@@ -36,9 +36,10 @@ Rows entryRows(const Entries& entries) {
 Rows columnRows() {
   Rows rows;
   for (const Column& column : kColumns) {
-    rows.push_back({std::string(column.name),
-                    fmt::format("{}{}{}; {}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning,
-                                nameOf(column.type), column.byDefault ? "" : ", only where output.columns names it")});
+    rows.push_back(
+        {std::string(column.name),
+         fmt::format("{}{}{}; {}{}", column.unit, column.unit.empty() ? "" : ", ", column.meaning, nameOf(column.type),
+                     column.byDefault ? "" : ", written only if output.columns names it")});
   }
   return rows;
 }
@@ -63,11 +64,11 @@ void printCapabilities() {
   printText("\nwhat they can do:\n");
   for (const MethodEntry& method : methods()) {
     const MethodCapabilities& can = method.can;
-    printText("  {}: {}, {}, {}, {}{}\n", method.name, can.severalHits ? "several hits a ray" : "one hit a ray",
-              can.footprints ? "several rays a beam" : "one ray a beam",
+    printText("  {}: {}, {}, {}, {}{}\n", method.name, can.severalHits ? "several hits per ray" : "one hit per ray",
+              can.footprints ? "several rays per beam" : "one ray per beam",
               can.transmission ? "light goes through glass" : "glass is solid",
               can.motion ? "the sensor may move during a revolution" : "the sensor stands still during a revolution",
-              can.passes ? ", its images can be kept" : "");
+              can.passes ? ", its images can be saved (--keep-passes)" : "");
   }
 }
 
@@ -90,7 +91,7 @@ Rows sensorRows() {
     const Value* model = value.find("model");
     rows.push_back({file.stem().string(),
                     fmt::format("{}, {} x {}{}", model == nullptr ? "" : model->text, size.rings, size.columns,
-                                value.find("effects") == nullptr ? "" : ", with effects of its own")});
+                                value.find("effects") == nullptr ? "" : ", with effects (`effects: sensor`)")});
   }
   return rows;
 }
@@ -125,14 +126,15 @@ Rows exampleRows(const char* folder) {
   return rows;
 }
 
-// Opens each device for a moment.
+// Prints the devices that compute and draw by OpenGL; opens each for a moment to test it.
 void printDevices() {
   Rows rows;
   bool any = false;
   for (const FoundDevice& device : findDevices()) {
     any = any || device.usable;
-    rows.push_back({device.name, device.usable ? device.driver + (device.software ? ", on the processor" : "")
-                                               : "cannot be used: " + device.driver});
+    rows.push_back({device.name, device.usable
+                                     ? device.driver + (device.software ? ", in software on the processor" : "")
+                                     : "cannot be used: " + device.driver});
   }
   printText("devices:\n{}", rows.empty() ? "  none\n" : formatTable(rows));
   if (!any) return;
@@ -140,14 +142,14 @@ void printDevices() {
   const std::string named = namedDevice();
   if (!named.empty()) {
     try {
-      const ComputeDevice device({"no device is taken", "without the variable the first one is"});
+      const ComputeDevice device({"no device is taken", "without the variable, the first usable device is taken"});
       printText("\nSCANMILL_GL_DEVICE names '{}', {}: {}.\n", named, device.name(), kUse);
     } catch (const Error& error) {
       printText("\n{}\n", error.what());
     }
     return;
   }
-  printText("\nThe first one that can be used is taken, or the one that SCANMILL_GL_DEVICE names: {}.\n", kUse);
+  printText("\nThe program takes the first usable device, or the device that SCANMILL_GL_DEVICE names: {}.\n", kUse);
 }
 
 }  // namespace
@@ -174,7 +176,7 @@ int runList(const std::vector<std::string>& arguments) {
   std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {
-    throw InputError(fmt::format("nothing is called '{}' here{}", wanted, suggestion(wanted, names)));
+    throw InputError(fmt::format("list: unknown KIND '{}'{}", wanted, suggestion(wanted, names)));
   }
   for (const auto& [name, rows] : kinds) {
     if (wanted.empty() || wanted == name) printText("{}:\n{}", name, formatTable(rows()));

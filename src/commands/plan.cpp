@@ -29,7 +29,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSequences = 40;  // listed sequences
+constexpr std::size_t kMostSequences = 40;  // the greatest number of sequences to list
 
 void printSensors(const Plan& plan) {
   std::vector<std::vector<std::string>> rows{
@@ -55,7 +55,7 @@ void printSequences(const Pipeline& pipeline) {
   for (std::vector<std::string>& row : rows) row.resize(any ? 4 : 3);
   printText("{}", formatTable(rows));
   if (pipeline.sequences.size() > kMostSequences) {
-    printText("and {} sequences more\n", grouped(pipeline.sequences.size() - kMostSequences));
+    printText("and {} more sequences\n", grouped(pipeline.sequences.size() - kMostSequences));
   }
   printText("\n");
 }
@@ -74,7 +74,7 @@ void printFeatures(const FeatureCosts& costs) {
     rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
                     share, fmt::format("{:+}", std::lround(cost.bytes * 1e-3))});
   };
-  add("as the pipeline is", costs.whole, "");
+  add("the whole frame", costs.whole, "");
   std::string lost;
   double scatter = 0;
   for (const FeatureCost& f : costs.features) {
@@ -137,17 +137,18 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
     const auto each = std::max(1.0, std::ceil(made / framesOfScene / static_cast<double>(files.size())));
     wanted = each * static_cast<double>(files.size());
     made = wanted * framesOfScene;
-    printText("\nfor {} frames: {} seed{}{} of {} frames, `seeds: {}`{}\n", grouped(frames),
-              grouped(static_cast<std::uint64_t>(each)), each > 1 ? "s" : "",
-              files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "",
-              shortNumber(framesOfScene),
-              each > 2   ? fmt::format("[1, ..., {:.0f}]", each)
-              : each > 1 ? "[1, 2]"
-                         : "[1]",
-              pipeline.splitsBySeed ? "; `splits` lists seeds: give each a split, or --set splits=null" : "");
+    printText(
+        "\nfor {} frames: {} seed{}{} of {} frames, `seeds: {}`{}\n", grouped(frames),
+        grouped(static_cast<std::uint64_t>(each)), each > 1 ? "s" : "",
+        files.size() > 1 ? fmt::format(" of each of the {} scene files", files.size()) : "", shortNumber(framesOfScene),
+        each > 2   ? fmt::format("[1, ..., {:.0f}]", each)
+        : each > 1 ? "[1, 2]"
+                   : "[1]",
+        pipeline.splitsBySeed ? "; `splits` lists seeds: add the new seeds to it, or give --set splits=null" : "");
   } else {
-    printText("\nfor {} frames: seeds change nothing in these scenes, so lengthen their trajectories or add some\n",
-              grouped(frames));
+    printText(
+        "\nfor {} frames: the scenes are the same for all seeds, so lengthen their trajectories or add trajectories\n",
+        grouped(frames));
   }
   if (costs) {
     const Forecast f = forecast(*costs, static_cast<std::uint64_t>(made), static_cast<std::uint64_t>(wanted));
@@ -155,8 +156,9 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
   }
   const double rays = made * static_cast<double>(pipeline.raysPerFrame());
   if (rays > pipeline.maxRays) {
-    printText("these are {} rays, more than the {} of `limits.max_rays`: generate wants --set limits.max_rays={:.0e}\n",
-              shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
+    printText(
+        "these are {} rays, more than `limits.max_rays` allows ({}): give generate --set limits.max_rays={:.0e}\n",
+        shortNumber(rays), shortNumber(pipeline.maxRays), 10 * std::pow(10, std::floor(std::log10(rays))));
   }
 }
 
@@ -166,10 +168,10 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
   const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;
   constexpr std::uint64_t kMostFrames = 1'000'000'000'000;
   if (parsed.options.count("frames") > 0 && (frames == 0 || frames > kMostFrames)) {
-    throw InputError(fmt::format("--frames {}: is no whole number from 1 to {}", frames, kMostFrames));
+    throw InputError(fmt::format("--frames {}: must be a whole number from 1 to {}", frames, kMostFrames));
   }
   if (frames > 0 && pipeline.recording != nullptr) {
-    throw InputError("--frames: a recording has the frames that it has");
+    throw InputError("--frames: a recording has a fixed number of frames: leave the option out");
   }
   std::string why;
   const std::optional<SampleCosts> costs = sampleCosts(parsed, plan, pipelineOverrides(parsed), &why);
@@ -179,7 +181,10 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
     printText("time: {}{}\nsize: {}\n", timeText(f),
               pipeline.method.automatic ? " by ray_tracing; choosing the method takes longer" : "", sizeText(f));
   } else {
-    printText("time and size: unknown, since no scan of a small town could be made as this pipeline says: {}\n", why);
+    printText(
+        "time and size: unknown, since the pipeline's sensors and effects could not scan the small town that forecasts "
+        "measure: {}\n",
+        why);
   }
   if (frames > 0) printSeeds(plan, frames, costs);
   printText("\n");
@@ -201,7 +206,7 @@ int runPlan(const std::vector<std::string>& arguments) {
       parseArguments(command, options, arguments,
                      "  scanmill plan pipelines/quickstart.yaml\n"
                      "  scanmill plan pipelines/quickstart.yaml --frames 10000\n"
-                     "  scanmill plan pipelines/truck_town.yaml --check    # what its scenes hold\n"
+                     "  scanmill plan pipelines/truck_town.yaml --check    # what its scenes contain\n"
                      "  scanmill plan pipelines/street.yaml --costs    # what each effect and column costs\n"
                      "  scanmill plan pipelines/street.yaml --from-hits out/hits\n");
   if (parsed.help) return 0;
@@ -219,7 +224,8 @@ int runPlan(const std::vector<std::string>& arguments) {
   const bool recorded = pipeline.recording != nullptr;
   const bool checks = parsed.options.count("check") > 0;
   const bool costs = parsed.options.count("costs") > 0;
-  if (recorded && (checks || costs)) warn("--check and --costs look at scenes, and a recording has none");
+  if (recorded && (checks || costs))
+    warn("--check and --costs need scenes, but a recording has none: both are ignored");
   const bool loads = checks || recorded;
   SceneFindings found = loads ? checkScenes(source) : SceneFindings{modelled(plan, source.blockedShares()), 0};
   if (pipeline.method.automatic) {

@@ -21,7 +21,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostScenes = 20;  // loaded scenes; further scenes of a pipeline differ by their seeds
+constexpr std::size_t kMostScenes = 20;  // the greatest number of scenes to load; further ones seldom show other faults
 
 // Prints the triangles without a class by file, material and texture, the largest group first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
@@ -53,7 +53,8 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
                     grouped(group.triangles)});
   }
   printText("{}", formatTable(rows));
-  if (sorted.size() > kMostRows) printText("and {} more of file, material and texture\n", sorted.size() - kMostRows);
+  if (sorted.size() > kMostRows)
+    printText("and {} more combinations of file, material and texture\n", sorted.size() - kMostRows);
 }
 
 // Returns in words the kind of place that the seed selects at random.
@@ -126,10 +127,10 @@ SceneFindings checkScenes(ShotSource& source) {
   for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);
   if (pipeline.recording == nullptr) {
     printText("{}", formatTable(scenes));
-    if (more > 0) printText("and {} scenes more, which are looked at when the dataset is made\n", grouped(more));
+    if (more > 0) printText("and {} more scenes, which are checked when the dataset is made\n", grouped(more));
     printText("\n");
   } else {
-    printText("scenes: none, the scans are made of the {} in {}\n\n", nameOf(pipeline.recording->kind),
+    printText("scenes: none, the scans are made from the {} in {}\n\n", nameOf(pipeline.recording->kind),
               pipeline.recording->folder.string());
   }
   if (pipeline.recording == nullptr) printUnlabeled(unlabeled);

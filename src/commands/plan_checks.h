@@ -12,7 +12,7 @@ namespace scanmill {
 
 struct SceneFindings {
   std::vector<std::string> modelled;  // from modelled(), and from the method for these scenes
-  std::uint64_t bytes = 0;            // size of the largest scene, as the method has prepared it
+  std::uint64_t bytes = 0;            // memory that the method takes for the largest scene; 0: not measured
 };
 
 // Prints a table of the scenes and their unlabelled geometry, and warns of legal but rarely intended contents: paths

@@ -27,7 +27,7 @@ void forEachScan(const std::vector<std::string>& given,
     const ScanStore store(path);
     const std::size_t stored = store.keys().size();
     const std::size_t count = std::min(stored, kMostScans);
-    if (count < stored) warn(fmt::format("{}: {} of its {} scans are taken, evenly", path, count, stored));
+    if (count < stored) warn(fmt::format("{}: reads {} of its {} scans, evenly spaced", path, count, stored));
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t i = k * stored / count;
       visit(store.decode(i, store.scans(i).front()), store.single() ? path : store.keys()[i]);
@@ -40,7 +40,7 @@ std::filesystem::path requiredFile(const Arguments& parsed, const std::string& w
   std::error_code ignored;
   if (std::filesystem::is_directory(out, ignored)) throw InputError({out.string()}, "is a folder: name a file");
   if (std::filesystem::exists(out, ignored) && parsed.options.count("overwrite") == 0) {
-    throw InputError({out.string()}, "exists: choose another name or pass --overwrite");
+    throw InputError({out.string()}, "exists: choose another name, or add --overwrite");
   }
   return out;
 }

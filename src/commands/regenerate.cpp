@@ -14,16 +14,18 @@ namespace scanmill {
 int runRegenerate(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("regenerate");
   cxxopts::Options options = describe(command);
-  options.add_options()("shards", "these, as in 0-9,12; default: those that are missing or damaged",
+  options.add_options()("shards", "the shards to make, such as 0-9,12 (default: all that are missing or damaged)",
                         cxxopts::value<std::string>(),
-                        "RANGES")("sample", "this one alone, as files; with -o", cxxopts::value<std::string>(), "KEY")(
-      "o,out", "folder of the sample's files (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "pipeline", "where the pipeline lay, for the files that it names; default: looked for near the dataset",
+                        "RANGES")("sample", "make only this sample, and write its members as files to -o DIR",
+                                  cxxopts::value<std::string>(), "KEY")(
+      "o,out", "folder for the sample's files; it is made if it does not exist", cxxopts::value<std::string>(), "DIR")(
+      "pipeline",
+      "the pipeline's file, in whose folder the files that it names are found (default: searched for near the dataset)",
       cxxopts::value<std::string>(), "FILE")("threads", "how many threads to use, 0 for all cores",
-                                             cxxopts::value<int>()->default_value("0"))("q,quiet", "no progress");
+                                             cxxopts::value<int>()->default_value("0"))("q,quiet", "print no progress");
   const Arguments parsed =
       parseArguments(command, options, arguments,
-                     "  scanmill regenerate out/town                    # mends what verify finds damaged\n"
+                     "  scanmill regenerate out/town                    # makes the shards that verify finds damaged\n"
                      "  scanmill regenerate out/town --sample town-s1-lane-000012 -o out/one\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
@@ -32,7 +34,7 @@ int runRegenerate(const std::vector<std::string>& arguments) {
   const auto text = [&](const char* name) {
     return parsed.options.count(name) > 0 ? parsed.options[name].as<std::string>() : std::string();
   };
-  if (text("sample").empty() != text("out").empty()) throw InputError("--sample KEY and -o DIR belong together");
+  if (text("sample").empty() != text("out").empty()) throw InputError("give --sample KEY and -o DIR together");
   if (!text("sample").empty() && !text("shards").empty()) throw InputError("give --sample or --shards, not both");
   expectDataset(folder, "regenerate");
   const Manifest manifest = readManifest(folder);
@@ -46,12 +48,12 @@ int runRegenerate(const std::vector<std::string>& arguments) {
                                                 ? damagedShards(folder, manifest)
                                                 : parseShardRanges(text("shards"), manifest.shards.size());
   if (shards.empty()) {
-    printText("{} shards: all are sound, there is nothing to make\n", manifest.shards.size());
+    printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());
     return 0;
   }
   const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
   regenerateShards(folder, manifest, plan, shards, quiet, &stopSignal());
-  printText("{} of {} shards made again, byte for byte: {}\n", shards.size(), manifest.shards.size(),
+  printText("made {} of {} shards again, with the same bytes: {}\n", shards.size(), manifest.shards.size(),
             shardRanges(shards));
   return 0;
 }

@@ -45,7 +45,7 @@ PassChoice readPassList(const std::string& list) {
       choice.channels |= row.channel;
       known = true;
     }
-    if (!known) throw InputError(fmt::format("--passes: no pass '{}'{}", asked, suggestion(asked, names)));
+    if (!known) throw InputError(fmt::format("--passes: unknown pass '{}'{}", asked, suggestion(asked, names)));
     first = comma + 1;
   }
   return choice;

@@ -47,8 +47,10 @@ std::string fitnessText(const FitnessSpread& spread) {
 
 void printResult(const Repeatability& result, const std::string& date) {
   printText("{}, seen by {}; {}\n", fmt::join(result.objects(), ", "), fmt::join(result.sensors(), ", "), date);
-  printText("fitness in cm2 (1e-4 m2), mean and deviation; noise {}, {} scans of each pose\n\n",
-            result.levels[result.reference], result.scans);
+  printText(
+      "ICP fitness (mean squared distance) in cm2 (1e-4 m2), mean +- standard deviation; noise {}, {} scans of each "
+      "pose\n\n",
+      result.levels[result.reference], result.scans);
   std::vector<std::vector<std::string>> rows{{"view", "object", "frame", "m", "points", "after ICP", "without ICP"}};
   const bool several = result.methods.size() > 1;
   if (several) rows.front().insert(rows.front().begin(), "method");

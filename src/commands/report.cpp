@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 64;  // pictures and points make the file large
+constexpr std::size_t kMostSamples = 64;  // in a page, which their pictures and points make large
 
 // Returns "small_report.html" for a dataset named "small": never a path, whatever the name holds.
 std::string defaultName(const std::filesystem::path& folder) {
@@ -28,10 +28,10 @@ std::string defaultName(const std::filesystem::path& folder) {
 void expectFree(const std::filesystem::path& file, bool overwrite) {
   std::error_code failure;
   if (std::filesystem::is_directory(file, failure)) {
-    throw InputError({file.string()}, "is a folder: -o takes the name of an HTML file");
+    throw InputError({file.string()}, "is a folder, but -o takes the name of an HTML file");
   }
   if (std::filesystem::exists(file, failure) && !overwrite) {
-    throw InputError({file.string()}, "exists: add --overwrite, or name another with -o");
+    throw InputError({file.string()}, "exists: add --overwrite, or name another file with -o");
   }
   const std::filesystem::path folder = file.parent_path();
   if (!folder.empty() && std::filesystem::exists(folder, failure) && !std::filesystem::is_directory(folder, failure)) {
@@ -51,13 +51,14 @@ void makeFolderOf(const std::filesystem::path& file) {
 int runReport(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("report");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "the page (default: NAME_report.html here, NAME being the folder's)",
-                        cxxopts::value<std::string>(),
-                        "FILE.html")("overwrite", "replace a page that is there already")(
+  options.add_options()(
+      "o,out",
+      "the page to write (default: NAME_report.html in the current folder, where NAME is the dataset's folder)",
+      cxxopts::value<std::string>(), "FILE.html")("overwrite", "replace an existing page")(
       "samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"), "N")(
-      "seed", "which random samples", cxxopts::value<std::uint64_t>()->default_value("0"))(
+      "seed", "seed that selects the random samples", cxxopts::value<std::uint64_t>()->default_value("0"))(
       "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
-      "q,quiet", "one line in place of progress and warnings");
+      "q,quiet", "print one line instead of progress and warnings");
   const Arguments parsed = parseArguments(command, options, arguments,
                                           "  scanmill report out/quickstart\n"
                                           "  scanmill report out/quickstart -o quickstart.html --samples 8 --seed 7\n");
@@ -66,7 +67,7 @@ int runReport(const std::vector<std::string>& arguments) {
   expectDataset(folder, "report");
   const bool named = parsed.options.count("out") > 0;
   const std::filesystem::path file = named ? parsed.options["out"].as<std::string>() : defaultName(folder);
-  if (file.empty()) throw InputError("-o names no file");
+  if (file.empty()) throw InputError("-o: the name of the file is empty");
   expectFree(file, parsed.options.count("overwrite") > 0);
 
   DatasetReportOptions reportOptions;

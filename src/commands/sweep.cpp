@@ -51,12 +51,12 @@ Sweep parseSweep(const std::string& text) {
   const std::size_t equals = text.find('=');
   const auto fail = [&](const std::string& why) {
     throw InputError(fmt::format(
-        "--sweep is KEY=[A, B, ...], such as 'sensors.0.preset=[os1_128, hdl_64e]', not '{}'{}", text, why));
+        "--sweep must be KEY=[A, B, ...], such as 'sensors.0.preset=[os1_128, hdl_64e]', not '{}'{}", text, why));
   };
   if (equals == 0 || equals == std::string::npos) fail("");
   Sweep sweep{text.substr(0, equals), {}};
   const Value list = parseYaml(text.substr(equals + 1), "--sweep " + sweep.key);
-  if (list.kind != Value::Kind::Sequence) fail(": no list");
+  if (list.kind != Value::Kind::Sequence) fail(": the value is not a list");
   if (list.items.empty()) fail(": the list is empty");
   for (const Value& value : list.items) {
     sweep.values.push_back(value.kind == Value::Kind::Null ? "null" : flowText(value));
@@ -71,7 +71,7 @@ std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps) {
   std::set<std::string> keys;
   for (const std::string& text : sweeps) {
     const Sweep sweep = parseSweep(text);
-    if (!keys.insert(sweep.key).second) throw InputError(fmt::format("--sweep {}: is given twice", sweep.key));
+    if (!keys.insert(sweep.key).second) throw InputError(fmt::format("--sweep {}: the key is given twice", sweep.key));
     if (sets.size() * sweep.values.size() > kMostSets) {
       throw InputError(fmt::format("--sweep: more than {} combinations", kMostSets));
     }

@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-// Counts characters, not bytes: UTF-8 continuation bytes take no room.
+// Returns the number of characters, not bytes: UTF-8 continuation bytes have no width.
 std::size_t widthOf(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }

@@ -31,7 +31,7 @@ namespace {
 
 constexpr const char* kStudyFile = "tradeoff.json";
 
-// Returns the p99 away from edges.
+// Returns the 99th percentile of the range error away from edges; empty if no beam is away from edges.
 std::string awayText(const BeamErrors& errors) {
   const GroupErrors* away = awayFromEdges(errors);
   return away == nullptr ? "" : metresText(away->range.p99);
@@ -58,9 +58,9 @@ void printSettings(const Study& study) {
                     metresText(s.measured.cloud.to.mean), metresText(s.measured.cloud.from.mean)});
   }
   printText(
-      "{}median, p99, away from edges (p99 there): of the range error; false negatives: only the truth hits; false\n"
-      "positives: only the setting hits; to, from: mean distance from the truth's points to the nearest of the\n"
-      "setting's, and back\n\n",
+      "{}median, p99: of the range error; away from edges: p99 there; false negatives: beams that hit only in truth;\n"
+      "false positives: beams that hit only by the setting; to: mean distance from points of the truth to the nearest\n"
+      "of the setting; from: mean distance from points of the setting to the nearest of the truth\n\n",
       formatTable(rows));
   for (const SettingResult& s : study.settings) {
     if (!s.failure.empty()) printText("{} failed: {}\n", s.setting.name, s.failure);
@@ -99,16 +99,16 @@ void printSensing(const Study& study) {
                     fmt::format("{:.3g}", r.intensity)});
   }
   printText(
-      "{}missing, added: beams that return in truth (the first row) or the setting alone; the rest of those that "
-      "return in both\n\n",
+      "{}missing: beams that return only in truth (the first row); added: beams that return only by the setting; the\n"
+      "columns after these compare beams that return in both\n\n",
       formatTable(rows));
 }
 
 void printRings(const Study& study) {
   if (study.rings.empty()) return;
-  std::vector<std::vector<std::string>> rows{{"time a scan"}};
+  std::vector<std::vector<std::string>> rows{{"time per scan"}};
   for (const RingTiming& t : study.rings.front().timings) rows.front().push_back(fmt::format("{} rings", t.rings));
-  rows.front().insert(rows.front().end(), {"fixed", "a ring"});
+  rows.front().insert(rows.front().end(), {"fixed", "per ring"});
   const auto add = [&](const std::string& name, const RingFit& fit) {
     rows.push_back({name});
     for (const RingTiming& t : fit.timings) rows.back().push_back(secondsText(t.scanSeconds));
@@ -116,7 +116,7 @@ void printRings(const Study& study) {
     rows.back().push_back(secondsText(fit.secondsPerRing));
   };
   for (const RingFit& fit : study.rings) add(fit.setting.name, fit);
-  if (study.showing) add("showing it (a picture)", *study.showing);
+  if (study.showing) add("drawing a scan (a picture)", *study.showing);
   printText("{}\n", formatTable(rows));
 }
 
@@ -131,7 +131,9 @@ void printStudy(const Study& study) {
   printSensing(study);
   for (const std::string& line : study.left) printText("left out: {}\n", line);
   if (!study.sensing.empty()) {
-    printText("the methods were compared by one ray a beam that ends at the first surface, whatever the effects\n");
+    printText(
+        "the methods were compared with one ray per beam that ends at the first surface, without the effects footprint "
+        "and light_paths\n");
   }
   for (const Advice& a : advise(study)) {
     printText("{}: {}\n", a.need, a.setting.empty() ? a.text : fmt::format("{}\n  {}", a.setting, a.text));
@@ -150,8 +152,8 @@ Study readStudy(const std::filesystem::path& file) {
     ErrorPicture& picture = study.pictures[i];
     const std::filesystem::path png = file.parent_path() / pictureFile(i);
     if (!std::filesystem::exists(png)) {
-      study.left.push_back(fmt::format("picture of {}: {} is not beside {}", picture.setting, png.filename().string(),
-                                       file.filename().string()));
+      study.left.push_back(fmt::format("picture of {}: the file {} is missing beside {}", picture.setting,
+                                       png.filename().string(), file.filename().string()));
       continue;
     }
     picture.png = readFile(png);
@@ -186,13 +188,14 @@ int runTradeoff(const std::vector<std::string>& arguments) {
       "budget", "how long the study may take, about, in minutes (default: the pipeline's, or 5)",
       cxxopts::value<double>(), "MINUTES")("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
-  const Arguments parsed = parseArguments(
-      command, options, arguments,
-      "  scanmill tradeoff pipelines/street.yaml -o out/tradeoff\n"
-      "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
-      "  scanmill tradeoff pipelines/street.yaml -o out/few "
-      "--set 'tradeoff={settings: [ray_tracing, {particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n"
-      "  scanmill tradeoff out/tradeoff/tradeoff.json -o out/again        # only the report, from the figures\n");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill tradeoff pipelines/street.yaml -o out/tradeoff\n"
+                     "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
+                     "  scanmill tradeoff pipelines/street.yaml -o out/few --set 'tradeoff={settings: [ray_tracing, "
+                     "{particle: {voxel_m: [0.05, 0.1, 0.2], refine: normal}}]}'\n"
+                     "  scanmill tradeoff out/tradeoff/tradeoff.json -o out/again        # writes only the report "
+                     "again, from saved figures\n");
   if (parsed.help) return 0;
   const std::filesystem::path file = parsed.positional("PIPELINE|tradeoff.json");
   const std::string folder = folderOption(parsed, "out");
@@ -215,7 +218,9 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   Study study;
   if (file.extension() == ".json") {
     if (parsed.options.count("set") + parsed.options.count("seed") + parsed.options.count("budget") > 0) {
-      throw InputError({file.string()}, "was measured already: --set, --seed and --budget are for a pipeline");
+      throw InputError(
+          {file.string()},
+          "is a study that was measured already: leave --set, --seed and --budget out, or name a pipeline");
     }
     study = readStudy(file);
     prepareReportFolder(folder, kStudyFile, overwrite);

@@ -41,10 +41,11 @@ int runVerify(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("verify");
   cxxopts::Options options = describe(command);
   options.add_options()("threads", "how many threads to use, 0 for all cores",
-                        cxxopts::value<int>()->default_value("0"))("q,quiet", "no progress");
-  const Arguments parsed = parseArguments(command, options, arguments,
-                                          "  scanmill verify out/quickstart\n"
-                                          "  scanmill verify out/passes    # a recording: all that it names is read\n");
+                        cxxopts::value<int>()->default_value("0"))("q,quiet", "print no progress");
+  const Arguments parsed =
+      parseArguments(command, options, arguments,
+                     "  scanmill verify out/quickstart\n"
+                     "  scanmill verify out/passes    # a recording: reads all files that it names\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
   const ResourceLimits limits(parsed);
@@ -58,10 +59,9 @@ int runVerify(const std::vector<std::string>& arguments) {
   }
   expectDataset(folder, "verify");
   const Verification v = withProgress(verifyDataset, folder, "shards", quiet);
-  const int code =
-      report(v.problems, fmt::format("{} shards, {} samples, {} files of scans, {} points in them", grouped(v.shards),
-                                     grouped(v.samples), grouped(v.scans), grouped(v.points)));
-  if (v.damaged > 0) printText("next: scanmill regenerate {}, which makes damaged shards again\n", folder);
+  const int code = report(v.problems, fmt::format("{} shards, {} samples, {} scan files, {} points", grouped(v.shards),
+                                                  grouped(v.samples), grouped(v.scans), grouped(v.points)));
+  if (v.damaged > 0) printText("next: scanmill regenerate {} makes the damaged shards again\n", folder);
   return code;
 }
 

@@ -343,8 +343,9 @@ TEST_F(BadInput, BrokenTrianglesAreDroppedAndCounted) {
              "0 0 0\n1 0 0\n1 0 1\nnan 0 0\n0 inf 1\n3 0 1 2\n3 0 1 3\n3 0 1 4\n3 0 0 1\n3 0 1 99\n");
   const Outcome info = scanmill({"info", at("scene.yaml")});
   EXPECT_EQ(info.code, 0) << info.error;
-  EXPECT_THAT(info.out, HasSubstr("dropped triangles: 1 degenerate, 2 with NaN or infinite corners, 1 with indices out "
-                                  "of range"));
+  EXPECT_THAT(
+      info.out,
+      HasSubstr("triangles left out: 1 without area, 2 with NaN or infinite corners, 1 with indices out of range"));
   EXPECT_EQ(scanmill({"generate", pipeline_, "-q", "-o", at("out")}).code, 0);
   EXPECT_EQ(scanmill({"verify", "-q", at("out")}).code, 0);
 }

@@ -71,7 +71,7 @@ TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
     ASSERT_EQ(scanmill({"export", at("plain"), "--to", layout, "-o", at(layout)}).code, 0);
     const Outcome compared = scanmill({"compare", at(layout), at("noisy"), "-o", at("out"), "--overwrite", "-q"});
     ASSERT_EQ(compared.code, 0) << compared.error;
-    EXPECT_THAT(scanmill({"info", at(layout)}).out, HasSubstr("4 recorded scans, layout "));
+    EXPECT_THAT(scanmill({"info", at(layout)}).out, HasSubstr("4 recorded scans in the layout "));
     EXPECT_EQ(scanmill({"view", at(layout), "--screenshot", at("picture.png")}).code, 0);
     EXPECT_EQ(scanmill({"view", at(layout), "--screenshot", at(std::string(layout) + ".png")}).code, 0);
   }

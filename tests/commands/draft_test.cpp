@@ -64,7 +64,7 @@ TEST_F(DraftCommand, BadRequestsAreNamed) {
   expectRefused(scanmill({"draft", at("models")}), "-o FILE.yaml");
   expectRefused(scanmill({"draft", at("none.obj"), "-o", at("a.yaml")}), "none.obj: there is no such file");
   std::filesystem::create_directory(at("empty"));
-  expectRefused(scanmill({"draft", at("empty"), "-o", at("a.yaml")}), "holds no 3D file");
+  expectRefused(scanmill({"draft", at("empty"), "-o", at("a.yaml")}), "contains no 3D file");
   expectRefused(scanmill({"draft", at("models"), "-o", at("a.yaml"), "--ontology", "nowhere"}), "nowhere");
   EXPECT_FALSE(std::filesystem::exists(at("a.yaml")));
 }

@@ -98,7 +98,8 @@ TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
   expectRefused(scanmill({"plan", SCANMILL_SOURCE_DIR "/labels/scanmill.yaml"}), "this is an ontology");
   expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: small.yaml")}), "this is a pipeline");
   expectRefused(scanmill({"verify", pipeline_}), "verify takes the folder of a dataset, not a file");
-  expectRefused(scanmill({"verify", at(".")}), "verify takes the folder of a dataset: " + at("./manifest.json"));
+  expectRefused(scanmill({"verify", at(".")}),
+                "verify takes the folder of a dataset, but the file " + at("./manifest.json"));
   expectRefused(scanmill({"info", at(".")}), "is no dataset");
   folder_.write("begun/.scanmill/plan", "{}");
   expectRefused(scanmill({"verify", at("begun")}),
@@ -172,7 +173,7 @@ TEST_F(FirstSteps, InfoOfAnAssetTellsItsSizeAndHowItWasRead) {
 
 TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {
   const Outcome o = scanmill({"info", at("scene.yaml")});
-  EXPECT_THAT(o.out, AllOf(HasSubstr("3 meshes, 3 times placed"), ContainsRegex("wall +1 x 60 x 9 +-0\\.5 +12 +1\n"),
+  EXPECT_THAT(o.out, AllOf(HasSubstr("3 meshes, placed 3 times"), ContainsRegex("wall +1 x 60 x 9 +-0\\.5 +12 +1\n"),
                            ContainsRegex("car +4 x 2 x 2 +0 +12 +1\n")));
   EXPECT_EQ(o.error, "");
 }

@@ -62,12 +62,13 @@ TEST_F(Recordings, OfPasses) {
 TEST_F(Recordings, WrongUsageIsTold) {
   done({"generate", pipeline_, "-o", at("a"), "--keep-hits", at("hits")});
   const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
-      {{"generate", pipeline_, "-o", at("b"), "--from-hits", at("hits"), "--from-passes", at("hits")}, "exclude"},
+      {{"generate", pipeline_, "-o", at("b"), "--from-hits", at("hits"), "--from-passes", at("hits")},
+       "give only one of"},
       {{"generate", pipeline_, "-o", at("b"), "--from-passes", at("hits")}, "--from-hits"},
       {{"generate", pipeline_, "-o", at("b"), "--from-hits", at("a")}, "no recording.json"},
       {{"generate", pipeline_, "-o", at("b"), "--keep-passes", at("passes")}, "method: depth_camera"},
       {{"generate", pipeline_, "-o", at("b"), "--keep-hits", at("hits")}, "--overwrite"},
-      {{"generate", pipeline_, "-o", at("b"), "--keep-hits", ""}, "--keep-hits names no folder"},
+      {{"generate", pipeline_, "-o", at("b"), "--keep-hits", ""}, "--keep-hits: the name of the folder is empty"},
       {{"render", pipeline_, "-o", at("passes")}, "method: depth_camera"},
       {{"render", pipeline_, "--set", kCamera}, "-o DIR is missing"},
       {{"render", pipeline_, "-o", at("passes"), "--set", kCamera, "--passes", "depth,normals"},

@@ -85,7 +85,7 @@ TEST_F(ReportCommand, WrongUsageIsRefused) {
   EXPECT_EQ(readFile(at("there.html")), "mine");
   expectRefused(scanmill({"report", at("small"), "-o", at("small")}), "is a folder");
   expectRefused(scanmill({"report", at("small"), "-o", at("there.html/a.html")}), "is a file");
-  expectRefused(scanmill({"report", at("small"), "-o", ""}), "-o names no file");
+  expectRefused(scanmill({"report", at("small"), "-o", ""}), "-o: the name of the file is empty");
   expectRefused(scanmill({"report", at("small"), "--samples", "65", "-o", at("x")}), "from 0 to 64");
   expectRefused(scanmill({"report", at("small"), "--samples", "-1", "-o", at("x")}), "-1");
   expectRefused(scanmill({"report", at("small"), "--seed", "one", "-o", at("x")}), "one");

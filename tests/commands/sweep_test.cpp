@@ -55,8 +55,8 @@ TEST_F(Sweep, AWrongSweepMakesNothing) {
   const auto swept = [&](const std::string& sweep) {
     return scanmill({"generate", pipeline_, "-o", at("sweep"), "--sweep", sweep});
   };
-  expectRefused(swept("seed"), "--sweep is KEY=[A, B, ...]");
-  expectRefused(swept("seed=3"), "no list");
+  expectRefused(swept("seed"), "--sweep must be KEY=[A, B, ...]");
+  expectRefused(swept("seed=3"), "not a list");
   expectRefused(swept("seed=[]"), "the list is empty");
   expectRefused(swept("seed=[1"), "--sweep seed");
   expectRefused(swept("sed=[1, 2]"), "sed");

@@ -106,7 +106,8 @@ TEST_F(Tradeoff, TheFiguresAloneGiveTheSameReport) {
   fs::remove(at("out/errors-1.png"));
   const Outcome without = scanmill({"tradeoff", at("out/tradeoff.json"), "-o", at("without")});
   ASSERT_EQ(without.code, 0) << without.error;
-  EXPECT_THAT(without.out, ContainsRegex("left out: picture of .*: errors-1.png is not beside tradeoff.json"));
+  EXPECT_THAT(without.out,
+              ContainsRegex("left out: picture of .*: the file errors-1.png is missing beside tradeoff.json"));
   EXPECT_THAT(filesIn(at("without")), Not(Contains(testing::Key("errors-1.png"))));
   EXPECT_TRUE(studyIn("without").pictures.empty());
   folder_.write("other.json", "{}");
