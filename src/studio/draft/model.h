@@ -29,7 +29,7 @@ struct Model {
   std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
   bool mixed = false;          // the file's name states both a ground and an object
   bool measured = false;       // the file contains measured intensities of points
-  bool allowOutside = false;   // how the file was read, see AssetOptions
+  bool allowOutside = false;   // see AssetOptions::allowOutside
 
   std::uint64_t triangles() const;
   std::uint64_t guessed() const;  // triangles whose class was guessed, or that are guessed to be superfluous

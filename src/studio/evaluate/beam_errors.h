@@ -32,8 +32,8 @@ struct GroupErrors {
   std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
   Spread range;                      // |tested - true range| of the beams in bothHit (m)
   Spread intensity;    // |tested - true intensity| of the beams in bothHit; empty if intensities are not compared
-  Spread nearestTo;    // from the beams' true points to the nearest tested point (m)
-  Spread nearestFrom;  // from the beams' tested points to the nearest true point (m)
+  Spread nearestTo;    // distances from the beams' true points to the nearest tested point (m)
+  Spread nearestFrom;  // distances from the beams' tested points to the nearest true point (m)
 
   double missRate() const;        // (falseNegatives + falsePositives + unresolved) / beams; 0 if there are no beams
   double labels() const;          // sameLabel / bothHit; 1 if bothHit is 0
@@ -70,7 +70,7 @@ struct BeamErrors {
   // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit.
   std::vector<ErrorGroup> byIncidence;
   std::vector<ErrorGroup> byPlace;      // "interior" and "edges"
-  std::vector<ErrorGroup> byClass;      // the classes that occur, sorted by id
+  std::vector<ErrorGroup> byClass;      // one group per class that occurs, sorted by class id
   std::vector<SizeRecall> byThickness;  // object instances grouped by the shortest edge of their box
   std::vector<SizeRecall> byLength;     // object instances grouped by the longest edge of their box
 };

@@ -14,8 +14,8 @@ namespace scanmill {
 // Statistics of the distances between two point clouds. If both clouds are empty, all values are zero. If only one
 // cloud is empty, there are no distances, and `unmatched` is the number of points in the other cloud.
 struct CloudErrors {
-  Spread to;             // from each true point to the nearest tested point (m)
-  Spread from;           // from each tested point to the nearest true point (m)
+  Spread to;             // distances from each true point to the nearest tested point (m)
+  Spread from;           // distances from each tested point to the nearest true point (m)
   double hausdorff = 0;  // maximum of all distances in both directions (m)
   std::size_t unmatched = 0;
 };

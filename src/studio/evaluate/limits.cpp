@@ -29,7 +29,7 @@ enum class Kind {
 };
 
 struct Limit {
-  std::string_view key;  // as written in files and messages
+  std::string_view key;  // name of the limit in files and messages
   Kind kind;
   std::optional<double> ErrorLimits::*allowed;
   double (*value)(const Candidate&);
@@ -126,7 +126,7 @@ std::string brokenText(const Limit& limit, double value, double allowed) {
 
 struct Quantity {
   double number = 0;
-  std::string unit;  // as written, without blanks before it; empty: no unit
+  std::string unit;  // text of the unit, without blanks before it; empty: no unit
 };
 
 // Splits `value` into a finite number and the following text, which is the unit. Returns nothing if the value does not

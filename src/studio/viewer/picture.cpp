@@ -97,7 +97,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     std::vector<Vec3f> points;
     std::vector<Rgb> colors;
   };
-  std::map<int, Item> items;  // by diameter of the points in pixels
+  std::map<int, Item> items;  // keys: diameters of points in pixels
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!isFinite(points[i])) continue;
     const Projected p = view.camera.project(Vec3d(points[i]));

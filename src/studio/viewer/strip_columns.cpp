@@ -109,8 +109,8 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
   }
   constexpr double kFollowing = 0.6;  // least fraction of a ring's points that must be near the ring's azimuths
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
-  // Otherwise these may be the columns of a camera image, whose azimuths are not evenly spaced. Then rings are not
-  // shifted.
+  // If too few points are near these azimuths, the columns may be those of a camera image, whose azimuths are not
+  // evenly spaced. The rings of such an image are not shifted.
   constexpr double kOneWay = 0.9;  // least fraction of the steps that must have the same direction
   turns = grid.turns(1, 0);
   const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });

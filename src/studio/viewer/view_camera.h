@@ -11,9 +11,9 @@
 namespace scanmill {
 
 enum class View {
-  Driver,  // from the sensor's origin, looking straight ahead
-  Above,   // looking straight down, x to the right and y up, without perspective
-  Chase,   // from behind and above the sensor
+  Driver,  // looks straight ahead from the sensor's origin
+  Above,   // looks straight down, x to the right and y up, without perspective
+  Chase,   // looks ahead from behind and above the sensor
 };
 constexpr std::array<std::string_view, 3> kViewNames{"driver", "above", "chase"};
 

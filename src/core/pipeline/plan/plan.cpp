@@ -65,7 +65,7 @@ constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(floa
 // of each scene file, so that errors are found before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
-  std::map<std::filesystem::path, Ontology> known;  // by the scene file's path
+  std::map<std::filesystem::path, Ontology> known;  // each scene file's ontology
   std::vector<std::filesystem::path> files;
   for (const Sequence& s : pipeline.sequences) files.push_back(s.sceneFile);
   if (!pipeline.vehicle.empty()) files.push_back(pipeline.vehicle);

@@ -37,7 +37,7 @@ struct MountedSensor {
 struct MethodChoice {
   const MethodEntry* entry = nullptr;  // null for `method: auto` until settled() replaces it
   Value options;                       // map of options for the method or for `auto`; Null: no options are given
-  bool automatic = false;              // the pipeline says `method: auto`
+  bool automatic = false;              // true: the pipeline says `method: auto`
 };
 
 struct ChosenFormat {

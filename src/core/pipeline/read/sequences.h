@@ -37,7 +37,7 @@ struct Sequence {
 
 // Durations of the sensors' revolutions (s).
 struct Periods {
-  double first = 0.1;  // the first sensor's
+  double first = 0.1;  // duration of the first sensor's revolution (s)
   double longest = 0.1;
 };
 

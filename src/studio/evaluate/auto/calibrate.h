@@ -48,7 +48,7 @@ struct CalibratedSetting {
 };
 
 struct Calibration {
-  std::vector<CalibratedSetting> settings;  // in the pipeline's order
+  std::vector<CalibratedSetting> settings;  // results of all settings, in the pipeline's order
   std::size_t chosen = 0;                   // index of the chosen setting
   std::string why;                          // the reason for the choice, as a sentence with figures
 

@@ -14,7 +14,7 @@
 namespace scanmill {
 
 struct ExactHits {
-  Hits hits;                  // the ranges in it are rounded to float
+  Hits hits;                  // the hits; their ranges are rounded to float
   std::vector<double> range;  // m, per beam; infinity for a miss
 };
 

@@ -61,7 +61,7 @@ struct UsualSides {
   // True if objects can be recognised by this size. False for classes of varied objects, such as boxes and barrows, and
   // for tiny objects.
   bool tell() const {
-    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // of `high` to `low`; m; m
+    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // ratio of `high` to `low`; m; m
     if (middle[0] < kLeastLength) return false;
     for (std::size_t side = 0; side < 3; ++side) {
       if (high[side] > kMostRatio * low[side] && high[side] - low[side] > kMostDifference) return false;

@@ -66,8 +66,8 @@ struct NoiseFit {
   double freedom = 0;
   double largestMisfit = 0;  // largest relative difference between a band and the model
   bool linear = true;        // false: a line does not fit; sigma is given per band instead
-  MeasuredShare dropOut;     // over the bands that the fit uses
-  RingErrors rings;          // from patches with ranges and incidences that the fit uses
+  MeasuredShare dropOut;     // lost returns in the bands that the fit uses
+  RingErrors rings;          // errors of rings, from patches with ranges and incidences that the fit uses
 
   double sigmaAt(double range) const;  // returns the model's sigma (m)
   double measuredUpTo() const;         // returns the mean range (m) of the last band that the fit uses

@@ -139,7 +139,8 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
                          const std::vector<FlatPatch>& patches) {
   const BeamImage image(beams);
   const RingSystem none(beams.rings);
-  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};  // for the odd and the even patches
+  // Each: one system for the odd patches, one for the even patches.
+  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};
   bool lit = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const PatchView view = viewOf(beams, image, scans[patches[p].window.scan], patches[p]);

@@ -48,8 +48,8 @@ struct EncodingResult {
   std::string format;   // the format's name in the table formats()
   std::string options;  // such as "{max_error_mm: 10}"
   std::string failure;
-  double encodePointsPerSecond = 0;  // with one thread
-  double decodePointsPerSecond = 0;  // with one thread
+  double encodePointsPerSecond = 0;  // rate of encoding with one thread
+  double decodePointsPerSecond = 0;  // rate of decoding with one thread
   double bytesPerPoint = 0;
   double largestError = 0;  // largest position error (m), measured by decoding
   double statedError = 0;   // bound of the position error that the format guarantees (m)
@@ -83,7 +83,7 @@ struct Study {
   std::string pipelineName;
   std::string pipelineFile;  // path as given on the command line
   bool budgetGiven = false;  // true: the budget is from --budget, not from the pipeline
-  std::string pipelineText;  // the text with overrides as comments, see Pipeline::text
+  std::string pipelineText;  // the pipeline's text with overrides as comments, see Pipeline::text
   std::uint64_t budgetSeconds = 0;
   int repeats = 0;
   double seconds = 0;  // duration of the study (s)

@@ -116,7 +116,7 @@ class Canvas {
  public:
   virtual ~Canvas() = default;
   virtual std::string device() const = 0;  // name of the device that draws, for reports
-  virtual int width() const = 0;           // in pixels
+  virtual int width() const = 0;           // width in pixels
   virtual int height() const = 0;
   // Returns the display's scale factor for text: 1 for usual displays, 2 for the highest resolutions; 1 if there is no
   // window.

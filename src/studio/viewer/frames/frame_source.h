@@ -24,7 +24,7 @@ struct ViewScan {
   std::string sensor;  // empty if unknown
   std::string method;  // empty if unknown
   Scan scan;
-  std::optional<Pose> worldFromSensor;     // at the start of the revolution; absent if unknown
+  std::optional<Pose> worldFromSensor;     // sensor pose at the start of the revolution; absent if unknown
   double time = 0;                         // s since the start of the sequence
   std::vector<float> error;                // m, one per point, at least 0; NaN: unknown; empty: all unknown
   std::string errorTitle;                  // such as "distance to the reference (m)" or "range error (m)"

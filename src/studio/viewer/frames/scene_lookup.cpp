@@ -58,7 +58,7 @@ std::optional<std::uint64_t> seedBehind(const std::string& key, const std::strin
 }
 
 struct Entry {
-  std::string file;  // as written in the pipeline
+  std::string file;  // path of the scene file as written in the pipeline
   std::uint64_t seed = 1;
   bool moving = true;
 };

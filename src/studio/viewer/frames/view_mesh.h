@@ -38,7 +38,7 @@ struct ViewMesh {
   std::vector<ViewSurface> surfaces;
   std::vector<std::string> parts;  // such as "hall: Wall.003": the object in the scene and the node in its asset
   std::vector<std::string> materials;
-  std::vector<float> reflectance;     // of each material, 0 to 1
+  std::vector<float> reflectance;     // one per material, 0 to 1
   std::vector<std::string> textures;  // names of textures in the assets; the first entry means no texture
   // The sources of classes: a rule in the scene file, such as "line 12: wall (node: Wall*)", or the object, such as
   // "line 30: wall (of the object)". The first two entries are special: triangles without a class, and triangles whose
