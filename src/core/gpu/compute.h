@@ -35,7 +35,7 @@ class ComputeDevice {
 
   const std::string& name() const;        // such as "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string driver() const;             // such as "4.5 (Core Profile) Mesa 22.3.6"
-  std::string nameAndPlace() const;       // name(), and for software ", on the processor"
+  std::string nameAndPlace() const;       // name(); for software rasterisers followed by ", on the processor"
   bool software() const;                  // true: a software rasteriser that runs on the processor
   std::uint64_t mostBufferBytes() const;  // maximum size of a buffer that a program reads and writes
   std::uint64_t mostTableTexels() const;  // maximum number of texels of a table, which a program only reads

@@ -29,8 +29,8 @@ constexpr Rgb kArrowColor{255, 70, 60};
 constexpr Rgb kNoClass{255, 0, 255};
 constexpr Rgb kCell{30, 33, 42};
 constexpr int kTextHeight = 66;   // pixels, for the three lines of text below a model
-constexpr int kTitleHeight = 34;  // pixels
-constexpr double kLetter = 15;    // pixels, height of letters
+constexpr int kTitleHeight = 34;  // height of the title in pixels
+constexpr double kLetter = 15;    // height of letters in pixels
 
 struct Model {
   std::string name;

@@ -207,14 +207,14 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
   return PlaneMaker(image).make();
 }
 
-// Scales planes without interpolation, since ids must not be interpolated.
+// Planes are scaled without interpolation, since ids must not be interpolated.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
-  constexpr double kReadableShare = 1.0 / 7;  // height divided by width
+  constexpr double kReadableShare = 1.0 / 7;  // least height of a plane divided by its width
   constexpr int kInOneRow = 4;
-  constexpr double kLetter = 18;      // pixels
-  constexpr int kTitleHeight = 30;    // pixels
-  constexpr int kCaptionHeight = 26;  // pixels, above each plane
-  constexpr int kGap = 8;             // pixels
+  constexpr double kLetter = 18;      // height of letters in pixels
+  constexpr int kTitleHeight = 30;    // height of the title in pixels
+  constexpr int kCaptionHeight = 26;  // height of the caption above each plane in pixels
+  constexpr int kGap = 8;             // space between planes in pixels
   const auto image = std::make_shared<ExrImage>(readExr(file));
   if (ontology != nullptr) image->ontology = *ontology;
   const std::vector<PassPlane> planes = PlaneMaker(image).make();

@@ -85,7 +85,7 @@ double pointDiameter(double range, double scale, double factor, double unit) {
 // Draws the points. If several points of equal depth are in the same pixel, the first is visible.
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
-  constexpr double kMostDiameter = 200;  // pixels
+  constexpr double kMostDiameter = 200;  // maximum diameter of a point in pixels
   CanvasView view;
   view.rect = body;
   view.camera = makeCamera(options.view, body.width, body.height, options.zoom, options.closeUp);

@@ -40,7 +40,7 @@ struct ViewCamera {
   Vec3d down{0, 0, -1};
   Vec3d forward{1, 0, 0};
   double focal = 1;    // pixels; for orthographic cameras, pixels per metre
-  double centerX = 0;  // pixels
+  double centerX = 0;  // position of the optical axis in the picture (pixels)
   double centerY = 0;
 
   double nearest = 0.5;  // m; nearer points are not drawn

@@ -42,7 +42,7 @@ double reachOf(double range) {
 // User data of a placed mesh for Embree's callbacks.
 struct PlacedGeometry {
   const PlacedBlock* placed;
-  double radius;  // m, see ExactWorld::radius
+  double radius;  // radius of its world (m), see ExactWorld::radius
 };
 
 // The scene's triangles relative to one origin. Each placed mesh is an Embree geometry; its geometry id is its index in

@@ -58,9 +58,9 @@ struct NoiseFit {
   std::vector<PatchGroup> intensities;
 
   // The model sigma(r) = base + growth * r, fitted by least squares with the weights 1 / (the band's error)^2.
-  double base = 0;  // m
+  double base = 0;  // sigma at range 0 (m)
   double baseError = 0;
-  double growth = 0;  // m per m
+  double growth = 0;  // increase of sigma with range (m per m)
   double growthError = 0;
   double chiSquare = 0;
   double freedom = 0;

@@ -21,8 +21,8 @@ namespace scanmill {
 // One scan of a sample, with data that are not in its columns.
 struct ViewScan {
   std::string name;    // unique within the sample, such as "top", "top, particle" or "out/b: top"
-  std::string sensor;  // empty if unknown
-  std::string method;  // empty if unknown
+  std::string sensor;  // name of the sensor; empty if unknown
+  std::string method;  // name of the method; empty if unknown
   Scan scan;
   std::optional<Pose> worldFromSensor;     // sensor pose at the start of the revolution; absent if unknown
   double time = 0;                         // s since the start of the sequence
