@@ -43,7 +43,7 @@ struct GroupErrors {
 };
 
 struct ErrorGroup {
-  std::string name;  // such as "10 to 20 m", "60 to 75 deg", "edges" or "car"
+  std::string name;  // name of the group, such as "10 to 20 m", "60 to 75 deg", "edges" or "car"
   // The ends of the band, in metres or degrees. The upper end is excluded; it is infinite for the last band of ranges.
   // Both are 0 if the group is not a band.
   double low = 0;

@@ -23,7 +23,7 @@ struct FrameCost {
 };
 
 struct FeatureCost {
-  std::string feature;  // such as "effect range_noise", "column time" or "alpha cut-outs"
+  std::string feature;  // name of the feature, such as "effect range_noise", "column time" or "alpha cut-outs"
   bool present = true;  // true: the pipeline has the feature; false: the cost is that of adding the feature
   FrameCost cost;       // cost with the feature minus cost without it
   double scatter = 0;   // timing noise (s); a cost smaller than this is not significant

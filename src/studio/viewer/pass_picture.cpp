@@ -24,7 +24,7 @@ namespace {
 struct ExrImage {
   int width = 0;
   int height = 0;
-  std::string size;       // such as "40 x 20 pixels, 90.0 x 53.1 degrees"
+  std::string size;       // size as text, such as "40 x 20 pixels, 90.0 x 53.1 degrees"
   bool ofSensor = false;  // true: the file has the hits of a sensor, whose ranges are stored as depths
   PassPlanes planes;
   std::vector<float> incidence{};           // cosine of the incidence angle; only for hits

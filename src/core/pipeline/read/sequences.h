@@ -31,7 +31,7 @@ struct Sequence {
   bool sameScene(const Sequence& other) const;
   // Returns at most `most` frame numbers, spread evenly over the sequence.
   std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;
-  std::string key() const;                     // such as "street-s1-lane": scene, seed and trajectory
+  std::string key() const;  // key of the sequence, such as "street-s1-lane": scene, seed and trajectory
   std::string key(std::uint32_t frame) const;  // key of a sample, such as "street-s1-lane-000012"
 };
 

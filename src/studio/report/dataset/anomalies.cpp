@@ -177,7 +177,7 @@ class AnomalySearch {
   }
 
   const DatasetSummary& sum_;
-  // (sequence, id) of instances that MixedInstance warnings report.
+  // Instances, as (sequence, id), about which there is a MixedInstance warning already.
   std::set<std::pair<std::string, std::uint32_t>> mixed_;
   std::set<std::uint16_t> parts_;  // ids of classes that are parts of other classes' objects
   std::map<std::uint16_t, std::vector<std::size_t>> thingsOf_;

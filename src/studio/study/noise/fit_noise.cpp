@@ -119,8 +119,8 @@ std::string unfit(const PatchGroup& band) {
   return {};
 }
 
-// Fits the line sigma = base + growth * range to the bands. Negative coefficients become zero, since a sensor's are not
-// negative.
+// Fits the line sigma = base + growth * range to the bands. Negative coefficients are replaced by zero, since noise
+// cannot be negative and does not decrease with range.
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   const auto solve = [&](bool constant, bool slope) {
     std::vector<double> design;

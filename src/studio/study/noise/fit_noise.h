@@ -28,7 +28,7 @@ struct MeasuredShare {
 // The noise on all patches in a band of ranges, incidence angles or intensities. "Step" means the distance to which the
 // sensor rounds ranges. Sigma is the standard deviation of the ranges from a smooth surface.
 struct PatchGroup {
-  std::string name;  // such as "7.5-10 m" or "60-75 deg"
+  std::string name;  // the band's values, such as "7.5-10 m" or "60-75 deg"
   double low = 0;    // ends of the band; `high` is infinite for the last band
   double high = 0;
   double range = 0;  // mean range (m)

@@ -21,7 +21,7 @@ struct ResidualSpread {
 
 // Recorded and simulated patches, either at steep or at grazing incidence.
 struct ResidualComparison {
-  std::string name;  // such as "up to 60 deg"
+  std::string name;  // the range of incidence angles, such as "up to 60 deg"
   std::size_t patches = 0;
   ResidualSpread recorded;
   ResidualSpread simulated;

@@ -44,7 +44,7 @@ struct RepeatedView {
   // The view's name, such as "small_box front". It consists of the scene, the seed and the sensor if there are several,
   // and the trajectory.
   std::string name;
-  std::string sensor;  // such as "lidar0 (OS1-128, 128 x 1024 beams)"
+  std::string sensor;  // the sensor with its size, such as "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;
 };
 

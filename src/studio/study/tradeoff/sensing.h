@@ -17,7 +17,7 @@ namespace scanmill {
 
 // A variation compared with the truth, by the nearest return of each beam.
 struct SensingResult {
-  std::string name;           // such as "7 rays a beam"
+  std::string name;           // what the variation simplifies, such as "7 rays a beam"
   std::string failure;        // why the variation could not be measured; then all other members are empty
   double traceSeconds = 0;    // s per scan, with all threads
   double effectsSeconds = 0;  // s per scan, with one thread

@@ -44,9 +44,9 @@ struct RingFit {
 
 // Speed, size and error of encoding scans in one format with given options.
 struct EncodingResult {
-  std::string name;     // such as "draco max_error_mm=10"
+  std::string name;     // format and options, such as "draco max_error_mm=10"
   std::string format;   // the format's name in the table formats()
-  std::string options;  // such as "{max_error_mm: 10}"
+  std::string options;  // options as YAML text, such as "{max_error_mm: 10}"
   std::string failure;
   double encodePointsPerSecond = 0;  // rate of encoding with one thread
   double decodePointsPerSecond = 0;  // rate of decoding with one thread
@@ -57,7 +57,7 @@ struct EncodingResult {
 
 // The machine on which the study ran.
 struct StudyMachine {
-  std::string processor;  // such as "AMD EPYC 9B14"
+  std::string processor;  // name of the processor, such as "AMD EPYC 9B14"
   int threads = 0;
   std::string renderer;  // name of the OpenGL device; empty if no method used OpenGL
 };
@@ -78,7 +78,7 @@ struct ErrorPicture {
 struct Study {
   static constexpr int kSchemaVersion = 3;
   std::string programVersion;
-  std::string date;  // such as "2026-11-20", UTC
+  std::string date;  // UTC date of the study, such as "2026-11-20"
   StudyMachine machine;
   std::string pipelineName;
   std::string pipelineFile;  // path as given on the command line
@@ -88,7 +88,7 @@ struct Study {
   int repeats = 0;
   double seconds = 0;  // duration of the study (s)
   StudyScene scene;
-  std::vector<std::string> sensors;  // such as "top: paper_64, 64 x 2048 beams"
+  std::vector<std::string> sensors;  // sensors with their sizes, such as "top: paper_64, 64 x 2048 beams"
   std::uint64_t shots = 0;
   std::uint64_t beamsPerShot = 0;  // mean over the shots
   Ontology ontology;

@@ -36,7 +36,8 @@ struct ViewMesh {
   std::vector<std::uint32_t> instance;  // instance id of each triangle; 0: no instance
   std::vector<std::uint32_t> surface;   // index in `surfaces` for each triangle
   std::vector<ViewSurface> surfaces;
-  std::vector<std::string> parts;  // such as "hall: Wall.003": the object in the scene and the node in its asset
+  // Names of parts, such as "hall: Wall.003": the object in the scene and the node in its asset.
+  std::vector<std::string> parts;
   std::vector<std::string> materials;
   std::vector<float> reflectance;     // one per material, 0 to 1
   std::vector<std::string> textures;  // names of textures in the assets; the first entry means no texture
