@@ -15,7 +15,7 @@ namespace scanmill::draft {
 // A part of a file with its names and the concept that was guessed from them.
 struct KnownPart {
   std::string node, material, texture;
-  const Concept* what = nullptr;  // null: unknown
+  const Concept* what = nullptr;  // guessed concept; null: unknown
   std::uint64_t triangles = 0;
 };
 

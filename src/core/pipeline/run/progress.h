@@ -37,7 +37,7 @@ class Progress {
   bool shown_ = false;
   bool said_ = false;
   WallTimer timer_;
-  double lastShown_ = 0;  // s since the start
+  double lastShown_ = 0;  // time of the last output (s since the start)
 };
 
 }  // namespace scanmill

@@ -25,7 +25,7 @@ constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
 constexpr double kHalfLength = 2;  // half of a vehicle's length (m)
 constexpr double kStep = 4;        // length of an arc (m); a path consists of such arcs
 constexpr double kTightest = 6;    // minimum radius of an arc (m)
-// m from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
+// Distance (m) from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
 constexpr double kFromEdge = 2;
 // If the edge is at least this far away (m), the surface counts as an open place, not as a road.
 constexpr double kOpen = 12;

@@ -29,7 +29,7 @@ constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
 constexpr double kAlongAnAxis = 1e-12;   // smaller direction components become zero for Embree, see component()
 constexpr HierarchyOptions kUnfiltered{};
 
-// m. Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor, the same
+// Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor (m), the same
 // rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners near
 // the sensor.
 const double kFloor = double{coplanarFloor(0)};

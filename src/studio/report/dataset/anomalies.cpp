@@ -189,7 +189,7 @@ class AnomalySearch {
 // Returns a camera that looks at the box from the sensor's side, slightly from above. It is near enough for the box to
 // fill much of the picture.
 OrbitCamera cameraOn(const Box& box) {
-  // Degrees; factor for the distance that frames the box; m.
+  // Pitch (degrees); factor for the distance that frames the box; least distance (m).
   constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;
   const auto tenths = [](double v) { return std::round(v * 10) / 10 + 0.0; };
   OrbitCamera camera;

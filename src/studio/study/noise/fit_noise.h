@@ -34,7 +34,7 @@ struct PatchGroup {
   double range = 0;  // mean range (m)
   std::size_t patches = 0;
   std::uint64_t points = 0;  // points in the measured halves of the patches
-  double sigma = 0;          // m, after removing the effect of the step
+  double sigma = 0;          // standard deviation of the ranges (m), after removing the effect of the step
   double error = 0;          // standard error of sigma (m), by bootstrap over the patches
   double withStep = 0;       // standard deviation of the ranges, including the effect of rounding to the step (m)
   double planeSigma = 0;     // deviation from planes (m), which includes ring offsets, curvature and motion

@@ -41,7 +41,7 @@ using PatchPlane = Vec3d;
 
 struct FlatPatch {
   PatchWindow window;
-  PatchPlane plane;      // fitted to the tested half
+  PatchPlane plane;      // plane fitted to the tested half
   double range = 0;      // mean range from the window's beams to the plane (m)
   double incidence = 0;  // cosine of the angle between the window's middle beam and the plane's normal
   double intensity = 0;  // median of the tested returns' intensities; 0 if the scan has no intensities

@@ -35,7 +35,7 @@ struct RingErrors {
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<FlatPatch>& patches);
 
-// least RingSpread::agreement for which errors are attributed to the sensor.
+// Least RingSpread::agreement for which errors are attributed to the sensor.
 constexpr double kOwnErrors = 0.5;
 
 }  // namespace scanmill
