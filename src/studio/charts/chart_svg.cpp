@@ -296,7 +296,8 @@ class SvgDrawing {
     area_ = {kMargin, top, width_ - kMargin - 8, height_ - kMargin - kFont * 3.4};
     if (!chart_.y.title.empty()) text("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
     area_.top += kNoteFont * 1.9;
-    constexpr double kTurned = 26;  // degrees by which names are rotated if they are too long to fit side by side
+    // Angle (degrees) by which names are rotated if they are too long to fit side by side.
+    constexpr double kTurned = 26;
     double widest = 0;
     for (const std::string& name : chart_.x.names) widest = std::max(widest, svgTextWidth(name, kFont));
     const bool turned = widest * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;

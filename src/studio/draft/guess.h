@@ -28,7 +28,7 @@ struct FrameGuess {
   char up = 'z';
   std::string whyUp;  // the reason for `up` in words; empty if the file or its format states the axis
   bool doubtfulUp = false;
-  double unit = 1;  // m per unit of the file
+  double unit = 1;  // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
   const Concept* what = nullptr;   // concept of most triangles; null: unknown, or a place with many objects

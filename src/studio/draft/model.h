@@ -25,7 +25,7 @@ struct Model {
   std::vector<KnownPart> parts;
   const Concept* whole = nullptr;  // the concept that the name of the file or its folders states; null: none
   FrameGuess frame;
-  Box box;                     // m, computed with the guessed unit and up axis
+  Box box;                     // bounding box (m), computed with the guessed unit and up axis
   std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
   bool mixed = false;          // the file's name states both a ground and an object
   bool measured = false;       // the file contains measured intensities of points

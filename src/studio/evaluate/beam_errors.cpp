@@ -44,10 +44,10 @@ struct Outcome {
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // m, absolute error; 0 unless both have a hit
+  float range = 0;               // absolute error (m); 0 unless both have a hit
   float intensity = kUnknown;    // absolute error; NaN if not known
-  float nearestTo = kUnknown;    // m, from the true point to the nearest tested point; NaN if not known
-  float nearestFrom = kUnknown;  // m, from the tested point to the nearest true point; NaN if not known
+  float nearestTo = kUnknown;    // distance from the true point to the nearest tested point (m); NaN if not known
+  float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known
 };
 
 // Counts and errors of a group of beams. All single errors are stored, since percentiles need them; as float, since

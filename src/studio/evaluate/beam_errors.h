@@ -55,7 +55,7 @@ struct ErrorGroup {
 // the truth are counted.
 struct SizeRecall {
   std::string name;
-  double low = 0, high = 0;       // m, ends of the size range; the upper end is excluded
+  double low = 0, high = 0;       // ends of the size range (m); the upper end is excluded
   std::uint64_t things = 0;       // number of instances of this size
   std::uint64_t thingsFound = 0;  // number of instances of this size that a beam of the tested method hits too
   std::uint64_t beams = 0;        // number of beams whose true hit is on an instance of this size

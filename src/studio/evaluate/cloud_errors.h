@@ -22,8 +22,9 @@ struct CloudErrors {
 
 // The distances between a true and a tested cloud.
 struct CloudDistances {
-  std::vector<float> to;      // m, for each true point; NaN if the point is not finite or there is no tested point
-  std::vector<float> from;    // m, for each tested point; NaN if the point is not finite or there is no true point
+  std::vector<float> to;  // distance of each true point (m); NaN if the point is not finite or there is no tested point
+  // Distance of each tested point (m); NaN if the point is not finite or there is no true point.
+  std::vector<float> from;
   std::size_t unmatched = 0;  // number of finite points in one cloud if the other cloud has none; otherwise 0
 };
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);

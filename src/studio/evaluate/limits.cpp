@@ -21,11 +21,11 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 enum class Kind {
-  Length,     // m, upper limit
-  Amount,     // number without a unit, upper limit
-  Share,      // fraction from 0 to 1, upper limit
-  Agreement,  // fraction from 0 to 1, lower limit
-  Rate,       // beams/s, lower limit
+  Length,     // upper limit (m)
+  Amount,     // upper limit of a number without a unit
+  Share,      // upper limit of a fraction from 0 to 1
+  Agreement,  // lower limit of a fraction from 0 to 1
+  Rate,       // lower limit (beams/s)
 };
 
 struct Limit {

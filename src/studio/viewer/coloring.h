@@ -98,7 +98,7 @@ struct Coloring {
 // Data for colorScan() that are not part of a scan.
 struct ColorContext {
   const Ontology* ontology = nullptr;
-  std::span<const float> error{};  // m, one per point; NaN: unknown; empty: no errors
+  std::span<const float> error{};  // error of each point (m); NaN: unknown; empty: no errors
   // Title of the legend for errors, such as "distance to the reference (m)"; empty: "error (m)".
   std::string errorTitle{};
   std::string whyNoError{};           // what an unknown error means, such as "no partner in the reference"

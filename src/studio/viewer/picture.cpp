@@ -75,10 +75,11 @@ constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 // Returns the diameter (pixels) with which a point is drawn, so that it fills the gap to neighbouring beams, which
 // grows with the range. `scale`: pixels per metre at the point. `unit`: pixels per pixel of a picture 850 pixels high.
 double pointDiameter(double range, double scale, double factor, double unit) {
-  constexpr double kWorldDiameter = 0.05;      // diameter of a point near the sensor (m)
-  constexpr double kDiameterPerMetre = 0.003;  // m per m of range; beams 0.2 degrees apart nearly touch
-  constexpr double kLeast = 1.3;               // minimum diameter, in multiples of `unit`
-  constexpr double kMost = 16;                 // maximum diameter, in multiples of `unit`
+  constexpr double kWorldDiameter = 0.05;  // diameter of a point near the sensor (m)
+  // Increase of the diameter per range (m/m); beams 0.2 degrees apart nearly touch.
+  constexpr double kDiameterPerMetre = 0.003;
+  constexpr double kLeast = 1.3;  // minimum diameter, in multiples of `unit`
+  constexpr double kMost = 16;    // maximum diameter, in multiples of `unit`
   return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
 }
 

@@ -26,7 +26,7 @@ class AzimuthGrid {
   AzimuthGrid(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
               std::size_t rings, std::size_t columns)
       : rings_(rings), columns_(columns), azimuth_(rings * columns, std::numeric_limits<float>::quiet_NaN()) {
-    constexpr double kOnAxis = 1e-3;  // m; points nearer to the z axis have no meaningful azimuth
+    constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Vec3f& p = scan.position[i];
       if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
@@ -62,7 +62,7 @@ class AzimuthGrid {
  private:
   std::size_t rings_;
   std::size_t columns_;
-  std::vector<float> azimuth_;  // rad; NaN: no hit
+  std::vector<float> azimuth_;  // azimuth of each point (rad); NaN: no hit
 };
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {

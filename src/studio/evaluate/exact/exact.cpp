@@ -50,7 +50,7 @@ struct PlacedGeometry {
 struct ExactWorld {
   World world;
   std::vector<PlacedGeometry> placements;
-  double radius = 0;  // m, maximum distance of beam origins from the world's origin
+  double radius = 0;  // maximum distance of beam origins from the world's origin (m)
 };
 
 struct Found {
@@ -64,7 +64,7 @@ struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
-  double far;                 // m, maximum range of hits
+  double far;                 // maximum range of hits (m)
   std::vector<Found>* found;  // receives all hits within `far`, and some beyond
 };
 

@@ -15,7 +15,7 @@ namespace scanmill {
 
 struct ExactHits {
   Hits hits;                  // the hits; their ranges are rounded to float
-  std::vector<double> range;  // m, per beam; infinity for a miss
+  std::vector<double> range;  // range of each beam (m); infinity for a miss
 };
 
 class ExactTracer {

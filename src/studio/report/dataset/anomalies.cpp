@@ -61,7 +61,8 @@ struct UsualSides {
   // True if objects can be recognised by this size. False for classes of varied objects, such as boxes and barrows, and
   // for tiny objects.
   bool tell() const {
-    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // ratio of `high` to `low`; m; m
+    // Ratio of `high` to `low`; lengths (m).
+    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;
     if (middle[0] < kLeastLength) return false;
     for (std::size_t side = 0; side < 3; ++side) {
       if (high[side] > kMostRatio * low[side] && high[side] - low[side] > kMostDifference) return false;
@@ -69,7 +70,7 @@ struct UsualSides {
     return true;
   }
   double distanceTo(const Sides& sides) const {
-    constexpr double kLeast = 0.05;  // m; smaller lengths are treated as this length
+    constexpr double kLeast = 0.05;  // smaller lengths are treated as this length (m)
     double sum = 0;
     for (std::size_t side = 0; side < 3; ++side) {
       sum += std::abs(std::log(std::max(sides[side], kLeast) / std::max(middle[side], kLeast)));

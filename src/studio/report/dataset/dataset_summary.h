@@ -54,7 +54,7 @@ struct SequenceSummary {
   std::string scene, seed, trajectory;  // parts of the name; empty if they are not known
   std::string split;                    // one or more names, such as "train, val"
   std::uint64_t samples = 0, scans = 0, points = 0;
-  double seconds = 0;  // s from the first to the last scan of the sequence
+  double seconds = 0;  // time from the first to the last scan of the sequence (s)
 };
 
 struct SplitSummary {

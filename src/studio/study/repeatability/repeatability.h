@@ -55,7 +55,7 @@ struct Repeatability {
   std::string pipelineText;  // the pipeline's text with overrides as comments, see Pipeline::text
   std::uint64_t seed = 0;    // seed of the first scan; further scans have the following numbers
   std::uint32_t scans = 0;   // number of scans from each pose
-  double margin = 0;         // m; points farther from the object's bounding box are removed
+  double margin = 0;         // points farther from the object's bounding box than this (m) are removed
   IcpOptions icp;
   std::vector<std::string> methods;  // names of the settings
   std::vector<std::string> levels;   // names of the noise levels

@@ -31,7 +31,7 @@ struct SettingResult {
 // The time of a scan with this number of rings.
 struct RingTiming {
   std::uint32_t rings = 0;
-  double scanSeconds = 0;  // s, median over repeated scans
+  double scanSeconds = 0;  // median time of repeated scans (s)
 };
 // The model seconds = fixedSeconds + secondsPerRing * rings, fitted by least squares of relative errors.
 struct RingFit {
@@ -123,7 +123,7 @@ struct Advice {
 std::vector<Advice> advise(const Study& study);
 
 struct StudyOptions {
-  double budgetSeconds = 0;  // s; 0: the pipeline's budget, or 300 s
+  double budgetSeconds = 0;  // maximum time of the study (s); 0: the pipeline's budget, or 300 s
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
   // Shows a scan on the screen; its duration is stored in Study::showing. If empty, showing is not measured.

@@ -66,14 +66,14 @@ struct ItemLook {
 // text. The colours of each triangle are multiplied by the colours of an image. Later triangles are on top of earlier
 // ones.
 struct OverlayVertex {
-  float x = 0;  // pixels of the canvas
+  float x = 0;  // position on the canvas (pixels)
   float y = 0;
   float u = 0;  // texture coordinates from 0 to 1; the origin is the image's upper left corner
   float v = 0;
   Rgba color{};
 };
 struct OverlayPart {
-  PixelRect clip;         // pixels of the canvas; nothing is drawn outside
+  PixelRect clip;         // rectangle of the canvas (pixels); nothing is drawn outside
   ImageId image = 0;      // an image from setImage()
   std::size_t first = 0;  // index in Overlay::corners
   std::size_t count = 0;  // number of entries in Overlay::corners, three per triangle

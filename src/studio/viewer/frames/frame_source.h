@@ -25,8 +25,8 @@ struct ViewScan {
   std::string method;  // name of the method; empty if unknown
   Scan scan;
   std::optional<Pose> worldFromSensor;  // sensor pose at the start of the revolution; absent if unknown
-  double time = 0;                      // s since the start of the sequence
-  std::vector<float> error;             // m, one per point, at least 0; NaN: unknown; empty: all unknown
+  double time = 0;                      // time since the start of the sequence (s)
+  std::vector<float> error;             // error of each point (m), at least 0; NaN: unknown; empty: all unknown
   // Title of the legend for `error`, such as "distance to the reference (m)" or "range error (m)".
   std::string errorTitle;
   std::shared_ptr<const BeamTable> beams;  // beam table of the sensor; null if unknown
