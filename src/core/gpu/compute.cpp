@@ -151,8 +151,8 @@ void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
 }
 
 std::span<const std::byte> ComputeReadback::wait() {
-  constexpr double kSpin = 1e-3;  // s, during which the device is queried without pauses
-  constexpr double kMost = 120;   // s, after which waiting ends with an error
+  constexpr double kSpin = 1e-3;  // time during which the device is queried without pauses (s)
+  constexpr double kMost = 120;   // time after which waiting ends with an error (s)
   constexpr auto kPause = std::chrono::microseconds(50);
   const std::scoped_lock lock(asking_);
   const WallTimer waiting;

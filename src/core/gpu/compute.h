@@ -24,8 +24,8 @@ struct ComputeContext;  // the state that a device shares with its buffers and p
 
 // The wording of errors of a device and of its buffers and programs. A message is "<cannot>: <reason>; <instead>".
 struct ComputeErrorWords {
-  std::string cannot;   // such as "particles cannot fly by OpenGL"
-  std::string instead;  // such as "'backend: cpu' does without it", the advice in messages
+  std::string cannot;   // what fails without the device, such as "particles cannot fly by OpenGL"
+  std::string instead;  // what the user can do instead, such as "'backend: cpu' does without it"
 };
 
 class ComputeDevice {
@@ -34,9 +34,9 @@ class ComputeDevice {
   // or if the plug-in cannot be loaded.
   explicit ComputeDevice(ComputeErrorWords words);
 
-  const std::string& name() const;        // such as "llvmpipe (LLVM 15.0.6, 256 bits)"
-  std::string driver() const;             // such as "4.5 (Core Profile) Mesa 22.3.6"
-  std::string nameAndPlace() const;       // name(), and for software ", on the processor"
+  const std::string& name() const;        // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string driver() const;             // OpenGL version of the driver, such as "4.5 (Core Profile) Mesa 22.3.6"
+  std::string nameAndPlace() const;       // name(); for software rasterisers followed by ", on the processor"
   bool software() const;                  // true: a software rasteriser that runs on the processor
   std::uint64_t mostBufferBytes() const;  // maximum size of a buffer that a program reads and writes
   std::uint64_t mostTableTexels() const;  // maximum number of texels of a table, which a program only reads

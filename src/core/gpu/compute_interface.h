@@ -51,7 +51,7 @@ class ComputeBackend {
   virtual std::string driver() const = 0;
   virtual bool software() const = 0;  // true: runs on the processor
   virtual ComputeLimits limits() const = 0;
-  // `text`: GLSL with the restrictions that ComputeProgram states.
+  // Compiles a program and returns its number. `text`: GLSL as described at ComputeProgram's constructor.
   virtual std::uint32_t makeProgram(const std::string& name, const std::string& text) = 0;
   virtual std::uint32_t makeBuffer() = 0;
   virtual void dropProgram(std::uint32_t program) noexcept = 0;

@@ -198,7 +198,7 @@ class DeviceClock {
     }
   }
 
-  // shared by all devices; used only on the OpenGL thread.
+  // Shared by all devices; used only on the OpenGL thread.
   static inline bool running = false;
   static inline StageSeconds seconds;
 

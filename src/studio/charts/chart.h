@@ -58,8 +58,8 @@ struct Chart {
   // names, bars are horizontal and are drawn at the name with index point.y.
   std::vector<ChartSeries> series{};
   bool stacked = false;  // stacks bars that have the same name; only for linear axes
-  int width = 860;       // pixels
-  int height = 480;      // pixels
+  int width = 860;       // width of the drawing in pixels
+  int height = 480;      // height of the drawing in pixels
 };
 
 // True if at least one point is finite and can be drawn.

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;  // pixels
+constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;  // sizes in pixels
 constexpr double kBand = 0.1;  // fraction of a logarithmic axis that shows values of zero and below
 
 bool isDrawn(const Vec2d& p) {
@@ -296,7 +296,8 @@ class SvgDrawing {
     area_ = {kMargin, top, width_ - kMargin - 8, height_ - kMargin - kFont * 3.4};
     if (!chart_.y.title.empty()) text("axistitle muted", kMargin, area_.top + kNoteFont, "start", chart_.y.title);
     area_.top += kNoteFont * 1.9;
-    constexpr double kTurned = 26;  // degrees by which names are rotated if they are too long to fit side by side
+    // Angle (degrees) by which names are rotated if they are too long to fit side by side.
+    constexpr double kTurned = 26;
     double widest = 0;
     for (const std::string& name : chart_.x.names) widest = std::max(widest, svgTextWidth(name, kFont));
     const bool turned = widest * static_cast<double>(chart_.x.names.size()) * 1.1 > area_.right - area_.left - 60;
@@ -442,7 +443,7 @@ class SvgDrawing {
   const Chart& chart_;
   double width_, height_;
   bool emphasised_ = false;  // at least one series is emphasised
-  ChartBox area_;            // of the plot, without title, legend and axis labels
+  ChartBox area_;            // rectangle of the plot, without title, legend and axis labels
   const ChartScale *x_ = nullptr, *y_ = nullptr;
   std::vector<ChartBox> taken_;  // boxes of marks and labels, which new labels must not overlap
   std::vector<ChartBox> lines_;  // boxes of lines, which labels avoid if there is room elsewhere

@@ -17,7 +17,7 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
                                       667,  778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556,
                                       333,  556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556,
                                       556,  556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584};
-// Factor for fonts such as DejaVu Sans and Verdana, which are wider than Helvetica.
+// Factor by which texts in fonts such as DejaVu Sans and Verdana are wider than in Helvetica.
 constexpr double kOtherFonts = 1.12;
 constexpr double kBold = 1.07;
 constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD

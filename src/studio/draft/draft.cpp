@@ -36,7 +36,7 @@ bool areOnePlace(const std::vector<Model>& models) {
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, bool allowOutside) {
-  constexpr double kGap = 2;  // m between objects that are placed side by side
+  constexpr double kGap = 2;  // gap between objects that are placed side by side (m)
   Draft draft;
   draft.yaml = fmt::format(
       "# A draft: units, axes, classes and materials are guesses by names and sizes. Look at the picture, and at\n"

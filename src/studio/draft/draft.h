@@ -16,13 +16,13 @@ namespace scanmill::draft {
 struct DraftedFile {
   std::filesystem::path file;
   std::string name;  // name of the object in the scene file
-  double unit = 1;   // m per unit of the file
+  double unit = 1;   // length of the file's unit (m)
   char up = 'z';
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;  // triangles whose class was guessed, or that are guessed to be superfluous
   std::uint64_t byFile = 0;   // triangles of `guessed` with the class that the name of the file or its folder suggests
   std::vector<std::string> doubts;  // guesses that a person should check, each in a few words
-  Box box;                          // m, in the object's frame
+  Box box;                          // bounding box in the object's frame (m)
 };
 
 struct Draft {

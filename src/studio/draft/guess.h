@@ -28,7 +28,7 @@ struct FrameGuess {
   char up = 'z';
   std::string whyUp;  // the reason for `up` in words; empty if the file or its format states the axis
   bool doubtfulUp = false;
-  double unit = 1;  // m per unit of the file
+  double unit = 1;  // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
   const Concept* what = nullptr;   // concept of most triangles; null: unknown, or a place with many objects
@@ -54,7 +54,7 @@ const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesys
 // The horizontal surface at the bottom of a tile on which objects stand.
 struct Plate {
   const Concept* ground = nullptr;
-  double height = 0;  // of the upper side, above the asset's lowest point, in the file's units
+  double height = 0;  // height of the plate's upper side above the asset's lowest point, in the file's units
 };
 
 // Returns the plate of an asset if groundIn() finds a ground in its name and horizontal triangles near its bottom cover

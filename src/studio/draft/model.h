@@ -15,7 +15,7 @@ namespace scanmill::draft {
 // A part of a file with its names and the concept that was guessed from them.
 struct KnownPart {
   std::string node, material, texture;
-  const Concept* what = nullptr;  // null: unknown
+  const Concept* what = nullptr;  // guessed concept; null: unknown
   std::uint64_t triangles = 0;
 };
 
@@ -25,11 +25,11 @@ struct Model {
   std::vector<KnownPart> parts;
   const Concept* whole = nullptr;  // the concept that the name of the file or its folders states; null: none
   FrameGuess frame;
-  Box box;                     // m, computed with the guessed unit and up axis
+  Box box;                     // bounding box (m), computed with the guessed unit and up axis
   std::optional<Plate> plate;  // the ground of a tile; parts above this plate belong to `whole`
   bool mixed = false;          // the file's name states both a ground and an object
   bool measured = false;       // the file contains measured intensities of points
-  bool allowOutside = false;   // how the file was read, see AssetOptions
+  bool allowOutside = false;   // see AssetOptions::allowOutside
 
   std::uint64_t triangles() const;
   std::uint64_t guessed() const;  // triangles whose class was guessed, or that are guessed to be superfluous

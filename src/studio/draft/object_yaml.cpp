@@ -77,7 +77,7 @@ Patterns patternsFor(const KnownPart& known, const std::vector<KnownPart>& parts
     }
   }
   choices.insert(choices.end(), {{0, 1}, {0, 2}, {1, 2}, {0, 1, 2}});
-  // In a world file, the names of a model's nodes consist of the model's name, a slash and the node's name.
+  // The name of a node in a world file consists of the model's name, a slash and the node's own name.
   const std::string& node = known.node;
   for (std::size_t slash = node.find('/'); slash != std::string::npos; slash = node.find('/', slash + 1)) {
     Patterns all{withoutDigits(node.substr(0, slash)) + "/*", "", ""};
@@ -137,7 +137,7 @@ class Writer {
                             quoted(k.texture))] += k.triangles;
         continue;
       }
-      if (k.what == file) continue;  // writeRest() gives these parts their class, without a rule
+      if (k.what == file) continue;  // writeRest() gives such parts their class, without a rule
       const Patterns patterns = patternsFor(k, parts, concepts_);
       const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
       if (keys == 1) {

@@ -20,10 +20,10 @@ constexpr double kOpen = std::numeric_limits<double>::infinity();
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 // The edges of the bands: the lower end of each band, then the upper end of the last band.
-constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // m
-constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // degrees
-constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};          // m
-constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};              // m
+constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // ranges (m)
+constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // incidence angles (degrees)
+constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};  // shortest edge of an instance's box (m)
+constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};      // longest edge of an instance's box (m)
 
 // Returns the index of the band that contains `value`, which must be at least the first edge. Values at or above the
 // last edge, such as 90 degrees, belong to the last band.
@@ -44,10 +44,10 @@ struct Outcome {
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // m, absolute error; 0 unless both have a hit
+  float range = 0;               // absolute error (m); 0 unless both have a hit
   float intensity = kUnknown;    // absolute error; NaN if not known
-  float nearestTo = kUnknown;    // m, from the true point to the nearest tested point; NaN if not known
-  float nearestFrom = kUnknown;  // m, from the tested point to the nearest true point; NaN if not known
+  float nearestTo = kUnknown;    // distance from the true point to the nearest tested point (m); NaN if not known
+  float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known
 };
 
 // Counts and errors of a group of beams. All single errors are stored, since percentiles need them; as float, since

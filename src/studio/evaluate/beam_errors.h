@@ -32,8 +32,8 @@ struct GroupErrors {
   std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
   Spread range;                      // |tested - true range| of the beams in bothHit (m)
   Spread intensity;    // |tested - true intensity| of the beams in bothHit; empty if intensities are not compared
-  Spread nearestTo;    // from the beams' true points to the nearest tested point (m)
-  Spread nearestFrom;  // from the beams' tested points to the nearest true point (m)
+  Spread nearestTo;    // distances from the beams' true points to the nearest tested point (m)
+  Spread nearestFrom;  // distances from the beams' tested points to the nearest true point (m)
 
   double missRate() const;        // (falseNegatives + falsePositives + unresolved) / beams; 0 if there are no beams
   double labels() const;          // sameLabel / bothHit; 1 if bothHit is 0
@@ -43,7 +43,7 @@ struct GroupErrors {
 };
 
 struct ErrorGroup {
-  std::string name;  // such as "10 to 20 m", "60 to 75 deg", "edges" or "car"
+  std::string name;  // name of the group, such as "10 to 20 m", "60 to 75 deg", "edges" or "car"
   // The ends of the band, in metres or degrees. The upper end is excluded; it is infinite for the last band of ranges.
   // Both are 0 if the group is not a band.
   double low = 0;
@@ -55,7 +55,7 @@ struct ErrorGroup {
 // the truth are counted.
 struct SizeRecall {
   std::string name;
-  double low = 0, high = 0;       // m, ends of the size range; the upper end is excluded
+  double low = 0, high = 0;       // ends of the size range (m); the upper end is excluded
   std::uint64_t things = 0;       // number of instances of this size
   std::uint64_t thingsFound = 0;  // number of instances of this size that a beam of the tested method hits too
   std::uint64_t beams = 0;        // number of beams whose true hit is on an instance of this size
@@ -70,7 +70,7 @@ struct BeamErrors {
   // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit.
   std::vector<ErrorGroup> byIncidence;
   std::vector<ErrorGroup> byPlace;      // "interior" and "edges"
-  std::vector<ErrorGroup> byClass;      // the classes that occur, sorted by id
+  std::vector<ErrorGroup> byClass;      // one group per class that occurs, sorted by class id
   std::vector<SizeRecall> byThickness;  // object instances grouped by the shortest edge of their box
   std::vector<SizeRecall> byLength;     // object instances grouped by the longest edge of their box
 };

@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 struct Cloud {
-  std::vector<Vec3f> points;  // only finite points
+  std::vector<Vec3f> points;  // finite points of the cloud (m)
 
   // The functions that nanoflann calls.
   std::size_t kdtree_get_point_count() const { return points.size(); }

@@ -14,16 +14,17 @@ namespace scanmill {
 // Statistics of the distances between two point clouds. If both clouds are empty, all values are zero. If only one
 // cloud is empty, there are no distances, and `unmatched` is the number of points in the other cloud.
 struct CloudErrors {
-  Spread to;             // from each true point to the nearest tested point (m)
-  Spread from;           // from each tested point to the nearest true point (m)
+  Spread to;             // distances from each true point to the nearest tested point (m)
+  Spread from;           // distances from each tested point to the nearest true point (m)
   double hausdorff = 0;  // maximum of all distances in both directions (m)
   std::size_t unmatched = 0;
 };
 
 // The distances between a true and a tested cloud.
 struct CloudDistances {
-  std::vector<float> to;      // m, for each true point; NaN if the point is not finite or there is no tested point
-  std::vector<float> from;    // m, for each tested point; NaN if the point is not finite or there is no true point
+  std::vector<float> to;  // distance of each true point (m); NaN if the point is not finite or there is no tested point
+  // Distance of each tested point (m); NaN if the point is not finite or there is no true point.
+  std::vector<float> from;
   std::size_t unmatched = 0;  // number of finite points in one cloud if the other cloud has none; otherwise 0
 };
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested);

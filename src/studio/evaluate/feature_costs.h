@@ -23,7 +23,7 @@ struct FrameCost {
 };
 
 struct FeatureCost {
-  std::string feature;  // such as "effect range_noise", "column time" or "alpha cut-outs"
+  std::string feature;  // name of the feature, such as "effect range_noise", "column time" or "alpha cut-outs"
   bool present = true;  // true: the pipeline has the feature; false: the cost is that of adding the feature
   FrameCost cost;       // cost with the feature minus cost without it
   double scatter = 0;   // timing noise (s); a cost smaller than this is not significant
@@ -38,7 +38,7 @@ struct FeatureCosts {
 
 struct FeatureEffort {
   int rounds = 14;         // maximum number of rounds; a round measures each variant once
-  double seconds = 1e300;  // s for all rounds; if a frame is slow, fewer rounds are run, but at least two
+  double seconds = 1e300;  // maximum time of all rounds (s); if a frame is slow, fewer rounds are run, but at least two
   std::function<void(int round, int of)> begun{};  // called before each round with its number; round 0 is a warm-up
 };
 

@@ -21,15 +21,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 enum class Kind {
-  Length,     // m, upper limit
-  Amount,     // number without a unit, upper limit
-  Share,      // fraction from 0 to 1, upper limit
-  Agreement,  // fraction from 0 to 1, lower limit
-  Rate,       // beams/s, lower limit
+  Length,     // upper limit (m)
+  Amount,     // upper limit of a number without a unit
+  Share,      // upper limit of a fraction from 0 to 1
+  Agreement,  // lower limit of a fraction from 0 to 1
+  Rate,       // lower limit (beams/s)
 };
 
 struct Limit {
-  std::string_view key;  // as written in files and messages
+  std::string_view key;  // name of the limit in files and messages
   Kind kind;
   std::optional<double> ErrorLimits::*allowed;
   double (*value)(const Candidate&);
@@ -126,7 +126,7 @@ std::string brokenText(const Limit& limit, double value, double allowed) {
 
 struct Quantity {
   double number = 0;
-  std::string unit;  // as written, without blanks before it; empty: no unit
+  std::string unit;  // text of the unit, without blanks before it; empty: no unit
 };
 
 // Splits `value` into a finite number and the following text, which is the unit. Returns nothing if the value does not

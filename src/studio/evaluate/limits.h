@@ -17,9 +17,10 @@ namespace scanmill {
 struct ErrorLimits {
   std::optional<double> mean, rms, median, p95, p99, p999, max;  // upper limits of the range error (m)
   std::optional<double> intensity;                               // upper limit of the mean intensity error
-  std::optional<double> missRate;                                // upper limit
-  std::optional<double> labels, classes, instances;              // lower limits
-  std::optional<double> minRate;                                 // lower limit (beams/s)
+  std::optional<double> missRate;                                // upper limit of GroupErrors::missRate()
+  // Lower limits of the fractions of correct labels, classes and instances.
+  std::optional<double> labels, classes, instances;
+  std::optional<double> minRate;  // lower limit of the rate (beams/s)
 };
 
 // Reads limits such as {max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}, min_rate: 5e6}. `errors` and `rate` are

@@ -120,7 +120,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
   // Durations by sensor, since the sizes of scans differ between sensors.
   std::map<std::uint32_t, std::vector<double>> seconds;
   TraceAccount timedAccount;
-  TraceAccount otherAccount;  // for scans that are not timed
+  TraceAccount otherAccount;  // account of the scans that are not timed
 
   checkStop(options);
   hits.reset(shots.front().shot.beams->rings, shots.front().shot.beams->columns, compared);
@@ -184,7 +184,7 @@ std::vector<Vec3f> hitPoints(const Shot& shot, const Hits& hits) {
   const BeamTable& beams = *shot.beams;
   if (hits.size() != beams.size()) throw Error("hits and beams are not of one sensor");
   requireOneRay(hits);
-  std::vector<Affine> toStart;  // for each step; empty: points stay in the sensor's frame of their step
+  std::vector<Affine> toStart;  // one transform per step; empty: points stay in the sensor's frame of their step
   for (std::size_t step = 0; shot.deskew && step < shot.worldFromSensor.size(); ++step) {
     toStart.push_back(step == 0 ? Affine{} : startFromStep(shot, step));
   }

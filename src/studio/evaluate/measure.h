@@ -23,8 +23,8 @@ struct Cost {
   double scanSeconds = 0;
   double fastest = 0;
   double slowest = 0;
-  std::map<std::string, double> stages;  // s per scan, as the method reports it, summed over its threads
-  std::uint64_t memoryBytes = 0;         // bytes of memory that the method reports
+  std::map<std::string, double> stages;  // time per scan (s), as the method reports it, summed over its threads
+  std::uint64_t memoryBytes = 0;         // size of the memory that the method reports (bytes)
   std::uint64_t residentBytes = 0;       // growth of the process's resident memory; 0 if it did not grow
 
   double beamsPerSecond(std::uint64_t beamsPerScan) const {

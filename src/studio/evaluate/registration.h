@@ -24,8 +24,8 @@ std::optional<double> fitness(std::span<const Vec3f> source, std::span<const Vec
 // The options of ICP, with PCL's defaults.
 struct IcpOptions {
   int iterations = 10;                                             // maximum number of iterations
-  double reach = std::numeric_limits<double>::infinity();          // m; points that are farther apart are not matched
-  double fitnessWithin = std::numeric_limits<double>::infinity();  // m; the `within` of fitness()
+  double reach = std::numeric_limits<double>::infinity();          // maximum distance of matched points (m)
+  double fitnessWithin = std::numeric_limits<double>::infinity();  // parameter `within` of fitness() (m)
 };
 
 struct Registered {

@@ -16,10 +16,10 @@ namespace scanmill {
 
 // A method with its options, as texts.
 struct Setting {
-  std::string name;     // such as "depth_camera resolution=512 sampling=nearest"; only the method's name if all options
-                        // have their defaults
-  std::string method;   // the method's name in the table methods()
-  std::string options;  // such as "{resolution: 512, sampling: nearest}"; "{}": all defaults
+  std::string name;    // name of the setting, such as "depth_camera resolution=512 sampling=nearest"; only the method's
+                       // name if all options have their defaults
+  std::string method;  // the method's name in the table methods()
+  std::string options;  // options as YAML text, such as "{resolution: 512, sampling: nearest}"; "{}": all defaults
 
   // Returns the argument of --set that makes a pipeline use the setting, such as "method={depth_camera: {resolution:
   // 512}}".

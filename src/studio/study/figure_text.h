@@ -8,14 +8,17 @@
 
 namespace scanmill {
 
-std::string threeDigits(double value);    // such as "0.0123" or "12345"; never with an exponent
-std::string metresText(double metres);    // such as "0", "46.4 mm" or "1.23 m"
-std::string secondsText(double seconds);  // such as "350 µs", "2.9 ms" or "1.2 s"
-std::string amountText(double amount);    // such as "950", "45.3 k" or "1.28 M"
-std::string shareText(double share);      // such as "98.4 %" or "99.9991 %"; "100 %" and "0 %" only if exact
-std::string factorText(double factor);    // such as "2.1", "27" or "0.35"
+// Returns three significant digits, such as "0.0123" or "12345"; never with an exponent.
+std::string threeDigits(double value);
+std::string metresText(double metres);    // returns a length, such as "0", "46.4 mm" or "1.23 m"
+std::string secondsText(double seconds);  // returns a time, such as "350 µs", "2.9 ms" or "1.2 s"
+std::string amountText(double amount);    // returns a number with an SI prefix, such as "950", "45.3 k" or "1.28 M"
+// Returns a fraction, such as "98.4 %" or "99.9991 %"; "100 %" and "0 %" only if exact.
+std::string shareText(double share);
+std::string factorText(double factor);  // returns a factor, such as "2.1", "27" or "0.35"
 
-std::string wordsOf(std::string_view key);                         // for instance "depth camera" from "depth_camera"
-std::string pluralOf(std::uint64_t count, std::string_view what);  // such as "1 scan" or "2 scans"
+std::string wordsOf(std::string_view key);  // for instance "depth camera" from "depth_camera"
+// Returns a count with its noun, such as "1 scan" or "2 scans".
+std::string pluralOf(std::uint64_t count, std::string_view what);
 
 }  // namespace scanmill

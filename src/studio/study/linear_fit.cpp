@@ -4,8 +4,9 @@
 
 namespace scanmill {
 
-// Uses the Gram-Schmidt process twice on each column, which is enough for orthogonality to rounding errors (Giraud,
-// Langou, Rozloznik, "The loss of orthogonality in the Gram-Schmidt orthogonalization process", 2005).
+// The implementation applies the Gram-Schmidt process twice to each column. This is enough to make columns orthogonal
+// up to rounding errors (Giraud, Langou, Rozloznik, "The loss of orthogonality in the Gram-Schmidt orthogonalization
+// process", 2005).
 LinearFit fitLinear(std::span<const double> design, std::size_t columns, std::span<const double> values) {
   // A column is skipped if less than this fraction of its length is independent of earlier columns.
   constexpr double kDependent = 1e-9;

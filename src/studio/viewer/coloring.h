@@ -78,7 +78,7 @@ inline bool isNumeric(const ColorBy& by) {
 
 // Describes colours: either a list of named colours, or a scale from `low` to `high`.
 struct Legend {
-  std::string title;  // such as "range (m)"
+  std::string title;  // quantity and unit, such as "range (m)"
   std::vector<LegendEntry> entries;
   bool scale = false;
   double low = 0;
@@ -87,7 +87,7 @@ struct Legend {
   bool integers = false;      // true: the values are integers
   bool held = false;          // true: the ends of the scale are chosen by the user, not computed from the values
   std::uint64_t unknown = 0;  // number of finite points whose value is unknown; they have the colour kNoValue
-  std::string whyUnknown{};   // such as "no partner in the reference"; may be empty
+  std::string whyUnknown{};   // reason why values are unknown, such as "no partner in the reference"; may be empty
 };
 
 struct Coloring {
@@ -98,8 +98,9 @@ struct Coloring {
 // Data for colorScan() that are not part of a scan.
 struct ColorContext {
   const Ontology* ontology = nullptr;
-  std::span<const float> error{};     // m, one per point; NaN: unknown; empty: no errors
-  std::string errorTitle{};           // such as "distance to the reference (m)"; empty: "error (m)"
+  std::span<const float> error{};  // error of each point (m); NaN: unknown; empty: no errors
+  // Title of the legend for errors, such as "distance to the reference (m)"; empty: "error (m)".
+  std::string errorTitle{};
   std::string whyNoError{};           // what an unknown error means, such as "no partner in the reference"
   std::optional<ScaleRange> scale{};  // ends of the scale that the user has chosen; absent: computed from the values
 };

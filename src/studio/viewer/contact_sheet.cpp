@@ -23,14 +23,14 @@
 namespace scanmill {
 namespace {
 
-constexpr double kPerson = 1.8;  // m, height of a person
+constexpr double kPerson = 1.8;  // height of a person (m)
 constexpr Rgb kPersonColor{250, 220, 60};
 constexpr Rgb kArrowColor{255, 70, 60};
 constexpr Rgb kNoClass{255, 0, 255};
 constexpr Rgb kCell{30, 33, 42};
-constexpr int kTextHeight = 66;   // pixels, for the three lines of text below a model
-constexpr int kTitleHeight = 34;  // pixels
-constexpr double kLetter = 15;    // pixels, height of letters
+constexpr int kTextHeight = 66;   // height of the three lines of text below a model (pixels)
+constexpr int kTitleHeight = 34;  // height of the title in pixels
+constexpr double kLetter = 15;    // height of letters in pixels
 
 struct Model {
   std::string name;
@@ -97,7 +97,7 @@ void keepSome(std::vector<Model>& models) {
 }
 
 struct Shape {
-  std::vector<Vec3f> corners;  // m, transformed by upright() of the first instance
+  std::vector<Vec3f> corners;  // corners of triangles (m), transformed by upright() of the first instance
   std::vector<Rgb> colors;
   Box box;
   std::vector<std::pair<std::string, Rgb>> classes;  // name and colour of each class, the most frequent first

@@ -24,7 +24,7 @@ namespace {
 struct ExrImage {
   int width = 0;
   int height = 0;
-  std::string size;       // such as "40 x 20 pixels, 90.0 x 53.1 degrees"
+  std::string size;       // size as text, such as "40 x 20 pixels, 90.0 x 53.1 degrees"
   bool ofSensor = false;  // true: the file has the hits of a sensor, whose ranges are stored as depths
   PassPlanes planes;
   std::vector<float> incidence{};           // cosine of the incidence angle; only for hits
@@ -115,7 +115,7 @@ class PlaneMaker {
     addEntries(p.semantic, semanticColor, semanticName);
     addIds("instance", "a colour each", p.instance, instanceColor,
            [](std::uint32_t id) { return id == 0 ? std::string("none") : std::to_string(id); });
-    // InstanceColor(0) is the colour for no instance.
+    // Color 0 of instanceColor() means no instance.
     const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };
     addIds("material", image_->materials.empty() ? "a colour each" : "", p.material, colorEach,
            [image = image_.get()](std::uint16_t id) {
@@ -207,14 +207,14 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
   return PlaneMaker(image).make();
 }
 
-// Scales planes without interpolation, since ids must not be interpolated.
+// Planes are scaled without interpolation, since ids must not be interpolated.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
-  constexpr double kReadableShare = 1.0 / 7;  // height divided by width
+  constexpr double kReadableShare = 1.0 / 7;  // least height of a plane divided by its width
   constexpr int kInOneRow = 4;
-  constexpr double kLetter = 18;      // pixels
-  constexpr int kTitleHeight = 30;    // pixels
-  constexpr int kCaptionHeight = 26;  // pixels, above each plane
-  constexpr int kGap = 8;             // pixels
+  constexpr double kLetter = 18;      // height of letters in pixels
+  constexpr int kTitleHeight = 30;    // height of the title in pixels
+  constexpr int kCaptionHeight = 26;  // height of the caption above each plane in pixels
+  constexpr int kGap = 8;             // space between planes in pixels
   const auto image = std::make_shared<ExrImage>(readExr(file));
   if (ontology != nullptr) image->ontology = *ontology;
   const std::vector<PassPlane> planes = PlaneMaker(image).make();

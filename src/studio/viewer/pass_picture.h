@@ -15,7 +15,7 @@ namespace scanmill {
 
 // A plane of an EXR file, such as its depths or its class ids, as an image.
 struct PassPlane {
-  std::string name;  // such as "depth" or "semantic"
+  std::string name;  // quantity in the plane, such as "depth" or "semantic"
   Image image;       // same size as the file's images
   // Returns the value of a pixel as text, such as "depth: 12.34 m" or "semantic: car (6)"; empty outside of the image.
   std::function<std::string(int column, int row)> value;

@@ -31,17 +31,18 @@ constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 // Returns the diameter (pixels) with which a point is drawn, so that it fills the gap to neighbouring beams, which
 // grows with the range. `scale`: pixels per metre at the point. `unit`: pixels per pixel of a picture 850 pixels high.
 double pointDiameter(double range, double scale, double factor, double unit) {
-  constexpr double kWorldDiameter = 0.05;      // diameter of a point near the sensor (m)
-  constexpr double kDiameterPerMetre = 0.003;  // m per m of range; beams 0.2 degrees apart nearly touch
-  constexpr double kLeast = 1.3;               // minimum diameter, in multiples of `unit`
-  constexpr double kMost = 16;                 // maximum diameter, in multiples of `unit`
+  constexpr double kWorldDiameter = 0.05;  // diameter of a point near the sensor (m)
+  // Increase of the diameter per range (m/m); beams 0.2 degrees apart nearly touch.
+  constexpr double kDiameterPerMetre = 0.003;
+  constexpr double kLeast = 1.3;  // minimum diameter, in multiples of `unit`
+  constexpr double kMost = 16;    // maximum diameter, in multiples of `unit`
   return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
 }
 
 // Draws the points. If several points of equal depth are in the same pixel, the first is visible.
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
-  constexpr double kMostDiameter = 200;  // pixels
+  constexpr double kMostDiameter = 200;  // maximum diameter of a point in pixels
   CanvasView view;
   view.rect = body;
   view.camera = makeCamera(options.view, body.width, body.height, options.zoom);
@@ -53,7 +54,7 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
     std::vector<Vec3f> points;
     std::vector<Rgb> colors;
   };
-  std::map<int, Item> items;  // by diameter of the points in pixels
+  std::map<int, Item> items;  // keys: diameters of points in pixels
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!isFinite(points[i])) continue;
     const Projected p = view.camera.project(Vec3d(points[i]));

@@ -26,7 +26,7 @@ class AzimuthGrid {
   AzimuthGrid(const Scan& scan, const std::vector<std::size_t>& ring, const std::vector<std::size_t>& column,
               std::size_t rings, std::size_t columns)
       : rings_(rings), columns_(columns), azimuth_(rings * columns, std::numeric_limits<float>::quiet_NaN()) {
-    constexpr double kOnAxis = 1e-3;  // m; points nearer to the z axis have no meaningful azimuth
+    constexpr double kOnAxis = 1e-3;  // points nearer to the z axis than this (m) have no meaningful azimuth
     for (std::size_t i = 0; i < scan.size(); ++i) {
       const Vec3f& p = scan.position[i];
       if (!isFinite(p) || !(std::hypot(p.x, p.y) > kOnAxis)) continue;
@@ -62,7 +62,7 @@ class AzimuthGrid {
  private:
   std::size_t rings_;
   std::size_t columns_;
-  std::vector<float> azimuth_;  // rad; NaN: no hit
+  std::vector<float> azimuth_;  // azimuth of each point (rad); NaN: no hit
 };
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
@@ -109,8 +109,8 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
   }
   constexpr double kFollowing = 0.6;  // least fraction of a ring's points that must be near the ring's azimuths
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
-  // Otherwise these may be the columns of a camera image, whose azimuths are not evenly spaced. Then rings are not
-  // shifted.
+  // If too few points are near these azimuths, the columns may be those of a camera image, whose azimuths are not
+  // evenly spaced. The rings of such an image are not shifted.
   constexpr double kOneWay = 0.9;  // least fraction of the steps that must have the same direction
   turns = grid.turns(1, 0);
   const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });

@@ -14,7 +14,7 @@ namespace scanmill {
 // The azimuths of all beams. The azimuth of a beam is first[ring] + step * column (rad).
 struct StripColumns {
   std::vector<double> first;  // azimuth of column 0 in each ring (rad)
-  double step = 0;            // rad from column to column; negative if the sensor rotates clockwise
+  double step = 0;            // angle from column to column (rad); negative if the sensor rotates clockwise
   bool fullTurn = false;      // true: a full revolution, where the first column follows the last
 };
 

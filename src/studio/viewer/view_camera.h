@@ -10,17 +10,17 @@
 namespace scanmill {
 
 enum class View {
-  Driver,  // from the sensor's origin, looking straight ahead
-  Above,   // looking straight down, x to the right and y up, without perspective
-  Chase,   // from behind and above the sensor
+  Driver,  // looks straight ahead from the sensor's origin
+  Above,   // looks straight down, x to the right and y up, without perspective
+  Chase,   // looks ahead from behind and above the sensor
 };
 constexpr std::array<std::string_view, 3> kViewNames{"driver", "above", "chase"};
 
 struct Projected {
-  double x = 0;      // pixels from the left edge
-  double y = 0;      // pixels from the upper edge
-  double depth = 0;  // m along the line of sight
-  double scale = 0;  // pixels per metre at this depth
+  double x = 0;      // distance from the left edge (pixels)
+  double y = 0;      // distance from the upper edge (pixels)
+  double depth = 0;  // distance along the line of sight (m)
+  double scale = 0;  // scale at this depth (pixels per metre)
 };
 
 // The part of a scan to show: a ball with centre `at` and radius `within` (m, sensor frame).
@@ -38,11 +38,11 @@ struct ViewCamera {
   Vec3d right{0, -1, 0};
   Vec3d down{0, 0, -1};
   Vec3d forward{1, 0, 0};
-  double focal = 1;    // pixels; for orthographic cameras, pixels per metre
-  double centerX = 0;  // pixels
+  double focal = 1;    // focal length (pixels); for orthographic cameras, pixels per metre
+  double centerX = 0;  // position of the optical axis in the picture (pixels)
   double centerY = 0;
 
-  double nearest = 0.5;  // m; nearer points are not drawn
+  double nearest = 0.5;  // points nearer than this (m) are not drawn
 
   // Projects a point. If its depth is less than `nearest`, x, y and scale are meaningless.
   Projected project(const Vec3d& point) const;

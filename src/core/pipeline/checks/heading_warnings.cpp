@@ -15,7 +15,7 @@ namespace {
 
 // Bound on a box's width divided by its length. Models that are about square may face either way.
 constexpr double kWider = 1.1;
-constexpr double kDriving = 0.5;   // m/s; the heading of slower vehicles is not checked
+constexpr double kDriving = 0.5;   // minimum speed of vehicles whose heading is checked (m/s)
 constexpr double kAhead = 0.7071;  // cosine of 45 degrees: the largest angle between the velocity and the box's x axis
 constexpr std::size_t kMostHeadings = 5;
 // Times at which velocities are checked (s). A vehicle may stand still at first and drive later.

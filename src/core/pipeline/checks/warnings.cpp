@@ -16,11 +16,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLargest = 5000;   // m, longest edge of a mesh that causes no warning
-constexpr double kSmallest = 1e-3;  // m, shortest such edge that causes no warning
+constexpr double kLargest = 5000;   // maximum extent of a mesh that causes no warning (m)
+constexpr double kSmallest = 1e-3;  // minimum extent of a mesh that causes no warning (m)
 constexpr std::size_t kMostLines = 5;
-constexpr double kTown = 30;         // m; a mesh of at least this size is taken to hold more than one object instance
-constexpr std::size_t kSeveral = 3;  // number of nodes that count as many
+constexpr double kTown = 30;         // a mesh of at least this size (m) is taken to hold more than one object instance
+constexpr std::size_t kSeveral = 3;  // least number of nodes that count as many
 constexpr double kMostBlocked = 0.5;
 constexpr double kUnusual = 3;  // factor by which a size may differ from the usual sizes of its class
 

@@ -17,15 +17,15 @@ namespace {
 constexpr std::uint32_t kFrames = 100;  // maximum number of frames in which a sensor's height is checked
 // Maximum number of frames in which sensors are tested for being inside of objects.
 constexpr std::uint32_t kFramesInside = 12;
-constexpr double kFarAbove = 50;              // m above the surface; a sensor that is higher causes a warning
-constexpr double kOnGround = 0.05;            // m; a sensor this close to the ground causes a warning
-constexpr double kReach = 1e5;                // m, length of test rays
+constexpr double kFarAbove = 50;              // height above the surface (m); a sensor that is higher causes a warning
+constexpr double kOnGround = 0.05;            // maximum distance to the ground (m) at which a sensor causes a warning
+constexpr double kReach = 1e5;                // length of test rays (m)
 constexpr double kStep = 0.5;                 // maximum distance between the poses that are checked along a path (m)
 constexpr std::size_t kMostPlaces = 400'000;  // maximum number of poses that are checked along a path
 // Height above the vehicle's origin (m) of a point that is tested for passing through walls.
 constexpr double kBody = 0.6;
 constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor
-constexpr double kTouches = 1e-3;   // m; a surface that is at most this far behind the end of a step counts as hit
+constexpr double kTouches = 1e-3;   // a surface at most this far (m) behind the end of a step counts as hit
 constexpr double kFlat = 0.7;       // a surface counts as a wall if the z component of its unit normal is smaller
 constexpr double kMostBare = 0.02;  // fraction of a path that may be without ground before a warning is given
 
@@ -212,7 +212,7 @@ class WayCheck {
 
   void checkWalls() {
     const std::vector<Pose> poses = posesOnWay();
-    std::vector<Vec3d> places{{0, 0, kBody}};  // m, points in the vehicle's frame that must not pass through walls
+    std::vector<Vec3d> places{{0, 0, kBody}};  // points in the vehicle's frame (m) that must not pass through walls
     for (const SensorSetting& s : settings_->sensors) places.push_back(s.vehicleFromSensor.translation);
     std::vector<SceneProbe::Ray> rays;
     std::vector<double> far;

@@ -65,7 +65,7 @@ constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(floa
 // of each scene file, so that errors are found before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
-  std::map<std::filesystem::path, Ontology> known;  // by the scene file's path
+  std::map<std::filesystem::path, Ontology> known;  // each scene file's ontology
   std::vector<std::filesystem::path> files;
   for (const Sequence& s : pipeline.sequences) files.push_back(s.sceneFile);
   if (!pipeline.vehicle.empty()) files.push_back(pipeline.vehicle);
@@ -290,7 +290,8 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   const std::uint64_t perRay = 4 + (channels.has(Channel::Normal) ? 12 : 0) + 20 + 8;
   const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * perPoint;
   const std::uint64_t reported = perReturn * pipeline.mostReturns() * pipeline.beamsPerFrame();
-  constexpr std::uint64_t kVoxelBytes = 20;  // bytes per voxel for labels, areas, flags and the encoded archive
+  // Size of a voxel's labels, area, flags and part of the encoded archive (bytes).
+  constexpr std::uint64_t kVoxelBytes = 20;
   const std::uint64_t voxels = pipeline.output.voxels ? kVoxelBytes * pipeline.output.voxels->voxels() : 0;
   return perRay * pipeline.raysPerFrame() * pipeline.mostMet() + reported + voxels * pipeline.sensors.size();
 }

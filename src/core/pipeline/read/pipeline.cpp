@@ -187,7 +187,8 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// A recording has one hit per beam. For `method: auto` before the choice, this is the maximum over all methods.
+// Returns 1 for a recording, which has one hit per beam. Before `method: auto` is replaced, returns the maximum over
+// all methods.
 std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;
@@ -312,8 +313,8 @@ Pipeline readPipelineText(const std::string& text, const std::filesystem::path& 
   return pipelineOf(std::move(root), text, file, nullptr);
 }
 
-// Overrides are comments at the end of the text, such as "# --set scenes.0.seeds=[3]". An override of several lines
-// takes several comment lines.
+// Returns the overrides, which are comments at the end of the text, such as "# --set scenes.0.seeds=[3]". An override
+// of several lines takes several comment lines.
 std::vector<std::string> overridesIn(const std::string& text) {
   constexpr std::string_view kComment = "# ";
   constexpr std::string_view kSet = "# --set ";

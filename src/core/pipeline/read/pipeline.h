@@ -37,7 +37,7 @@ struct MountedSensor {
 struct MethodChoice {
   const MethodEntry* entry = nullptr;  // null for `method: auto` until settled() replaces it
   Value options;                       // map of options for the method or for `auto`; Null: no options are given
-  bool automatic = false;              // the pipeline says `method: auto`
+  bool automatic = false;              // true: the pipeline says `method: auto`
 };
 
 struct ChosenFormat {
@@ -93,7 +93,8 @@ struct Pipeline {
   std::uint64_t beamsPerFrame() const;
   std::uint64_t raysPerFrame() const;
   std::uint32_t raysPerBeam(std::size_t sensor) const;  // set by the effect `footprint`; 1 for a recording
-  // Set by the effect `light_paths`; null if the sensor does not have this effect.
+  // Returns the light paths that the effect `light_paths` of a sensor describes; null if the sensor does not have this
+  // effect.
   const LightPaths* lightPaths(std::size_t sensor) const;
   std::uint32_t mostMet() const;      // maximum number of surfaces that a ray can hit
   std::uint32_t mostReturns() const;  // maximum number of returns of a beam

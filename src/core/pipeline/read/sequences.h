@@ -31,13 +31,13 @@ struct Sequence {
   bool sameScene(const Sequence& other) const;
   // Returns at most `most` frame numbers, spread evenly over the sequence.
   std::vector<std::uint32_t> spreadFrames(std::uint32_t most) const;
-  std::string key() const;                     // such as "street-s1-lane": scene, seed and trajectory
+  std::string key() const;  // key of the sequence, such as "street-s1-lane": scene, seed and trajectory
   std::string key(std::uint32_t frame) const;  // key of a sample, such as "street-s1-lane-000012"
 };
 
 // Durations of the sensors' revolutions (s).
 struct Periods {
-  double first = 0.1;  // the first sensor's
+  double first = 0.1;  // duration of the first sensor's revolution (s)
   double longest = 0.1;
 };
 

@@ -26,7 +26,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStartSeconds = 0.1;  // s, for reading the pipeline and finishing the dataset
+constexpr double kStartSeconds = 0.1;  // time for reading the pipeline and finishing the dataset (s)
 // Height above the vehicle's origin (m). The origin is on the ground; lower sensors count as mounted at the origin.
 constexpr double kLowMount = 0.5;
 
@@ -54,7 +54,7 @@ double numberOr(const Value& map, std::string_view key, double otherwise) {
 }
 
 SceneFactors ofTown(const Value& town) {
-  constexpr double kUsualLength = 300;  // m, length of a town whose file states none
+  constexpr double kUsualLength = 300;  // length of a town whose file states none (m)
   const double setup = 1 + 0.7 * numberOr(town, "length", kUsualLength) / 100;
   // A town with bounds on class shares is generated up to nine times, until the shares are right.
   if (town.find("shares") != nullptr) return {4 * setup, 1, 0.97, 2.5, 1.2};

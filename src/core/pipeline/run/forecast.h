@@ -22,8 +22,8 @@ struct Estimate {
 struct Forecast {
   std::uint64_t frames = 0;
   int threads = 0;
-  Estimate seconds;  // s of wall time, from the start of the program to the manifest
-  Estimate bytes;    // bytes of all shards
+  Estimate seconds;  // wall time from the start of the program to the manifest (s)
+  Estimate bytes;    // size of all shards (bytes)
 };
 
 // The costs of a pipeline's scenes and frames on this machine.
@@ -33,7 +33,7 @@ struct SampleCosts {
   double sceneSeconds = 0;         // processor time to set up a scene (s), averaged over the pipeline's scenes
   double slowestSceneSeconds = 0;  // wall time to set up the slowest scene with all threads (s)
   double frameSeconds = 0;         // time that one thread takes for a frame while all threads work (s)
-  double frameBytes = 0;           // bytes of a frame's sample in its shard
+  double frameBytes = 0;           // size of a frame's sample in its shard (bytes)
   double timeSpread = 1;           // factor by which the time may be longer or shorter than expected
   double byteSpread = 1;           // factor by which the size may be larger or smaller than expected
 };

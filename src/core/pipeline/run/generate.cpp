@@ -47,8 +47,9 @@ struct OpenShard {
   std::unique_ptr<FolderLock> claim;
   ShardWriter writer;
   DatasetPart part;
-  std::vector<std::unique_ptr<MadeSample>> made;  // by index in the shard; null: not made yet, or written already
-  std::shared_ptr<const SceneFacts> scene;        // the scene of the sample that was written last
+  // Indexed by the sample's position in the shard; null: not made yet, or written already.
+  std::vector<std::unique_ptr<MadeSample>> made;
+  std::shared_ptr<const SceneFacts> scene;  // the scene of the sample that was written last
 };
 
 class DatasetRun {

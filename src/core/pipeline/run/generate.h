@@ -47,7 +47,7 @@ struct GenerateOptions {
 };
 
 struct GenerateSummary {
-  Manifest manifest;            // of the dataset; without shards and samples if `whole` is false
+  Manifest manifest;            // the dataset's manifest; without shards and samples if `whole` is false
   bool whole = false;           // the dataset is complete, whichever process completed it
   std::size_t shards = 0;       // number of shards that this process has made
   std::size_t samplesMade = 0;  // number of samples in the shards that this process has made
@@ -60,7 +60,7 @@ struct GenerateSummary {
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   StageSeconds stages;            // processor time (s) of "trace", "effects", "encode", "write" and other stages
   std::size_t resumedShards = 0;  // number of shards that were complete before, or that other processes made meanwhile
-  std::vector<std::string> warnings;  // see pipeline/checks/warnings.h
+  std::vector<std::string> warnings;  // lines about the scenes and sequences, see pipeline/checks/warnings.h
 };
 
 // Returns the manifest of a plan's dataset if the folder holds the complete dataset, else nothing. Throws InputError if

@@ -46,7 +46,7 @@ class SceneObjects {
   std::unique_ptr<const Worlds> own_;  // null: the method's Worlds are used
   Unobstructed unobstructed_;
   mutable std::mutex mutex_;
-  mutable std::list<Grid> grids_;  // the most recently used grid first
+  mutable std::list<Grid> grids_;  // cached grids, the most recently used first
 };
 
 // The object list of one sample.

@@ -15,8 +15,8 @@ namespace scanmill {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr double kBarInterval = 0.1;   // s between updates of the bar on a terminal
-constexpr double kLineInterval = 5.0;  // s between lines if the output is not a terminal
+constexpr double kBarInterval = 0.1;   // time between updates of the bar on a terminal (s)
+constexpr double kLineInterval = 5.0;  // time between lines if the output is not a terminal (s)
 
 }  // namespace
 

@@ -18,7 +18,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void setTotal(std::uint64_t total) { total_ = total; }  // for a total that is unknown when the work starts
+  void setTotal(std::uint64_t total) { total_ = total; }  // sets the total if it was unknown when the work started
   void advance(std::uint64_t count, double work);
   // Shows a text about the current activity while the count does not advance: on a terminal in place of the bar,
   // otherwise as a line at most every few seconds.
@@ -37,7 +37,7 @@ class Progress {
   bool shown_ = false;
   bool said_ = false;
   WallTimer timer_;
-  double lastShown_ = 0;  // s since the start
+  double lastShown_ = 0;  // time of the last output (s since the start)
 };
 
 }  // namespace scanmill

@@ -83,7 +83,7 @@ Recording Recorder::describe(RecordingKind kind) const {
     recording.sensors.push_back({sensor.name, beams.rings, beams.columns, beamsHash(beams), sensor.vehicleFromSensor});
   }
   const std::vector<Sequence>& all = plan_.pipeline.sequences;
-  std::vector<std::size_t> scenes;  // the index of the first sequence of each scene
+  std::vector<std::size_t> scenes;  // for each scene, the index of its first sequence
   for (const auto& [number, entered] : entered_) {
     const auto known = std::find_if(scenes.begin(), scenes.end(),
                                     [&, own = number](std::size_t first) { return all[own].sameScene(all[first]); });

@@ -62,7 +62,7 @@ class Recorder {
   };
   std::mutex mutex_;
   Ontology ontology_;
-  std::map<std::size_t, Entered> entered_;  // by index in Pipeline::sequences
+  std::map<std::size_t, Entered> entered_;  // keys: indices in Pipeline::sequences
   StageClock clock_;
 };
 

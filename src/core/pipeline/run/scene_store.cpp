@@ -35,7 +35,7 @@ bool memoryIsScarce() {
 
 struct SceneStore::Slot {
   tbb::collaborative_once_flag once;
-  TaskOrder loaded;  // for the thread sanitizer: loading happens before any other use of the scene
+  TaskOrder loaded;  // tells the thread sanitizer that loading happens before any other use of the scene
   std::exception_ptr failure;
   ReadyScene ready;
   std::uint64_t lastUse = 0;
@@ -101,7 +101,8 @@ void SceneStore::expect(std::size_t sequence) {
 }
 
 void SceneStore::leave(std::size_t sequence) {
-  std::shared_ptr<Slot> last;  // the destructor runs after the lock is released
+  // Keeps the scene until the lock is released, since its destructor must run without the lock.
+  std::shared_ptr<Slot> last;
   const std::scoped_lock lock(mutex_);
   const auto expected = expected_.find(sceneOf_[sequence]);
   if (expected == expected_.end() || --expected->second > 0) return;

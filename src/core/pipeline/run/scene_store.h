@@ -24,7 +24,7 @@ namespace scanmill {
 
 // Facts about a scene that are needed after it is unloaded.
 struct SceneFacts {
-  std::vector<std::string> modelled;  // see Method::modelled()
+  std::vector<std::string> modelled;  // lines that describe the method's model of the scene, see Method::modelled()
   Ontology ontology;
 };
 
@@ -92,7 +92,7 @@ class SceneStore {
   std::vector<std::size_t> sceneOf_;  // for each sequence, the index of the first sequence with the same scene; this
                                       // index identifies the scene
   mutable std::mutex mutex_;
-  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // by the scene's index in sceneOf_
+  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // keys: indices of scenes in sceneOf_
   std::vector<Told> told_;                              // indexed by sequence
   std::map<std::size_t, std::uint64_t> expected_;       // number of frames still expected for each scene
   std::uint64_t uses_ = 0;

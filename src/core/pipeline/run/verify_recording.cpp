@@ -240,7 +240,7 @@ class RecordingCheck {
   std::string prefix_;
   std::set<std::string> files_;  // names of all files in the recording's folder
   std::set<std::string> named_;
-  std::map<std::string, Image> images_;  // by file name
+  std::map<std::string, Image> images_;  // keys: file names
   RecordingVerification result_;
 };
 

@@ -13,7 +13,7 @@ namespace scanmill {
 struct RecordingVerification {
   std::uint64_t scans = 0;            // number of scans that recording.json lists
   std::uint64_t images = 0;           // number of images that the scans refer to
-  std::uint64_t pixels = 0;           // pixels of all images that could be read; for recorded hits, the number of beams
+  std::uint64_t pixels = 0;           // number of pixels of all readable images; for recorded hits, the number of beams
   std::vector<std::string> problems;  // one line each, starting with the file; empty: the recording is sound
   std::vector<std::string> warnings;  // one line each, about valid contents that were probably not intended
 };

@@ -35,7 +35,7 @@ void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, do
   const Vec3d o = grid.inVoxels(origin);
   const std::array<double, 3> from{o.x, o.y, o.z};
   const std::array<double, 3> step{direction.x / grid.size, direction.y / grid.size, direction.z / grid.size};
-  double enters = 0;  // m along the ray, where it enters the grid
+  double enters = 0;  // distance along the ray at which it enters the grid (m)
   double leaves = length;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double side = grid.counts[axis];
@@ -52,7 +52,7 @@ void walk(const VoxelGrid& grid, const Vec3d& origin, const Vec3d& direction, do
   std::array<std::int64_t, 3> at{};
   std::array<std::int64_t, 3> towards{};
   std::array<std::int64_t, 3> stride{std::int64_t{grid.counts[1]} * grid.counts[2], grid.counts[2], 1};
-  std::array<double, 3> next{};  // m along the ray to the next face, for each axis
+  std::array<double, 3> next{};  // distance along the ray to the next face (m), for each axis
   std::array<double, 3> apart{};
   std::int64_t voxel = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {

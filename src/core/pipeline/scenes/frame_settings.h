@@ -74,7 +74,7 @@ class DrawnSettings {
   void keep(Kept kept);
 
   std::mutex mutex_;
-  std::list<Kept> kept_;  // the most recently used sequence first
+  std::list<Kept> kept_;  // settings of sequences, the most recently used first
 };
 
 }  // namespace scanmill

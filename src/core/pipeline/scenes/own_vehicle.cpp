@@ -43,7 +43,7 @@ void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
     if (!hits.metallic.empty()) hits.metallic[ray] = 0;
     if (!hits.retroreflectance.empty()) hits.retroreflectance[ray] = 0;
   }
-  // Unresolved rays need no exact hit any more if they hit the vehicle first.
+  // Unresolved rays are resolved if they hit the vehicle first.
   std::erase_if(hits.unresolved, [&](std::uint32_t ray) { return hits.pathOfRay[ray] == RayPath::OwnVehicle; });
 }
 

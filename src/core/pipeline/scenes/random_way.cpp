@@ -18,20 +18,21 @@
 namespace scanmill {
 namespace {
 
-constexpr double kCell = 0.25;     // m, cell size of the cached heights
-constexpr double kReach = 1;       // m by which the surface may rise or fall between two tested positions
-constexpr double kClear = 2.5;     // m of free height that a vehicle needs above the surface
+constexpr double kCell = 0.25;     // cell size of the cached heights (m)
+constexpr double kReach = 1;       // maximum change of the surface's height between two tested positions (m)
+constexpr double kClear = 2.5;     // free height that a vehicle needs above the surface (m)
 constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
 constexpr double kHalfLength = 2;  // half of a vehicle's length (m)
 constexpr double kStep = 4;        // length of an arc (m); a path consists of such arcs
 constexpr double kTightest = 6;    // minimum radius of an arc (m)
-// m from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
+// Distance (m) from the vehicle's middle to the edge of the road, on the side where the vehicle drives.
 constexpr double kFromEdge = 2;
 // If the edge is at least this far away (m), the surface counts as an open place, not as a road.
 constexpr double kOpen = 12;
-constexpr double kWishLasts = 24;     // m of path after which a vehicle in an open place chooses again whether to turn
+// Path length (m) after which a vehicle in an open place chooses again whether to turn.
+constexpr double kWishLasts = 24;
 constexpr double kTurns = 0.4;        // probability that a vehicle in an open place chooses to turn
-constexpr int kLook = 12;             // m that are tested beyond the end of an arc
+constexpr int kLook = 12;             // distance that is tested beyond the end of an arc (m)
 constexpr int kStarts = 24;           // maximum number of starting points
 constexpr int kMostTurnsBack = 2000;  // maximum number of backtracking steps of a search
 
@@ -282,7 +283,7 @@ class Search {
   // Returns the cost of a state. It grows with the lateral distance from the preferred line on the road. In open places
   // it grows with the difference between `curvature` and `wished` (rad/m). It is constant off the surface.
   double offSide(State s, double curvature, double wished) const {
-    constexpr double kMost = 2;  // m; the cost grows quadratically up to this distance and linearly beyond
+    constexpr double kMost = 2;  // distance (m) up to which the cost grows quadratically; beyond, it grows linearly
     const std::optional<double> height = surface_.height(s.place);
     if (!height) return 2 * kMost * kMost;
     s.place.z = *height;
@@ -304,7 +305,7 @@ class Search {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {
       State s = from;
-      int far = 0;  // m driven so far
+      int far = 0;  // distance driven so far (m)
       for (; far < kLook; ++far) {
         const std::optional<State> next = surface_.metreOn(s, bend / kTightest);
         if (!next) break;
@@ -333,7 +334,7 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
     const State heading{place, first + i * kPi / 16};
     std::optional<State> s =
         surface.room(heading) && surface.room(heading.on(-kHalfLength, 0)) ? std::optional(heading) : std::nullopt;
-    int far = 0;  // m driven so far
+    int far = 0;  // distance driven so far (m)
     for (; s && far < 40; ++far) s = surface.metreOn(*s, 0);
     if (far <= farthest) continue;
     farthest = far;
@@ -345,8 +346,8 @@ std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& dra
 // Returns a hint that the scene's size may be the reason why no path of the required length was found; an empty text if
 // the size is plausible.
 std::string sizeHint(const Scene& scene) {
-  constexpr double kSmall = 20;       // m; smaller scenes get the hint
-  constexpr double kLarge = 100'000;  // m; larger scenes get the hint
+  constexpr double kSmall = 20;       // size (m) below which scenes get the hint
+  constexpr double kLarge = 100'000;  // size (m) above which scenes get the hint
   const Box bounds = scene.bounds();
   const Vec3d size = bounds.high - bounds.low;
   const double most = std::max(size.x, size.y);

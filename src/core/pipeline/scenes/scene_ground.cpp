@@ -8,7 +8,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNear = 1.5;  // m, maximum height difference between a place and the ground that near() finds
+constexpr double kNear = 1.5;  // maximum height difference between a place and the ground that near() finds (m)
 constexpr Vec3d kDown{0, 0, -1};
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kBehind = 1e-3;  // m behind a hit, where the next ray starts
+constexpr double kBehind = 1e-3;  // distance behind a hit at which the next ray starts (m)
 constexpr std::size_t kMost = 100;
 
 }  // namespace

@@ -18,8 +18,8 @@ class SceneProbe {
     Vec3d from, direction;  // start in the world frame (m); unit vector
   };
   struct Met {
-    double distance = 0;  // m from the start of the ray
-    Vec3d place;          // m, in the world frame
+    double distance = 0;  // distance from the start of the ray (m)
+    Vec3d place;          // position in the world frame (m)
     Vec3d normal;         // unit vector, on the side of the surface from which the ray comes
     std::uint16_t semantic = 0;
     std::uint32_t instance = 0;

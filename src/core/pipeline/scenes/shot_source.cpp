@@ -91,7 +91,7 @@ Scene ShotSource::load(std::size_t sequence) {
   options.textures = plan_.channels.has(Channel::Reflectance);
   Scene scene = readSceneToShares(own.sceneFile, options);
   if (!own.moving) standStill(scene, 0);
-  findDrives(own, scene);  // before takeOut(), so that random paths do not depend on which objects are removed
+  findDrives(own, scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);
   return scene;
 }

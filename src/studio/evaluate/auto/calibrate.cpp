@@ -103,8 +103,8 @@ class Calibrator {
 
  private:
   struct Sum {
-    double setup = 0;    // s, summed over scenes
-    double perBeam = 0;  // s, summed over scenes
+    double setup = 0;    // set-up time (s), summed over scenes
+    double perBeam = 0;  // time per beam (s), summed over scenes
     int scenes = 0;      // number of scenes on which the setting was measured
   };
 

@@ -48,7 +48,7 @@ struct CalibratedSetting {
 };
 
 struct Calibration {
-  std::vector<CalibratedSetting> settings;  // in the pipeline's order
+  std::vector<CalibratedSetting> settings;  // results of all settings, in the pipeline's order
   std::size_t chosen = 0;                   // index of the chosen setting
   std::string why;                          // the reason for the choice, as a sentence with figures
 
@@ -60,8 +60,8 @@ struct Calibration {
 // `*stop` becomes true; `stop` may be null.
 Calibration calibrate(const Plan& plan, bool quiet, const std::atomic<bool>* stop = nullptr);
 
-// Returns the index of the setting to choose from measured settings, by the rules above. `where`: position of the
-// pipeline's key `method`, for messages.
+// Returns the index of the setting to choose from measured settings, by the rules at the top of this file. `where`:
+// position of the pipeline's key `method`, for messages.
 std::size_t chooseSetting(const std::vector<CalibratedSetting>& settings, const ErrorLimits& limits,
                           const Location& where);
 

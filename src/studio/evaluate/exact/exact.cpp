@@ -29,7 +29,7 @@ constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
 constexpr double kAlongAnAxis = 1e-12;   // smaller direction components become zero for Embree, see component()
 constexpr HierarchyOptions kUnfiltered{};
 
-// m. Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor, the same
+// Two surfaces count as coplanar if their distance along the normal is at most kCoplanar x range + kFloor (m), the same
 // rule as in ray tracing with the sensor at the world's origin. kFloor is the rounding error of float32 corners near
 // the sensor.
 const double kFloor = double{coplanarFloor(0)};
@@ -42,7 +42,7 @@ double reachOf(double range) {
 // User data of a placed mesh for Embree's callbacks.
 struct PlacedGeometry {
   const PlacedBlock* placed;
-  double radius;  // m, see ExactWorld::radius
+  double radius;  // radius of its world (m), see ExactWorld::radius
 };
 
 // The scene's triangles relative to one origin. Each placed mesh is an Embree geometry; its geometry id is its index in
@@ -50,7 +50,7 @@ struct PlacedGeometry {
 struct ExactWorld {
   World world;
   std::vector<PlacedGeometry> placements;
-  double radius = 0;  // m, maximum distance of beam origins from the world's origin
+  double radius = 0;  // maximum distance of beam origins from the world's origin (m)
 };
 
 struct Found {
@@ -64,7 +64,7 @@ struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
-  double far;                 // m, maximum range of hits
+  double far;                 // maximum range of hits (m)
   std::vector<Found>* found;  // receives all hits within `far`, and some beyond
 };
 

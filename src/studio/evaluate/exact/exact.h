@@ -14,8 +14,8 @@
 namespace scanmill {
 
 struct ExactHits {
-  Hits hits;                  // the ranges in it are rounded to float
-  std::vector<double> range;  // m, per beam; infinity for a miss
+  Hits hits;                  // the hits; their ranges are rounded to float
+  std::vector<double> range;  // range of each beam (m); infinity for a miss
 };
 
 class ExactTracer {

@@ -12,7 +12,7 @@
 namespace scanmill {
 
 struct TriangleMeet {
-  double range = 0;     // m from the beam's origin; 0: the beam does not hit the triangle
+  double range = 0;     // distance from the beam's origin (m); 0: the beam does not hit the triangle
   double u = 0, v = 0;  // barycentric coordinates of the second and third corner
 };
 

@@ -61,7 +61,8 @@ struct UsualSides {
   // True if objects can be recognised by this size. False for classes of varied objects, such as boxes and barrows, and
   // for tiny objects.
   bool tell() const {
-    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;  // of `high` to `low`; m; m
+    // Ratio of `high` to `low`; lengths (m).
+    constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;
     if (middle[0] < kLeastLength) return false;
     for (std::size_t side = 0; side < 3; ++side) {
       if (high[side] > kMostRatio * low[side] && high[side] - low[side] > kMostDifference) return false;
@@ -69,7 +70,7 @@ struct UsualSides {
     return true;
   }
   double distanceTo(const Sides& sides) const {
-    constexpr double kLeast = 0.05;  // m; smaller lengths are treated as this length
+    constexpr double kLeast = 0.05;  // smaller lengths are treated as this length (m)
     double sum = 0;
     for (std::size_t side = 0; side < 3; ++side) {
       sum += std::abs(std::log(std::max(sides[side], kLeast) / std::max(middle[side], kLeast)));
@@ -177,7 +178,7 @@ class AnomalySearch {
   }
 
   const DatasetSummary& sum_;
-  // (sequence, id) of instances that MixedInstance warnings report.
+  // Instances, as (sequence, id), about which there is a MixedInstance warning already.
   std::set<std::pair<std::string, std::uint32_t>> mixed_;
   std::set<std::uint16_t> parts_;  // ids of classes that are parts of other classes' objects
   std::map<std::uint16_t, std::vector<std::size_t>> thingsOf_;
@@ -189,7 +190,7 @@ class AnomalySearch {
 // Returns a camera that looks at the box from the sensor's side, slightly from above. It is near enough for the box to
 // fill much of the picture.
 OrbitCamera cameraOn(const Box& box) {
-  // Degrees; factor for the distance that frames the box; m.
+  // Pitch (degrees); factor for the distance that frames the box; least distance (m).
   constexpr double kPitch = 20, kRoom = 2, kLeastDistance = 4;
   const auto tenths = [](double v) { return std::round(v * 10) / 10 + 0.0; };
   OrbitCamera camera;

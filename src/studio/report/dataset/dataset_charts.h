@@ -20,7 +20,7 @@ std::string htmlColor(const Rgb& color);
 // A ring of distances around the sensor, which consists of consecutive steps of DatasetSummary::steps. There are few
 // enough rings for a table or a bar chart; together they reach to the last step with points.
 struct DistanceRing {
-  std::string name;                 // such as "20 to 30 m"
+  std::string name;                 // the ring's distances, such as "20 to 30 m"
   std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
 };
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary);

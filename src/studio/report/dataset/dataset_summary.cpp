@@ -287,7 +287,7 @@ class Summing {
   std::map<std::uint16_t, std::vector<std::uint64_t>> viewPoints_;
   std::map<ObjectKey, ClassPoints> objects_;
   std::map<ObjectKey, ThingSummary> things_;
-  // For each object and class, a sample with such points.
+  // For each object and class, the index of a sample that shows points of the class on the object.
   std::map<ObjectKey, std::map<std::uint16_t, std::size_t>> shownIn_;
 };
 

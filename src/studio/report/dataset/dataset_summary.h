@@ -27,7 +27,7 @@ struct ClassSummary {
   // Figures over all scans:
   std::uint64_t points = 0;
   std::uint64_t scans = 0;                               // number of scans with points of the class
-  std::map<std::string, std::uint64_t> pointsOfSplit{};  // only for splits with points of the class
+  std::map<std::string, std::uint64_t> pointsOfSplit{};  // points in each split that has points of the class
   // Figures over the scans that were read:
   std::vector<std::uint64_t> ranges{};  // number of points in each step of DatasetSummary::steps
   // Number of instances with points of the class. The same id in several scans of a sequence is one instance.
@@ -46,7 +46,7 @@ struct SensorSummary {
   // Number of points in each step of DatasetSummary::steps, over the scans that were read.
   std::vector<std::uint64_t> ranges;
   std::map<std::uint16_t, std::uint64_t> intensities{};
-  ReasonCounts beamsPerReason{};  // over the scans that have reasons
+  ReasonCounts beamsPerReason{};  // numbers of beams by reason, over the scans that have reasons
 };
 
 struct SequenceSummary {
@@ -54,7 +54,7 @@ struct SequenceSummary {
   std::string scene, seed, trajectory;  // parts of the name; empty if they are not known
   std::string split;                    // one or more names, such as "train, val"
   std::uint64_t samples = 0, scans = 0, points = 0;
-  double seconds = 0;  // s from the first to the last scan of the sequence
+  double seconds = 0;  // time from the first to the last scan of the sequence (s)
 };
 
 struct SplitSummary {
@@ -101,7 +101,7 @@ struct DatasetSummary {
   std::vector<ClassSummary> classes;
   std::vector<SensorSummary> sensors;
   std::vector<SequenceSummary> sequences;
-  std::vector<SplitSummary> splits;  // in the order in which the samples name them
+  std::vector<SplitSummary> splits;  // the splits, in the order in which the samples name them
   ScanRemarks emptyScans, fewPoints, unresolvedScans;
 
   std::uint64_t scansChosen = 0, scansRead = 0, pointsRead = 0;

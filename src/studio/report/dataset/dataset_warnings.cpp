@@ -92,7 +92,7 @@ class Warnings {
                                        [](const ClassSummary& c) { return c.id != 0 && c.known; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known,
                       fmt::join(alikeLines(none), ", ")));
-      list_.back().note = true;  // only a note, since few scenes contain all classes
+      list_.back().note = true;  // is only a note, since few scenes contain all classes
     }
     const auto few = classesWhere([&](const ClassSummary& c) {
       return c.id != 0 && c.points > 0 && shareOf(c.points, sum_.points) < kFewClassPoints;

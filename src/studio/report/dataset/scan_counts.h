@@ -27,10 +27,10 @@ struct RangeSteps {
 // for larger ranges.
 RangeSteps rangeStepsFor(double farthest);
 
-// Intensities are counted by the upper 16 bits of their float32 value. Integers up to 255 are distinguished exactly,
-// other intensities to within 1/128 of their value.
-std::uint16_t intensityKey(float intensity);  // returns 0 if the intensity is not positive
-float intensityOfKey(std::uint16_t key);      // returns the smallest intensity with this key
+// Returns the key under which an intensity is counted: the upper 16 bits of its float32 value; 0 if it is not positive.
+// Integers up to 255 have different keys; other intensities are distinguished to within 1/128 of their value.
+std::uint16_t intensityKey(float intensity);
+float intensityOfKey(std::uint16_t key);  // returns the smallest intensity with this key
 
 // The size (m) of an object's visible part: edges of the upright box with the smallest base that contains its points.
 struct SeenSize {

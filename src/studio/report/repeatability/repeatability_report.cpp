@@ -70,7 +70,7 @@ std::string repeatabilityReport(const Repeatability& result, const std::string& 
     }
     if (view.method == 0) page["method_charts"].push_back(chartValues(repeatabilityMethods(result, view.name)));
   }
-  // If there is only one noise level, it cannot be compared with others.
+  // A single noise level cannot be compared with others.
   if (result.levels.size() < 2) page["views"] = Json::array();
   return fillPage(kRepeatabilityTemplate, std::move(page));
 }

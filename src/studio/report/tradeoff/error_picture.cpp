@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLeast = 1e-3;  // m; smaller errors get the same colour
+constexpr double kLeast = 1e-3;  // errors below this bound (m) get the same colour
 constexpr double kDecades = 3;
 constexpr Rgb kFalseNegativeColor{255, 70, 70};
 constexpr Rgb kFalsePositiveColor{255, 255, 255};

@@ -349,7 +349,7 @@ Chart ringsChart(const Study& study) {
       .width = kWide,
       .height = 420};
   const std::vector<std::pair<std::string, const RingFit*>> fits = ringFits(study);
-  // The fit for displaying a scan has no method, so it must not get the colour of a method.
+  // The model of the time to display a scan belongs to no method, so it must not get the colour of a method.
   std::vector<std::string> methods;
   methods.reserve(fits.size());
   for (const auto& entry : fits) methods.push_back(entry.second->setting.method);

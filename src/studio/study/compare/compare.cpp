@@ -152,8 +152,8 @@ void addIntensities(SetComparison& result) {
       });
 }
 
-// The groups of the patches in two sets, by the classes of one of them, and the names of the other set's classes that
-// this set lacks.
+// The groups of the patches in the sets `owner` and `other` (see groupsByClassesOf()) by the classes of `owner`, and
+// the names of classes that only `other` has.
 struct ClassGroups {
   Groups own, other;
   std::vector<std::string> unknown;

@@ -56,16 +56,16 @@ struct KeyChange {
 };
 
 struct SetComparison {
-  ScanSet real, simulated;            // without their patches
+  ScanSet real, simulated;            // measurements of both sets; their patches are removed
   std::vector<std::string> warnings;  // reasons why some figures are less meaningful than they seem
   bool byClass = false;               // true: groups are classes; false: groups are shapes of patches
   Ontology classes;                   // the ontology to which the groups belong
   std::vector<std::string> unknown;   // classes of one set that are missing in the ontology of the other set
-  std::vector<Separation> features;   // for all groups together, the strongest first
+  std::vector<Separation> features;   // separations over all groups together, the strongest first
   // For each feature, the strength with which it separates the odd from the even scans of the real set: differences
   // that are due to the places alone. NaN if there is only one scan.
   std::array<double, kFeatureCount> withinReal{};
-  std::vector<GroupComparison> groups;  // the largest first
+  std::vector<GroupComparison> groups;  // groups sorted by their number of patches, the largest first
   std::vector<BandComparison> ranges;
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
   std::vector<KeyChange> advice;

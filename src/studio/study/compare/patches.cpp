@@ -14,12 +14,12 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 constexpr std::size_t kFewestInPatch = 12;  // least number of points to which a plane is fitted
 constexpr double kPlanar = 0.35;            // thickness divided by width, below which a patch counts as a plane
-constexpr double kLevel = 25;               // degrees from horizontal, below which a plane counts as level
-constexpr double kUpright = 65;             // degrees from horizontal, above which a plane counts as upright
+constexpr double kLevel = 25;               // angle to the horizontal (degrees) below which a plane counts as level
+constexpr double kUpright = 65;             // angle to the horizontal (degrees) above which a plane counts as upright
 // Cosine of 60 degrees; at larger incidence angles offsets along the beam are not measured.
 constexpr double kSteep = 0.5;
-constexpr double kNear = 0.5, kNearShare = 0.1;  // m, and fraction of the range: points with range differences below
-                                                 // the larger one are on the same surface
+constexpr double kNear = 0.5, kNearShare = 0.1;  // a length (m) and a fraction of the range; points whose ranges differ
+                                                 // by less than the larger of the two are on the same surface
 
 struct Plane {
   Vec3d middle, normal;  // centroid (m); unit normal

@@ -16,8 +16,8 @@ namespace scanmill {
 
 constexpr int kPatchReach = 4;     // columns on each side of a patch's middle
 constexpr int kPatchRowReach = 2;  // rows above and below a patch's middle
-constexpr double kJump = 0.3;      // m; a larger range difference between neighbours counts as an edge
-constexpr double kEdge = 1.5;      // m, least range difference of an edge at which mixed pixels are searched for
+constexpr double kJump = 0.3;      // range difference (m) between neighbours above which there is an edge
+constexpr double kEdge = 1.5;      // least range difference of an edge at which mixed pixels are searched for (m)
 
 struct PatchFeature {
   std::string_view name;   // name in JSON
@@ -99,9 +99,10 @@ inline constexpr std::array<std::string_view, 5> kPatchKinds{"level", "upright",
 struct Patches {
   // Values of each Feature in the order of the enumeration; NaN if the feature cannot be measured on the patch.
   std::array<std::vector<float>, kFeatureCount> value;
-  std::vector<float> range;          // range of the middle point (m)
-  std::vector<float> incidence;      // angle between beam and plane normal (rad); NaN if the patch has no plane
-  std::vector<float> ringOffset;     // m along the beam, positive if the ring is too far away; NaN at grazing incidence
+  std::vector<float> range;      // range of the middle point (m)
+  std::vector<float> incidence;  // angle between beam and plane normal (rad); NaN if the patch has no plane
+  // Offset along the beam (m), positive if the ring is too far away; NaN at grazing incidence.
+  std::vector<float> ringOffset;
   std::vector<float> ringGain;       // like Feature::RingGain, but with sign
   std::vector<std::uint16_t> row;    // row of the middle point in the grid
   std::vector<std::uint16_t> label;  // class id of the middle point; 0 if the scan has no labels

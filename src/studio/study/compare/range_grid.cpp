@@ -81,7 +81,7 @@ class GridMaker {
     for (std::uint32_t r = 0; r < row.size(); ++r) {
       row[r] = upwards ? static_cast<std::uint32_t>(row.size()) - 1 - r : r;
     }
-    std::vector<std::uint32_t> places;  // the rows available for rings with points, from top to bottom
+    std::vector<std::uint32_t> places;  // rows for the rings that have points, from top to bottom
     places.reserve(filled.size());
     for (const std::uint32_t r : filled) places.push_back(row[r]);
     std::sort(places.begin(), places.end());

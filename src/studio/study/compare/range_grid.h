@@ -23,7 +23,7 @@ struct RangeGrid {
   bool knowsRings = false;   // true: rows are the sensor's rings; false: rows are steps of elevation
   bool knowsMisses = false;  // true: an empty pixel is a beam without a return; false: no beam may belong to the pixel
   std::vector<std::uint32_t> point;   // index in the scan for each pixel (row * columns + column); kNone: empty
-  std::vector<float> range;           // m from the origin of the points' frame for each pixel; NaN: empty
+  std::vector<float> range;           // distance from the origin of the points' frame for each pixel (m); NaN: empty
   std::vector<std::uint8_t> returns;  // number of returns of each pixel's beam
 
   std::size_t size() const { return point.size(); }

@@ -21,12 +21,12 @@ namespace scanmill {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kHorizon = -1;  // degrees; a ring counts as below the horizon if its mean elevation is less
+constexpr double kHorizon = -1;  // a ring with a smaller mean elevation (degrees) counts as below the horizon
 constexpr std::size_t kLongRun = 10;
-constexpr double kGroundReach = 40;  // m; ground is measured up to this horizontal distance
-constexpr double kCell = 0.5;        // m, edge of a cell in which the relief of the ground is measured
-constexpr double kStep = 0.25;       // m; if the heights within a cell differ by more, the cell contains an object
-constexpr double kNearPoint = 5;     // m; points at a smaller range count as near
+constexpr double kGroundReach = 40;  // maximum horizontal distance at which the ground is measured (m)
+constexpr double kCell = 0.5;        // edge of a cell in which the relief of the ground is measured (m)
+constexpr double kStep = 0.25;       // height difference within a cell (m) above which the cell contains an object
+constexpr double kNearPoint = 5;     // points at a smaller range (m) count as near
 
 template <class T>
 double percentileOf(std::vector<T> values, double share) {
@@ -114,7 +114,7 @@ double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& poi
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
   constexpr double kBelow = 0.3, kOff = 0.5;  // m: least depth below the sensor, largest distance from the first plane
   constexpr std::size_t kFewest = 200, kFewestInCell = 6;
-  constexpr double kFewestSpread = 0.05;  // m, least standard deviation of a cell's points in both directions
+  constexpr double kFewestSpread = 0.05;  // least standard deviation of a cell's points in both directions (m)
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] == RangeGrid::kNone) continue;

@@ -88,8 +88,9 @@ struct ScanSet {
   bool knowsMisses = true;   // true: missing beams are known in all scans
   bool labelled = false;     // all scans have labels, and their classes are known
   std::optional<Ontology> ontology{};
-  std::array<double, kSetFigureCount> figures{};  // by kSetFigures; NaN if the scans do not show the figure
-  Patches patches;                                // intensities in them are divided by the set's median
+  // Values in the order of kSetFigures; NaN if the scans do not show the figure.
+  std::array<double, kSetFigureCount> figures{};
+  Patches patches;  // intensities in them are divided by the set's median
 };
 
 struct ScanSetOptions {

@@ -31,8 +31,8 @@ double quantileOf(std::vector<double> values, double share) {
   return *at;
 }
 
-// Removes the effect of rounding ranges to a step, which adds step^2 / 12 to the variance. The formula holds if the
-// ranges on a patch vary by more than a step.
+// Returns the deviation without the effect of rounding ranges to a step, which adds step^2 / 12 to the variance. The
+// formula holds if the ranges on a patch vary by more than a step.
 double withoutStep(double deviation, double step) {
   return std::sqrt(std::max(0.0, deviation * deviation - step * step / 12));
 }
@@ -119,8 +119,8 @@ std::string unfit(const PatchGroup& band) {
   return {};
 }
 
-// Fits the line sigma = base + growth * range to the bands. Negative coefficients become zero, since a sensor's are not
-// negative.
+// Fits the line sigma = base + growth * range to the bands. Negative coefficients are replaced by zero, since noise
+// cannot be negative and does not decrease with range.
 void fitLine(NoiseFit& fit, const std::vector<const PatchGroup*>& used) {
   const auto solve = [&](bool constant, bool slope) {
     std::vector<double> design;

@@ -28,13 +28,13 @@ struct MeasuredShare {
 // The noise on all patches in a band of ranges, incidence angles or intensities. "Step" means the distance to which the
 // sensor rounds ranges. Sigma is the standard deviation of the ranges from a smooth surface.
 struct PatchGroup {
-  std::string name;  // such as "7.5-10 m" or "60-75 deg"
+  std::string name;  // the band's values, such as "7.5-10 m" or "60-75 deg"
   double low = 0;    // ends of the band; `high` is infinite for the last band
   double high = 0;
   double range = 0;  // mean range (m)
   std::size_t patches = 0;
   std::uint64_t points = 0;  // points in the measured halves of the patches
-  double sigma = 0;          // m, after removing the effect of the step
+  double sigma = 0;          // standard deviation of the ranges (m), after removing the effect of the step
   double error = 0;          // standard error of sigma (m), by bootstrap over the patches
   double withStep = 0;       // standard deviation of the ranges, including the effect of rounding to the step (m)
   double planeSigma = 0;     // deviation from planes (m), which includes ring offsets, curvature and motion
@@ -58,16 +58,16 @@ struct NoiseFit {
   std::vector<PatchGroup> intensities;
 
   // The model sigma(r) = base + growth * r, fitted by least squares with the weights 1 / (the band's error)^2.
-  double base = 0;  // m
+  double base = 0;  // sigma at range 0 (m)
   double baseError = 0;
-  double growth = 0;  // m per m
+  double growth = 0;  // increase of sigma with range (m per m)
   double growthError = 0;
   double chiSquare = 0;
   double freedom = 0;
   double largestMisfit = 0;  // largest relative difference between a band and the model
   bool linear = true;        // false: a line does not fit; sigma is given per band instead
-  MeasuredShare dropOut;     // over the bands that the fit uses
-  RingErrors rings;          // from patches with ranges and incidences that the fit uses
+  MeasuredShare dropOut;     // lost returns in the bands that the fit uses
+  RingErrors rings;          // errors of rings, from patches with ranges and incidences that the fit uses
 
   double sigmaAt(double range) const;  // returns the model's sigma (m)
   double measuredUpTo() const;         // returns the mean range (m) of the last band that the fit uses

@@ -35,7 +35,7 @@ struct Cell {
   std::uint32_t beam = 0;
   bool tested = false;
   bool returned = false;
-  double range = 0;  // m
+  double range = 0;  // measured range (m); NaN if the beam has no return
 };
 
 using Cells = std::array<Cell, kCells>;
@@ -149,7 +149,8 @@ void countHoles(const BeamTable& beams, const Cells& cells, double deviation, Fl
   }
 }
 
-// Windows are compared only within groups of similar range and similar incidence.
+// Returns the number of groups of windows. Windows are compared only with windows of the same group, which have similar
+// range and similar incidence.
 std::size_t groups() {
   return 2 * rangeBandEdges().size();
 }

@@ -41,7 +41,7 @@ using PatchPlane = Vec3d;
 
 struct FlatPatch {
   PatchWindow window;
-  PatchPlane plane;      // fitted to the tested half
+  PatchPlane plane;      // plane fitted to the tested half
   double range = 0;      // mean range from the window's beams to the plane (m)
   double incidence = 0;  // cosine of the angle between the window's middle beam and the plane's normal
   double intensity = 0;  // median of the tested returns' intensities; 0 if the scan has no intensities
@@ -53,12 +53,13 @@ struct FlatPatch {
 
   // Results of fitting the measured half:
   double squares = 0;       // sum of squared deviations from the lines (m^2)
-  double freedom = 0;       // degrees of freedom; 0 if there are too few returns
+  double freedom = 0;       // number of degrees of freedom; 0 if there are too few returns
   double planeSquares = 0;  // sum of squared deviations from a plane fitted to the measured half (m^2)
   double planeFreedom = 0;
-  std::vector<double> residuals;  // m, from the lines, divided by sqrt(1 - leverage) so that all have equal variance
-  std::uint32_t enclosed = 0;     // number of measured beams whose neighbours have returns on the plane
-  std::uint32_t holes = 0;        // number of enclosed beams that have no return
+  // Deviations from the lines (m), divided by sqrt(1 - leverage), which makes their variances equal.
+  std::vector<double> residuals;
+  std::uint32_t enclosed = 0;  // number of measured beams whose neighbours have returns on the plane
+  std::uint32_t holes = 0;     // number of enclosed beams that have no return
 };
 
 // Arranges the beams of a table as an image, in which each ring is shifted by its azimuth offset. Neighbours in the

@@ -14,14 +14,14 @@ namespace scanmill {
 
 // The deviations of ranges on the patches, in the recording or in the simulation.
 struct ResidualSpread {
-  std::vector<double> residuals;  // m, deviations from lines, see FlatPatch::residuals
+  std::vector<double> residuals;  // deviations from lines (m), see FlatPatch::residuals
   double deviation = 0;       // typical standard deviation (m), see commonDeviation(); includes the rounding of ranges
   double planeDeviation = 0;  // typical standard deviation of the ranges from the patches' planes (m)
 };
 
 // Recorded and simulated patches, either at steep or at grazing incidence.
 struct ResidualComparison {
-  std::string name;  // such as "up to 60 deg"
+  std::string name;  // the range of incidence angles, such as "up to 60 deg"
   std::size_t patches = 0;
   ResidualSpread recorded;
   ResidualSpread simulated;

@@ -20,7 +20,7 @@ constexpr std::size_t kFewestReturns = 100;  // least number of returns to find 
 
 struct BeamPoint {
   std::size_t beam;
-  Vec3d point;        // m, in the scan's frame
+  Vec3d point;        // position in the scan's frame (m)
   std::size_t place;  // index in the scan
 };
 
@@ -221,8 +221,8 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
 }
 
 double rangeStep(const std::vector<RecordedScan>& scans) {
-  constexpr double kSame = 2e-5;      // m, rounding error of ranges that are computed from float32 coordinates
-  constexpr double kSmallest = 5e-4;  // m; smaller steps cannot be distinguished from rounding errors
+  constexpr double kSame = 2e-5;      // rounding error of ranges that are computed from float32 coordinates (m)
+  constexpr double kSmallest = 5e-4;  // smaller steps (m) cannot be distinguished from rounding errors
   constexpr double kShare = 0.99;     // least fraction of the ranges that must be multiples of the step
   std::vector<double> sorted;
   for (const RecordedScan& scan : scans) {

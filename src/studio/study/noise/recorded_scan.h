@@ -14,7 +14,7 @@ namespace scanmill {
 
 struct RecordedScan {
   std::string name;              // name of the file
-  std::vector<double> range;     // m along each beam from the beam's origin to its first return; NaN: no return
+  std::vector<double> range;     // distance from each beam's origin to its first return (m); NaN: no return
   std::vector<float> intensity;  // intensity of each beam; 0 if it has no return; empty if the scan has no intensities
   Pose scanFromSensor;           // pose of the sensor in the frame of the scan's points
   std::size_t returns = 0;

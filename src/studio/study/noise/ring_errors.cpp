@@ -41,7 +41,8 @@ struct PatchView {
   std::vector<std::uint32_t> ring;
   std::vector<double> difference;
   std::vector<Vec3d> slope;
-  std::vector<double> brightness;  // natural logarithm; only of returns with an intensity, whose rings and rows follow
+  std::vector<double> brightness;  // natural logarithms of the intensities, only of returns that have one; brightRing,
+                                   // brightRow: their rings and rows
   std::vector<std::uint32_t> brightRing;
   std::vector<double> brightRow;
 };
@@ -139,7 +140,8 @@ RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>
                          const std::vector<FlatPatch>& patches) {
   const BeamImage image(beams);
   const RingSystem none(beams.rings);
-  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};  // for the odd and the even patches
+  // Equations of the ranges and of the gains: one system each for the odd and for the even patches.
+  std::array<RingSystem, 2> ranges{none, none}, gains{none, none};
   bool lit = false;
   for (std::size_t p = 0; p < patches.size(); ++p) {
     const PatchView view = viewOf(beams, image, scans[patches[p].window.scan], patches[p]);

@@ -24,8 +24,8 @@ struct RingSpread {
 };
 
 struct RingErrors {
-  RingSpread range;  // m
-  RingSpread gain;   // natural logarithm of the gain; empty if scans have no intensities
+  RingSpread range;  // errors of the range (m)
+  RingSpread gain;   // errors of the gain (natural logarithm); empty if scans have no intensities
 };
 
 // Fits all patches together by least squares. The model of the range differences is a plane per patch plus an offset
@@ -35,7 +35,7 @@ struct RingErrors {
 RingErrors fitRingErrors(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                          const std::vector<FlatPatch>& patches);
 
-// least RingSpread::agreement for which errors are attributed to the sensor.
+// Least RingSpread::agreement for which errors are attributed to the sensor.
 constexpr double kOwnErrors = 0.5;
 
 }  // namespace scanmill

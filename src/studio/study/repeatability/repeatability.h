@@ -25,16 +25,16 @@ struct PointCount {
 // The fitness of all ordered pairs of scans with different seeds, for one noise level of the source and one of the
 // target. The fitness is the mean squared distance (m²) from the source's points to the nearest points of the target.
 struct LevelFitness {
-  FitnessSpread registered;  // after ICP; only pairs with at least three points in each scan, which ICP needs
-  FitnessSpread unmoved;     // without ICP (both scans have the same pose); only pairs with points in both scans
-  std::uint64_t pairs = 0;   // number of all pairs
+  FitnessSpread registered;  // fitness after ICP; only pairs with at least three points in each scan, which ICP needs
+  FitnessSpread unmoved;    // fitness without ICP (both scans have the same pose); only pairs with points in both scans
+  std::uint64_t pairs = 0;  // number of all pairs
 };
 
 // The results for one pose of the sensor.
 struct RepeatedPlace {
   std::uint32_t frame = 0;
   std::string object;
-  double distance = 0;                // from the sensor to the object's bounding box (m)
+  double distance = 0;                // distance from the sensor to the object's bounding box (m)
   std::vector<PointCount> points;     // one per noise level
   std::vector<LevelFitness> fitness;  // index: source level * number of levels + target level
 };
@@ -44,7 +44,7 @@ struct RepeatedView {
   // The view's name, such as "small_box front". It consists of the scene, the seed and the sensor if there are several,
   // and the trajectory.
   std::string name;
-  std::string sensor;  // such as "lidar0 (OS1-128, 128 x 1024 beams)"
+  std::string sensor;  // the sensor with its size, such as "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;
 };
 
@@ -52,10 +52,10 @@ struct Repeatability {
   static constexpr int kSchemaVersion = 1;
   std::string programVersion;
   std::string pipelineName;
-  std::string pipelineText;  // the text with overrides as comments, see Pipeline::text
+  std::string pipelineText;  // the pipeline's text with overrides as comments, see Pipeline::text
   std::uint64_t seed = 0;    // seed of the first scan; further scans have the following numbers
   std::uint32_t scans = 0;   // number of scans from each pose
-  double margin = 0;         // m; points farther from the object's bounding box are removed
+  double margin = 0;         // points farther from the object's bounding box than this (m) are removed
   IcpOptions icp;
   std::vector<std::string> methods;  // names of the settings
   std::vector<std::string> levels;   // names of the noise levels

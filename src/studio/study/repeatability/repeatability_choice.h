@@ -38,7 +38,7 @@ struct RepeatabilityChoice {
   std::size_t reference = 0;  // index in `levels`
   std::vector<MethodSetting> methods;
   std::string object;   // name of an object; empty: the object nearest to the sensor
-  double margin = 0.1;  // m around the object's bounding box
+  double margin = 0.1;  // distance (m) from the object's bounding box within which points are kept
   IcpOptions icp;
 };
 

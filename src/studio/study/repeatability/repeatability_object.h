@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// An object of a scene with its bounding box, which is aligned with the axes of the object's mesh.
+// An object of a scene, with a bounding box along the axes of the object's mesh.
 class BoxedThing {
  public:
   BoxedThing(std::string name, const Affine& worldFromMesh, const Box& box);

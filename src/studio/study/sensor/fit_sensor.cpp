@@ -17,7 +17,7 @@ constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring t
 constexpr double kNearlyWhole = 0.015;
 constexpr double kSpreadWanted = 1;    // least spread of the distances (m) in a ring to find the beams' origin
 constexpr double kSurely = 3;          // number of standard errors from which an offset counts as not zero
-constexpr double kLeastOffset = 2e-3;  // m; smaller offsets count as zero
+constexpr double kLeastOffset = 2e-3;  // smaller offsets (m) count as zero
 
 struct Point {
   Vec3d place;

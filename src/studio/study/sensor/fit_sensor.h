@@ -21,7 +21,7 @@ struct SensorFit {
   std::vector<double> azimuthOffset;  // one per ring
   double originOffset = 0;            // horizontal distance of beam origins from the axis; 0 if it is not significant
   double originHeight = 0;            // height of beam origins; 0 if it is not significant
-  std::vector<double> firing;         // s, one per ring; empty if the scans have no times
+  std::vector<double> firing;         // firing time of each ring (s); empty if the scans have no times
   double period = 0;                  // duration of a revolution (s); 0 if the scans have no times
   double nearest = 0, farthest = 0;   // least and largest range of all points
   std::uint64_t points = 0;

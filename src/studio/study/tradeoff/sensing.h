@@ -17,16 +17,16 @@ namespace scanmill {
 
 // A variation compared with the truth, by the nearest return of each beam.
 struct SensingResult {
-  std::string name;           // such as "7 rays a beam"
+  std::string name;           // what the variation simplifies, such as "7 rays a beam"
   std::string failure;        // why the variation could not be measured; then all other members are empty
-  double traceSeconds = 0;    // s per scan, with all threads
-  double effectsSeconds = 0;  // s per scan, with one thread
+  double traceSeconds = 0;    // time per scan with all threads (s)
+  double effectsSeconds = 0;  // time per scan with one thread (s)
   std::uint64_t beams = 0;
   std::uint64_t both = 0;       // number of beams with a return in both scans
   std::uint64_t missing = 0;    // number of beams with a return only in the truth
   std::uint64_t added = 0;      // number of beams with a return only in the variation
   std::uint64_t sameClass = 0;  // number of beams in `both` whose returns have the same class
-  Spread distance;              // m, between the two returns of each beam in `both`
+  Spread distance;              // distance between the two returns of each beam in `both` (m)
   double intensity = 0;         // mean absolute difference of the intensities of beams in `both`
 };
 

@@ -31,7 +31,7 @@ struct SettingResult {
 // The time of a scan with this number of rings.
 struct RingTiming {
   std::uint32_t rings = 0;
-  double scanSeconds = 0;  // s, median over repeated scans
+  double scanSeconds = 0;  // median time of repeated scans (s)
 };
 // The model seconds = fixedSeconds + secondsPerRing * rings, fitted by least squares of relative errors.
 struct RingFit {
@@ -44,12 +44,12 @@ struct RingFit {
 
 // Speed, size and error of encoding scans in one format with given options.
 struct EncodingResult {
-  std::string name;     // such as "draco max_error_mm=10"
+  std::string name;     // format and options, such as "draco max_error_mm=10"
   std::string format;   // the format's name in the table formats()
-  std::string options;  // such as "{max_error_mm: 10}"
+  std::string options;  // options as YAML text, such as "{max_error_mm: 10}"
   std::string failure;
-  double encodePointsPerSecond = 0;  // with one thread
-  double decodePointsPerSecond = 0;  // with one thread
+  double encodePointsPerSecond = 0;  // rate of encoding with one thread
+  double decodePointsPerSecond = 0;  // rate of decoding with one thread
   double bytesPerPoint = 0;
   double largestError = 0;  // largest position error (m), measured by decoding
   double statedError = 0;   // bound of the position error that the format guarantees (m)
@@ -57,7 +57,7 @@ struct EncodingResult {
 
 // The machine on which the study ran.
 struct StudyMachine {
-  std::string processor;  // such as "AMD EPYC 9B14"
+  std::string processor;  // name of the processor, such as "AMD EPYC 9B14"
   int threads = 0;
   std::string renderer;  // name of the OpenGL device; empty if no method used OpenGL
 };
@@ -78,17 +78,17 @@ struct ErrorPicture {
 struct Study {
   static constexpr int kSchemaVersion = 3;
   std::string programVersion;
-  std::string date;  // such as "2026-11-20", UTC
+  std::string date;  // UTC date of the study, such as "2026-11-20"
   StudyMachine machine;
   std::string pipelineName;
   std::string pipelineFile;  // path as given on the command line
   bool budgetGiven = false;  // true: the budget is from --budget, not from the pipeline
-  std::string pipelineText;  // the text with overrides as comments, see Pipeline::text
+  std::string pipelineText;  // the pipeline's text with overrides as comments, see Pipeline::text
   std::uint64_t budgetSeconds = 0;
   int repeats = 0;
   double seconds = 0;  // duration of the study (s)
   StudyScene scene;
-  std::vector<std::string> sensors;  // such as "top: paper_64, 64 x 2048 beams"
+  std::vector<std::string> sensors;  // sensors with their sizes, such as "top: paper_64, 64 x 2048 beams"
   std::uint64_t shots = 0;
   std::uint64_t beamsPerShot = 0;  // mean over the shots
   Ontology ontology;
@@ -123,7 +123,7 @@ struct Advice {
 std::vector<Advice> advise(const Study& study);
 
 struct StudyOptions {
-  double budgetSeconds = 0;  // s; 0: the pipeline's budget, or 300 s
+  double budgetSeconds = 0;  // maximum time of the study (s); 0: the pipeline's budget, or 300 s
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
   // Shows a scan on the screen; its duration is stored in Study::showing. If empty, showing is not measured.

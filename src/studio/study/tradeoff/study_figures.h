@@ -42,8 +42,8 @@ std::vector<std::size_t> measuredSettings(const Study& study);
 
 // Return the Pareto front of time and an error as indices in Study::settings, the fastest first. If two settings on the
 // front differ in time by less than repeated measurements do, only the more exact one is returned.
-std::vector<std::size_t> rangeFront(const Study& study);  // error: rangeP99()
-std::vector<std::size_t> wrongFront(const Study& study);  // error: wrongShare()
+std::vector<std::size_t> rangeFront(const Study& study);  // the error is rangeP99()
+std::vector<std::size_t> wrongFront(const Study& study);  // the error is wrongShare()
 
 // Returns the index of ray tracing with default options; nothing if it was not measured.
 std::optional<std::size_t> tracingDefault(const Study& study);

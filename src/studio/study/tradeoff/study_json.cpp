@@ -134,7 +134,7 @@ class JsonWriter {
   OrderedJson object = OrderedJson::object();
 
  private:
-  // JSON cannot store infinity, so infinity is written as null. Infinity occurs as the end of an open band.
+  // Returns null for infinity, which JSON cannot store. Infinity occurs as the end of an open band.
   static OrderedJson json(double value) {
     return std::isinf(value) ? OrderedJson() : OrderedJson(finite(value, "study"));
   }

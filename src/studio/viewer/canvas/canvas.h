@@ -66,14 +66,14 @@ struct ItemLook {
 // text. The colours of each triangle are multiplied by the colours of an image. Later triangles are on top of earlier
 // ones.
 struct OverlayVertex {
-  float x = 0;  // pixels of the canvas
+  float x = 0;  // position on the canvas (pixels)
   float y = 0;
   float u = 0;  // texture coordinates from 0 to 1; the origin is the image's upper left corner
   float v = 0;
   Rgba color{};
 };
 struct OverlayPart {
-  PixelRect clip;         // pixels of the canvas; nothing is drawn outside
+  PixelRect clip;         // rectangle of the canvas (pixels); nothing is drawn outside
   ImageId image = 0;      // an image from setImage()
   std::size_t first = 0;  // index in Overlay::corners
   std::size_t count = 0;  // number of entries in Overlay::corners, three per triangle
@@ -116,7 +116,7 @@ class Canvas {
  public:
   virtual ~Canvas() = default;
   virtual std::string device() const = 0;  // name of the device that draws, for reports
-  virtual int width() const = 0;           // in pixels
+  virtual int width() const = 0;           // width in pixels
   virtual int height() const = 0;
   // Returns the display's scale factor for text: 1 for usual displays, 2 for the highest resolutions; 1 if there is no
   // window.

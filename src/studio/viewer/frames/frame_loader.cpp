@@ -35,7 +35,7 @@ std::uint64_t frameBytes(const ViewFrame& frame) {
 ViewFrame loadFrame(const FrameSource& source, std::size_t frame) {
   try {
     return source.load(frame);
-  } catch (const std::exception& e) {  // for example if memory is exhausted
+  } catch (const std::exception& e) {  // for example std::bad_alloc
     return {source.keys().at(frame), {}, {e.what()}};
   }
 }
@@ -245,7 +245,7 @@ std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) 
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   while (!s.meshShows(scene)) {
-    if (!s.meshMissing()) {  // if another thread's mesh is missing, it is loaded first
+    if (!s.meshMissing()) {  // otherwise another thread's mesh is still to be loaded, and goes first
       s.wantedMesh = scene;
       s.work.notify_all();
     }

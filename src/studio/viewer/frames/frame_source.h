@@ -21,13 +21,14 @@ namespace scanmill {
 // One scan of a sample, with data that are not in its columns.
 struct ViewScan {
   std::string name;    // unique within the sample, such as "top", "top, particle" or "out/b: top"
-  std::string sensor;  // empty if unknown
-  std::string method;  // empty if unknown
+  std::string sensor;  // name of the sensor; empty if unknown
+  std::string method;  // name of the method; empty if unknown
   Scan scan;
-  std::optional<Pose> worldFromSensor;     // at the start of the revolution; absent if unknown
-  double time = 0;                         // s since the start of the sequence
-  std::vector<float> error;                // m, one per point, at least 0; NaN: unknown; empty: all unknown
-  std::string errorTitle;                  // such as "distance to the reference (m)" or "range error (m)"
+  std::optional<Pose> worldFromSensor;  // sensor pose at the start of the revolution; absent if unknown
+  double time = 0;                      // time since the start of the sequence (s)
+  std::vector<float> error;             // error of each point (m), at least 0; NaN: unknown; empty: all unknown
+  // Title of the legend for `error`, such as "distance to the reference (m)" or "range error (m)".
+  std::string errorTitle;
   std::shared_ptr<const BeamTable> beams;  // beam table of the sensor; null if unknown
   std::string whyNoError{};  // what NaN in `error` means, such as "no partner in the reference"; may be empty
 };

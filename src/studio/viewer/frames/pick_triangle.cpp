@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-// m by which boxes are enlarged, so that rounding errors cannot cause rays to miss flat boxes.
+// Length (m) by which boxes are enlarged, so that rounding errors cannot cause rays to miss flat boxes.
 constexpr double kBoxSlack = 1e-6;
 
 // Returns the distance (m) at which a ray enters a box; 0 if it starts inside; infinity if it misses. Slab method of T.

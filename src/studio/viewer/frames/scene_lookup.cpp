@@ -58,7 +58,7 @@ std::optional<std::uint64_t> seedBehind(const std::string& key, const std::strin
 }
 
 struct Entry {
-  std::string file;  // as written in the pipeline
+  std::string file;  // path of the scene file as written in the pipeline
   std::uint64_t seed = 1;
   bool moving = true;
 };
@@ -74,7 +74,7 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
     const Value* file = entry.find("scene");
     if (file == nullptr) continue;
     const fs::path name = fs::path(file->text).filename();
-    // Names without and with ".yaml".
+    // Names occur without and with ".yaml".
     for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {
       const auto seed = seedBehind(key, scene);
       if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;

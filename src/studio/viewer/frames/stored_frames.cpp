@@ -71,7 +71,7 @@ bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
 
 }  // namespace
 
-// A scan while it is being loaded.
+// A scan while it is loaded: where it is stored, and what has been read of it.
 struct StoredFrames::Loading {
   const Store* store = nullptr;
   std::size_t sample = 0;

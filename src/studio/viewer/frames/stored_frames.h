@@ -33,7 +33,7 @@ class StoredFrames : public FrameSource {
   struct Store {
     std::unique_ptr<const ScanStore> scans;
     std::string label;    // last components of the path, as many as make it unique among the stores
-    std::string classes;  // text about a difference between its classes and the classes that are shown; empty: none
+    std::string classes;  // text about how this store's classes differ from the shown classes; empty: not at all
   };
   struct Loading;
 

@@ -221,7 +221,8 @@ void leaveOutWhoIsAway(Scene& scene, double time) {
     }
   }
   if (standing.empty()) return;
-  constexpr double kNear = 40;  // m from the bounding box of all static objects
+  // Maximum distance of shown moving objects from the bounding box of all static objects (m).
+  constexpr double kNear = 40;
   std::erase_if(scene.instances, [&](const Instance& i) {
     if (!i.moves()) return false;
     const Vec3d p = i.worldFromMeshAt(time) * scene.meshes[i.meshAt(time)].bounds().center();

@@ -30,26 +30,27 @@ struct ViewMesh {
   // The reason why there is no mesh: the scene could not be read, or is too large. If it is not empty, all other
   // members are empty.
   std::string problem;
-  Vec3d origin;                         // m, world: origin of all coordinates of this mesh
+  Vec3d origin;                         // origin of all coordinates of this mesh, in the world frame (m)
   std::vector<Vec3f> corners;           // three per triangle, relative to `origin`, along the world's axes (m)
   std::vector<std::uint16_t> semantic;  // class id of each triangle
   std::vector<std::uint32_t> instance;  // instance id of each triangle; 0: no instance
   std::vector<std::uint32_t> surface;   // index in `surfaces` for each triangle
   std::vector<ViewSurface> surfaces;
-  std::vector<std::string> parts;  // such as "hall: Wall.003": the object in the scene and the node in its asset
+  // Names of parts, such as "hall: Wall.003": the object in the scene and the node in its asset.
+  std::vector<std::string> parts;
   std::vector<std::string> materials;
-  std::vector<float> reflectance;     // of each material, 0 to 1
+  std::vector<float> reflectance;     // one per material, 0 to 1
   std::vector<std::string> textures;  // names of textures in the assets; the first entry means no texture
   // The sources of classes: a rule in the scene file, such as "line 12: wall (node: Wall*)", or the object, such as
   // "line 30: wall (of the object)". The first two entries are special: triangles without a class, and triangles whose
   // object or file defines their class.
   std::vector<std::string> rules;
   Ontology ontology;
-  Box bounds;                         // m, relative to `origin`
-  Box core;                           // m, relative to `origin`; contains most of the mesh
+  Box bounds;                         // bounding box, relative to `origin` (m)
+  Box core;                           // box that contains most of the mesh, relative to `origin` (m)
   std::vector<std::string> warnings;  // about rules without effect and files with only one instance, see ruleWarnings()
   bool moves = false;                 // true: the scene has moving objects, and the mesh shows them at one time
-  std::vector<Box> boxes;  // m, relative to `origin`; bounding boxes of kTrianglesPerBox consecutive triangles
+  std::vector<Box> boxes;  // bounding boxes of kTrianglesPerBox consecutive triangles, relative to `origin` (m)
 
   static constexpr std::size_t kTrianglesPerBox = 256;
   std::size_t size() const { return semantic.size(); }
@@ -70,7 +71,7 @@ ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, dou
 
 struct MeshHit {
   std::size_t triangle = 0;
-  double distance = 0;  // m from the ray's origin
+  double distance = 0;  // distance from the ray's origin (m)
 };
 // Returns the first triangle that a ray hits; nothing if it hits none. `origin`: relative to mesh.origin (m).
 std::optional<MeshHit> pickTriangle(const ViewMesh& mesh, const Vec3d& origin, const Vec3d& direction);

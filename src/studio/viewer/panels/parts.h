@@ -31,7 +31,7 @@ void folded(const std::string& title, const std::function<void()>& body);
 
 // A text that is drawn over the views.
 struct PanelLabel {
-  double x = 0;  // pixels of the canvas; the text is drawn to the right of this point and above it
+  double x = 0;  // position on the canvas (pixels); the text is drawn to the right of this point and above it
   double y = 0;
   std::string text;
   bool mark = true;  // draws a small ring at (x, y)

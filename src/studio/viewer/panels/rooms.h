@@ -9,7 +9,7 @@
 namespace scanmill {
 
 struct PanelNeeds {
-  double letter = 15;  // pixels, see Toolkit
+  double letter = 15;  // height of a line of text in pixels, see Toolkit
   double row = 21;     // height of a menu, a button or a slider (pixels)
   bool title = true;
   bool side = true;     // panel with the legends and the selected point

@@ -19,7 +19,7 @@ class Toolkit {
   Toolkit(const Toolkit&) = delete;
   Toolkit& operator=(const Toolkit&) = delete;
 
-  double letter() const;  // in pixels
+  double letter() const;  // height of a line of text in pixels
   double row() const;     // height of a menu, a button or a slider in pixels
 
   // Makes the panels light or dark, to match the background of the views.

@@ -21,7 +21,7 @@ class DepthEdges {
 
  private:
   unsigned vertexArray_ = 0;
-  // The window's colours without its depths, since the shader reads the depths.
+  // A framebuffer with the window's colours, but not its depths, since the shader reads the depths.
   vtkNew<vtkOpenGLFramebufferObject> frame_;
 };
 

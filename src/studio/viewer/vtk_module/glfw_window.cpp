@@ -22,8 +22,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Kind = CanvasEvent::Kind;
 
-constexpr double kDoubleClick = 0.4;  // s, maximum time between the presses of a double click
-constexpr double kSamePlace = 4;      // pixels, maximum distance between the presses of a double click
+constexpr double kDoubleClick = 0.4;  // maximum time between the presses of a double click (s)
+constexpr double kSamePlace = 4;      // maximum distance between the presses of a double click (pixels)
 
 // Returns GLFW's last error message. It is global, since GLFW's error handler does not get the window; only one window
 // can be open at a time.
@@ -141,7 +141,7 @@ struct GlfwWindow::State {
   bool shift = false;
   bool control = false;
   CanvasEvent lastPress;
-  double pressedAt = 0;  // s, time of the last press
+  double pressedAt = 0;  // time of the last press (s)
   int clicks = 0;        // number of clicks up to the last press
 
   ~State() {

@@ -23,7 +23,7 @@ class GlfwWindow {
   GlfwWindow& operator=(const GlfwWindow&) = delete;
 
   void makeCurrent() noexcept;
-  double scale() const;  // see Canvas::scale()
+  double scale() const;  // the display's scale factor for text, see Canvas::scale()
   // Shows what was drawn to the context's default framebuffer.
   void present();
   // Requests another size. The window manager may refuse it; a Resize event reports the actual size.

@@ -94,7 +94,7 @@ void Item::set(std::span<const Vec3f> vertices, std::span<const Rgb> colors) {
   };
   unsigned others = 0;
   for (std::uint64_t i = 0; i < 3 * vertices.size(); ++i) {
-    // Without a branch, so that the compiler can use SIMD.
+    // Written without a branch, so that the compiler can use SIMD.
     others |= !(std::abs(positions[i]) <= std::numeric_limits<float>::max());
   }
   if (others != 0) {
