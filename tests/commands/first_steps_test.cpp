@@ -88,7 +88,7 @@ TEST_F(FirstSteps, TyposComeBeforeWhatTheyHide) {
       "stops, lane_changes, sway, ground, every_s, every_m, frames)");
   expectRefused(scanmill({"plan", changed("[intensity]", "[quantize: {zzz: 1}]")}),
                 "effect quantize: unknown key 'zzz' (known: step_m)");
-  expectRefused(scanmill({"plan", changed("[intensity]", "none")}), "for none write []");
+  expectRefused(scanmill({"plan", changed("[intensity]", "none")}), "[] for no effects");
 }
 
 TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
@@ -125,7 +125,7 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
   const Outcome same = scanmill({"generate", pipeline_, "-q", "-o", at("same"), "--set", "scenes.0.seeds=[1, 2]",
                                  "--set", "splits={by: seed, train: [1], val: [2]}"});
   EXPECT_EQ(same.code, 0);
-  EXPECT_THAT(same.error, AllOf(HasSubstr("its 2 seeds give the same geometry"), HasSubstr("they leak")));
+  EXPECT_THAT(same.error, AllOf(HasSubstr("its 2 seeds give the same geometry"), HasSubstr("into several splits")));
   EXPECT_EQ(same.error.find("warning"), same.error.rfind("warning")) << same.error;
 
   folder_.write("huge.yaml",

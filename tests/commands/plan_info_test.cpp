@@ -143,7 +143,7 @@ TEST_F(Tell, PlanOfARecordingNeedsNoScene) {
   EXPECT_THAT(told({"plan", bare, "--from-hits", at("hits")}),
               AllOf(HasSubstr("scenes: none, the scans are made from the hits in " + at("hits")),
                     HasSubstr("4 frames x 512 beams"), HasSubstr("scene-s1-drive"), HasSubstr("\nsize: "),
-                    HasSubstr("hits: not traced now"), Not(HasSubstr("unlabelled"))));
+                    HasSubstr("hits: read from a recording"), Not(HasSubstr("unlabelled"))));
   expectRefused(scanmill({"plan", bare}), "the key 'scenes' is missing");
   expectRefused(scanmill({"plan", bare, "--from-hits", at("hits"), "--from-passes", at("hits")}), "give only one of");
   expectRefused(scanmill({"plan", bare, "--from-hits", at("out")}), "no recording.json");

@@ -22,7 +22,8 @@ TEST_F(VerifyCommand, ReadsRecordingsWhole) {
   folder_.write("hits/notes.txt", "mine");
   const Outcome noted = scanmill({"verify", "-q", at("hits/")});
   EXPECT_EQ(noted.code, 0);
-  EXPECT_THAT(noted.error, AllOf(HasSubstr("warning: "), HasSubstr("nothing names 1 of its files: notes.txt")));
+  EXPECT_THAT(noted.error, AllOf(HasSubstr("warning: "),
+                                 HasSubstr("files that do not belong to the recording, 1 in all: notes.txt")));
 
   const auto images = filesEndingIn(".hits.exr", at("hits"));
   folder_.write("hits/" + images[0].filename().string(), readFile(images[0]).substr(0, 500));

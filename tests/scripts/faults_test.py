@@ -399,7 +399,7 @@ class Kills(Faults):
                     wrong.append("verify is content without a manifest")
             again = "--resume" if i % 2 == 0 else "--overwrite"
             done = scanmill("generate", newer, "-o", self.out, "--quiet", again)
-            if again == "--resume" and done.code == 2 and old_is_whole and "holds a whole dataset" in done.said:
+            if again == "--resume" and done.code == 2 and old_is_whole and "has a complete dataset" in done.said:
                 # Nothing had been begun.
                 if tree(self.out, hidden=False) != old:
                     wrong.append("a refused --resume has changed the old dataset")

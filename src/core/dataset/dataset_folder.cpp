@@ -64,13 +64,13 @@ void checkUse(const fs::path& folder, FolderUse use) {
   if (use == FolderUse::Share && contents.manifest) return;
   if (contents.unfinished) {
     throw InputError({folder.string()},
-                     "holds an unfinished dataset: add --resume to go on with it, or --overwrite to begin anew");
+                     "has an unfinished dataset: add --resume to continue it, or --overwrite to start again");
   }
   if (use == FolderUse::Resume && contents.manifest) {
     throw InputError(
         {folder.string()},
-        "holds a whole dataset, of another pipeline (other `--set` make it another one), other files that it names, or "
-        "another version of this program: choose another output folder, or --overwrite");
+        "has a complete dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
+        "the pipeline names, or of another version of this program: choose another output folder, or add --overwrite");
   }
   if (contents.empty()) return;
   const char* const remedy =
@@ -220,10 +220,10 @@ void DatasetFolder::begin(FolderUse use) {
   const fs::path planFile = staging_ / kPlanName;
   if ((shared_ || use == FolderUse::Resume) && fs::exists(planFile)) {
     if (readFile(planFile) == toJson(plan_)) return;
-    throw InputError({folder_.string()},
-                     "holds an unfinished dataset of another pipeline (other `--set` make it another one), other files "
-                     "that it names, or another version of this program: begin anew, in another folder or with "
-                     "--overwrite");
+    throw InputError(
+        {folder_.string()},
+        "has an unfinished dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
+        "the pipeline names, or of another version of this program: choose another folder, or add --overwrite");
   }
   // Without a manifest, shards are left over from a run that was killed while it replaced a dataset. A complete dataset
   // stays until the new one is complete.

@@ -38,7 +38,7 @@ void fillEmpty(const Hits& hits, std::vector<std::uint8_t>& reasons) {
 }  // namespace
 
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns) {
-  if (!returns.tellsReasons()) throw Error("the table of returns does not tell reasons");
+  if (!returns.tellsReasons()) throw Error("the table of returns has no reasons");
   std::vector<std::uint8_t> reasons(hits.size(), 0);
   std::vector<std::uint32_t> told(hits.size(), kNoHit);  // by beam: the row that its reason is for
   for (std::uint32_t row = 0; row < returns.size(); ++row) {

@@ -140,7 +140,7 @@ TEST_F(SettingOfYard, AMethodThatIsStillToBeChosenCannotBeMade) {
   EXPECT_EQ(plan.pipeline.methodName(), "auto");
   ShotSource source(plan);
   const Scene scene = source.load(0);
-  EXPECT_THAT(messageOf<Error>([&] { source.method(scene); }), HasSubstr("still to be chosen"));
+  EXPECT_THAT(messageOf<Error>([&] { source.method(scene); }), HasSubstr("no method has been chosen yet"));
 }
 
 }  // namespace

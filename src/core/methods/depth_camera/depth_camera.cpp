@@ -114,8 +114,8 @@ class DepthCameraMethod : public DepthCamera {
 
   TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const override {
     if (step.endColumn > shot.beams->columns || step.firstColumn >= step.endColumn) {
-      throw InputError(fmt::format("passes of columns {} to {}, but sensor '{}' has {} columns", step.firstColumn,
-                                   step.endColumn, shot.sensorName, shot.beams->columns));
+      throw InputError(fmt::format("the passes have the columns {} to {}, but the sensor '{}' has {} columns",
+                                   step.firstColumn, step.endColumn, shot.sensorName, shot.beams->columns));
     }
     const Prepared prepared = prepareStep(shot, step.firstColumn, step.endColumn, step.worldFromRig, false);
     ImageSource images(step.images);
@@ -133,10 +133,10 @@ class DepthCameraMethod : public DepthCamera {
     std::vector<std::string> lines;
     if (makeRenderer_) {
       lines.push_back(fmt::format(
-          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} a revolution", options_.layoutName,
+          "images: layout {}, resolution {}, drawn by {}{}; moving sensors: {} per revolution", options_.layoutName,
           options_.layout.resolution, options_.renderer, s > 1 ? fmt::format(", {} x {} subpixels", s, s) : "",
           options_.rendersPerRevolution > 0 ? fmt::format("{} renders", options_.rendersPerRevolution)
-                                            : std::string("a render for every 5 cm or degree")));
+                                            : std::string("one render for every 5 cm or degree of motion")));
       if (options_.renderer == "blender") lines.push_back("Blender: " + whereBlenderIs());
     } else {
       lines.emplace_back("images: passes from files");
@@ -145,7 +145,7 @@ class DepthCameraMethod : public DepthCamera {
         fmt::format("geometry: one hit per ray, sampling {}, depth {}{}", options_.samplingName, options_.depthName,
                     options_.sample.sampling == Sampling::Plane ? ": exact on flat surfaces, edges to within a pixel"
                                                                 : ": to within a pixel"));
-    lines.push_back(fmt::format("surfaces nearer to a camera's plane than {:g} m: left out, they do not block",
+    lines.push_back(fmt::format("surfaces nearer to a camera's plane than {:g} m: left out, beams pass through them",
                                 options_.sample.nearest));
     if (scene_ != nullptr) {
       const auto any = [&](auto has) { return std::any_of(scene_->materials.begin(), scene_->materials.end(), has); };
@@ -238,7 +238,7 @@ class DepthCameraMethod : public DepthCamera {
   }
 
   void requireRenderer() const {
-    if (!makeRenderer_) throw Error("these passes come from files: nothing can be drawn");
+    if (!makeRenderer_) throw Error("the passes are read from files, so that no images can be drawn");
   }
 
   // The caller holds rendererMutex_.
@@ -286,9 +286,9 @@ class DepthCameraMethod : public DepthCamera {
     if (unseen == 0) return account;
     account.warn(
         {shot.sensorName, 0, unseen,
-         fmt::format("{} of {} beams of '{}' lie outside of all images{}: they are misses; {}", unseen,
+         fmt::format("{} of {} beams of '{}' are outside all images{} and count as misses: {}", unseen,
                      shot.beams->size(), shot.sensorName, makeRenderer_ ? " of layout " + options_.layoutName : "",
-                     makeRenderer_ ? "take layout auto" : "draw images that hold them")});
+                     makeRenderer_ ? "take `layout: auto`" : "draw images that cover them")});
     return account;
   }
 

@@ -85,7 +85,7 @@ std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& 
     views.push_back(view);
     first += static_cast<PixelAddress>(camera.pixels());
   }
-  if (views.size() >= kNoView) throw InputError(fmt::format("{} images of a shot are too many", views.size()));
+  if (views.size() >= kNoView) throw InputError(fmt::format("a shot has {} images, which are too many", views.size()));
   return views;
 }
 

@@ -57,7 +57,8 @@ class Sampler {
         reader_(source, options, choice_),
         corners_(source, options, {Channel::Range | Channel::Instance | Channel::Material, false}),
         rounds_(!isNaive(options.sampling) && startElsewhere() ? kRounds : 1) {
-    if (isNaive(options.sampling) && beams.table == nullptr) throw Error("naive sampling wants a beam table");
+    if (isNaive(options.sampling) && beams.table == nullptr)
+      throw Error("this sampling needs the beam table of a sensor");
     if (choice_.surfaceParameters) {
       hits.roughness.resize(hits.size());
       hits.metallic.resize(hits.size());

@@ -77,7 +77,7 @@ class Builder {
 Builder::Builder(const World& world, const FieldShape& shape,
                  const std::vector<std::shared_ptr<const DistanceField>>& before)
     : world_(world), field_(std::make_shared<DistanceField>()) {
-  if (!world.placed.empty()) throw Error("particle: a field is built of a world without instanced meshes");
+  if (!world.placed.empty()) throw Error("particle: a field cannot be built of instanced meshes");
   for (const auto& field : before) {
     if (field->shape.voxel != shape.voxel || field->shape.lists != shape.lists) continue;
     if (poolBefore_ == nullptr) poolBefore_ = field->pool;
@@ -189,8 +189,8 @@ void Builder::findUnmade() {
   }
   if (kept_ + unmade_.size() <= kMostBricks) return;
   throw Error(
-      fmt::format("particle: with voxels of {:g} m over {} million bricks are near surfaces: choose larger voxels or "
-                  "fewer of them",
+      fmt::format("particle: voxels of {:g} m give more than {} million bricks near surfaces: choose larger voxels "
+                  "(voxel_m) or fewer (voxels)",
                   field_->shape.voxel, kMostBricks / 1'000'000));
 }
 
@@ -301,8 +301,8 @@ std::shared_ptr<const DistanceField> Builder::build() {
     }
     if (end >= kNoWord) {
       throw Error(
-          fmt::format("particle: with voxels of {:g} m the field would name over 4 billion triangles: choose larger "
-                      "voxels, or refine: normal",
+          fmt::format("particle: voxels of {:g} m give more than 4 billion entries in lists of triangles: choose "
+                      "larger voxels (voxel_m), or `refine: normal`",
                       field_->shape.voxel));
     }
     const std::uint64_t most = poolBefore_ != nullptr ? std::min<std::uint64_t>(withRoom(end), kNoWord - 1) : end;

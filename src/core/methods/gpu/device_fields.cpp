@@ -88,7 +88,7 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   holdTable(device_, held.table, Uint32, std::as_bytes(std::span(field->table)), mostTableBytes_, "table of bricks",
             kMend);
   append(held.distances, Uint16, field->distance, field->pool->distance.size(), "distances");
-  append(held.words, Uint32, field->word, field->pool->word.size(), "triangles named at corners");
+  append(held.words, Uint32, field->word, field->pool->word.size(), "triangles at corners");
   append(held.lists, Uint32, field->lists, field->pool->lists.size(), "lists of triangles");
   held.field = field;
 }

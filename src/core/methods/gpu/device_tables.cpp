@@ -43,8 +43,8 @@ class MaterialTables {
     const Texture& texture = *material.texture;
     constexpr std::uint32_t kMost = 0xFFFF;
     if (texture.width > kMost || texture.height > kMost) {
-      throw Error(
-          fmt::format("'{}' has more than {} texels a side, too many for a graphics card", texture.file, kMost));
+      throw Error(fmt::format("the texture '{}' has more than {} texels per side, too many for a graphics card",
+                              texture.file, kMost));
     }
     const auto key = std::tuple(&texture, base.textureGain, base.reflectance, cut ? material.alphaCutoff : -1.0f);
     const auto [known, added] = firstOf_.emplace(key, static_cast<std::uint32_t>(made_.texels.size()));

@@ -23,7 +23,7 @@ namespace scanmill {
 
 namespace {
 
-const ComputeErrorWords kWords{"particles cannot fly by OpenGL", "'backend: cpu' does without it"};
+const ComputeErrorWords kWords{"particles cannot march by OpenGL", "`backend: cpu` does not need it"};
 
 // The parameters of launchShader(), in std140 layout.
 struct LaunchBlock {
@@ -155,7 +155,7 @@ class ComputeMarcher : public GlMarcher {
     holdLabels(flight.world);
     flight.upload = timer.seconds();
     if (std::max(flight.bytes(), DeviceBeams::kBytesPerRay * flight.rays()) > mostBytes()) {
-      device_.fail("the sensor's beams do not fit into a buffer");
+      device_.fail("the sensor has too many beams for a buffer of the graphics card");
     }
     DeviceBeams::Shots shots;
     for (const Flight* one : together) {

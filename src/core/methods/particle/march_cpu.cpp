@@ -10,7 +10,8 @@
 #include <hwy/foreach_target.h>
 
 #if HWY_TARGET == HWY_SCALAR
-#error "Highway knows no lanes of this processor: for x86 without SSSE3 it takes g++ 12.3 or later"
+#error \
+    "the library Highway has no vector instructions for this processor: for x86 without SSSE3, compile with g++ 12.3 or later"
 #endif
 
 #include "methods/particle/march.h"

@@ -80,8 +80,8 @@ ParticleOptions readParticleOptions(Fields& fields) {
     options.levels = static_cast<std::uint32_t>(fields.integer("levels", 1, kMaxLevels));
     if (options.extent == Extent::Scene && options.levels > 1) {
       throw InputError(levels->where,
-                       "levels: a field of the whole scene (field: scene) has one level: leave levels "
-                       "out, or take field: sensor");
+                       "levels: a field of the complete scene (`field: scene`) has one level: leave `levels` out, or "
+                       "take `field: sensor`");
     }
   }
   options.refine = named(fields, "refine", kRefines, options.refine);
@@ -90,8 +90,8 @@ ParticleOptions readParticleOptions(Fields& fields) {
   fields.finish();
   if (const Value* voxels = fields.find("voxels"); voxels != nullptr && options.extent == Extent::Scene) {
     throw InputError(voxels->where,
-                     "voxels: a field of the whole scene (field: scene) has as many voxels across as the scene takes: "
-                     "leave voxels out, or take field: sensor");
+                     "voxels: in a field of the complete scene (`field: scene`) their number follows from the scene: "
+                     "leave `voxels` out, or take `field: sensor`");
   }
   const Value* voxel = fields.find("voxel_m");
   options.where = voxel != nullptr ? voxel->where : fields.where();

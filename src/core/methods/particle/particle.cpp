@@ -83,17 +83,19 @@ class ParticleMethod : public Method {
     const bool alpha = any([](const Material& m) { return m.alphaTested; });
     std::vector<std::string> lines;
     lines.push_back(fieldLine());
-    lines.push_back(triangles ? std::string("geometry: exact triangles of the voxels that beams pass, one hit per "
-                                            "ray")
-                    : options_.refine == ParticleOptions::Refine::ByNormal
-                        ? std::string("geometry: to half a voxel, corrected along the field's gradient: exact on flat "
-                                      "surfaces, one hit per ray")
-                        : std::string("geometry: to half a voxel of the distance field, one hit per ray"));
+    lines.push_back(
+        triangles
+            ? std::string("geometry: exact triangles, from the lists of the voxels that a beam passes, one hit per ray")
+        : options_.refine == ParticleOptions::Refine::ByNormal
+            ? std::string("geometry: within half a voxel, corrected along the field's gradient, which is exact on flat "
+                          "surfaces, one hit per ray")
+            : std::string("geometry: within half a voxel of the distance field, one hit per ray"));
     if (!triangles) lines.push_back(smallestLine());
-    lines.emplace_back(!alpha      ? "alpha cut-outs: left out, no material has one"
-                       : triangles ? "alpha cut-outs: modelled, some materials have them"
-                                   : "alpha cut-outs: left out, distance fields take them for solid: take refine "
-                                     "triangle where they matter");
+    lines.emplace_back(
+        !alpha ? "alpha cut-outs: left out, no material has one"
+        : triangles
+            ? "alpha cut-outs: modelled, some materials have them"
+            : "alpha cut-outs: left out, since distance fields treat them as solid (`refine: triangle` models them)");
     lines.emplace_back(any([](const Material& m) { return m.textured && m.texture != nullptr; })
                            ? "reflectance textures: modelled"
                            : "reflectance textures: left out, no material has one");
@@ -184,9 +186,9 @@ class ParticleMethod : public Method {
   }
 
   std::string backendLine() const {
-    if (gl_ == nullptr) return "particles fly on the processor";
-    return fmt::format("particles fly by OpenGL on {} (about {} there for field and scene)", gl_->device(),
-                       memoryText(deviceBytes()));
+    if (gl_ == nullptr) return "backend: particles march on the processor";
+    return fmt::format("backend: particles march by OpenGL on {} (about {} of its memory for field and scene)",
+                       gl_->device(), memoryText(deviceBytes()));
   }
 
   // Returns about how many bytes a device needs: for a field, with room for the bricks that moving adds, and for the
@@ -203,12 +205,12 @@ class ParticleMethod : public Method {
 
   std::string fieldLine() const {
     const bool around = options_.extent == ParticleOptions::Extent::Sensor;
-    return fmt::format(
-        "distance field: {}, voxels of {:g} m{}, about {}{}",
-        around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
-               : std::string("one for the whole scene"),
-        options_.voxel, around ? " in the finest, twice as large from level to level" : "", memoryText(fieldBytes()),
-        around ? fmt::format("; memory for {} of them while sensors drive", fields_.fewestFields()) : "");
+    return fmt::format("distance field: {}, voxels of {:g} m{}, about {}{}",
+                       around ? fmt::format("levels of {} voxels across around the sensor", options_.voxels)
+                              : std::string("one level for the complete scene"),
+                       options_.voxel, around ? " in the finest level, twice as large in each next level" : "",
+                       memoryText(fieldBytes()),
+                       around ? fmt::format("; memory for {} fields while sensors move", fields_.fewestFields()) : "");
   }
 
   std::string smallestLine() const {
@@ -216,8 +218,7 @@ class ParticleMethod : public Method {
       const double size = smallestSeen(options_, range);
       return std::isinf(size) ? fmt::format("none at {:g} m", range) : fmt::format("{:.2g} m at {:g} m", size, range);
     };
-    return fmt::format("the smallest ball that every beam through its middle meets: {}, {}, {}", at(10), at(30),
-                       at(100));
+    return fmt::format("smallest ball that every beam through its centre hits: {}, {}, {}", at(10), at(30), at(100));
   }
 
   TraceAccount account(const StageClock& clock, const Shot& shot, const MarchCounts& counts) const {
@@ -229,12 +230,13 @@ class ParticleMethod : public Method {
            fmt::format("up to {} of a scan's {} beams of '{}' {}", count, shot.beams->size(), shot.sensorName, what)});
     };
     warn(0, counts.exhausted,
-         fmt::format("ran out of their {} steps: they are neither hits nor misses; give `steps` more", options_.steps));
+         fmt::format("ran out of their {} steps and count neither as hits nor as misses: raise `steps`",
+                     options_.steps));
     warn(1, counts.left,
-         "left the distance field, which does not hold all of the scene within the sensor's range: they are neither "
-         "hits nor misses; take `levels: auto`");
+         "left the distance field, which does not cover the scene to the sensor's range, and count neither as hits nor "
+         "as misses: take `levels: auto`");
     warn(2, counts.touching,
-         "start within half a voxel of a surface and end there: take smaller voxels, or refine triangle");
+         "start within half a voxel of a surface and end there: take smaller voxels (voxel_m), or `refine: triangle`");
     return account;
   }
 

@@ -34,8 +34,10 @@ Corner nearestBrick(const Vec3d& point, double voxel) {
   for (std::size_t k = 0; k < 3; ++k) {
     const double index = std::floor(p[k] / (kBrickVoxels * voxel) + 0.5);
     if (!(std::fabs(index) < kFarthestBrick)) {
-      throw Error(fmt::format("particle: a sensor {:g} m from the scene's origin is too far for voxels of {:g} m", p[k],
-                              voxel));
+      throw Error(
+          fmt::format("particle: a sensor is {:g} m from the scene's origin, too far for voxels of {:g} m: take larger "
+                      "voxels (voxel_m)",
+                      p[k], voxel));
     }
     brick[k] = static_cast<std::int64_t>(index);
   }
@@ -67,10 +69,9 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
   }
   const std::uint32_t across = options.voxels / kBrickVoxels;
   if (levels * std::pow(across, 3) > kMostBricks) {
-    throw InputError(options.where,
-                     fmt::format("particle: {} levels of {} voxels across make a table of more than {:g} bricks: "
-                                 "choose fewer voxels across, such as 512",
-                                 levels, options.voxels, kMostBricks));
+    throw InputError(options.where, fmt::format("particle: {} levels of {} voxels across give a table of more than "
+                                                "{:g} bricks: choose fewer voxels across, such as `voxels: 512`",
+                                                levels, options.voxels, kMostBricks));
   }
   for (std::uint32_t l = 0; l < std::min(levels, kMaxLevels); ++l) {
     LevelBox box;
@@ -117,12 +118,12 @@ Span spanOf(const Box& box, double voxel) {
 std::string adviceFor(const ParticleOptions& options, double times) {
   if (options.extent == ParticleOptions::Extent::Sensor) {
     const auto most = static_cast<std::uint32_t>(std::max(options.voxels / times, double{kFewestVoxels}));
-    return fmt::format("choose voxels: {} or fewer", most / kVoxelsStep * kVoxelsStep);
+    return fmt::format("choose `voxels: {}` or fewer", most / kVoxelsStep * kVoxelsStep);
   }
   const double voxel = options.voxel * times * 1.03;  // for the bricks around the scene
-  if (!(voxel <= kLargestVoxel)) return "choose field: sensor";
+  if (!(voxel <= kLargestVoxel)) return "choose `field: sensor`";
   const double unit = std::pow(10.0, std::floor(std::log10(voxel)) - 1);
-  return fmt::format("choose voxel_m: {:g} or more, or field: sensor", std::ceil(voxel / unit) * unit);
+  return fmt::format("choose `voxel_m: {:g}` or more, or `field: sensor`", std::ceil(voxel / unit) * unit);
 }
 
 // Returns the bricks of a field of the complete scene. Throws InputError if there would be too many; its advice
@@ -133,8 +134,8 @@ Span sceneSpan(const ParticleOptions& options, const Box& box, double memory) {
   if (excess <= 1) return span;
   const Vec3d size = box.high - box.low;
   throw InputError(options.where,
-                   fmt::format("particle: a field of the whole scene, {:.4g} x {:.4g} x {:.4g} m, would have too many "
-                               "bricks with voxels of {:g} m: {}",
+                   fmt::format("particle: a field of the complete scene, {:.4g} x {:.4g} x {:.4g} m, would have too "
+                               "many bricks with voxels of {:g} m: {}",
                                size.x, size.y, size.z, options.voxel,
                                adviceFor(options, std::max(excess, std::sqrt(fieldBytes(options, box) / memory)))));
 }

@@ -119,13 +119,14 @@ class RayTracing : public Method {
                                               original_.placedTriangles())
                                 : std::string("exact triangles"),
                     options_.robust ? ", watertight" : ""),
-        instancedCount > 0 ? fmt::format("instancing: {} placed objects share their meshes", instancedCount)
-                           : std::string("instancing: left out, the scene is small enough to be flattened"),
+        instancedCount > 0
+            ? fmt::format("instancing: {} placed objects share meshes", instancedCount)
+            : std::string("instancing: left out, since the scene is small enough for a copy of each mesh"),
         alpha ? "alpha cut-outs: modelled, some materials have them" : "alpha cut-outs: left out, no material has one",
         textured ? "reflectance textures: modelled" : "reflectance textures: left out, no material has one",
-        worlds_.moves()
-            ? "motion of objects: every beam meets them where they are when it fires; shapes change from turn to turn"
-            : "motion of objects: left out, none moves",
+        worlds_.moves() ? "motion of objects: every beam sees them where they are when it fires; their shapes change "
+                          "only between revolutions"
+                        : "motion of objects: left out, no object moves",
         fmt::format("rays: traced by Embree {}", worlds_.embree()),
     };
   }

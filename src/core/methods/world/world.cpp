@@ -183,7 +183,9 @@ void bake(World& world, const std::vector<bool>& instanced) {
     for (const Surface& s : mesh.surfaces) block.surfaces.push_back({instanceId(instance, s), s.semantic, s.material});
     vertices += mesh.positions.size();
     if (vertices > 0xFFFFFFF0u) {
-      throw Error("the scene has over 4 billion vertices outside instances: place its meshes as copies of one object");
+      throw Error(
+          "the scene has over 4 billion vertices in meshes that are placed once: place repeated meshes as copies of "
+          "one object");
     }
   }
   fill(block, scene, sources);
@@ -229,7 +231,7 @@ void SceneDeleter::operator()(RTCSceneTy* scene) const {
 
 DeviceHandle makeDevice() {
   DeviceHandle device(rtcNewDevice(nullptr));
-  if (!device) throw Error("Embree could not start on this machine: is there too little memory (ulimit -v)?");
+  if (!device) throw Error("Embree could not start on this machine: is the memory limit too low (ulimit -v)?");
   return device;
 }
 

@@ -55,7 +55,7 @@ std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& b
   if (lines.size() > kMostHeadings) {
     const std::size_t more = lines.size() - kMostHeadings;
     lines.resize(kMostHeadings);
-    lines.push_back(fmt::format("scene {}: boxes of {} more models lie across them", scene.name, more));
+    lines.push_back(fmt::format("scene {}: {} more models have boxes that point sideways", scene.name, more));
   }
   return lines;
 }

@@ -66,11 +66,11 @@ std::vector<std::string> damageWarnings(const Scene& scene) {
   std::vector<std::string> lines;
   const auto tell = [&](std::uint64_t triangles, const char* why) {
     if (triangles == 0) return;
-    lines.push_back(fmt::format("scene {}: {} triangle{} left out, {}: is a file damaged?", scene.name,
+    lines.push_back(fmt::format("scene {}: {} triangle{} left out because of {}: is a file damaged?", scene.name,
                                 grouped(triangles), triangles == 1 ? " is" : "s are", why));
   };
-  tell(scene.dropped.nonFinite, "with corners that are NaN or infinite");
-  tell(scene.dropped.outOfRange, "with corners that their meshes do not have");
+  tell(scene.dropped.nonFinite, "corners that are NaN or infinite");
+  tell(scene.dropped.outOfRange, "corner indices that are out of range");
   return lines;
 }
 
@@ -87,8 +87,8 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
     if (extent >= kSmallest && extent <= kLargest) continue;
     told.insert(instance.mesh);
     lines.push_back(
-        fmt::format("scene {}: the object '{}' is {:.3g} m large: is its `unit` right? (0.001 for "
-                    "millimetres, 0.01 for centimetres, 1 for metres)",
+        fmt::format("scene {}: the object '{}' measures {:.3g} m: is its `unit` right? (0.001 for millimetres, 0.01 "
+                    "for centimetres, 1 for metres)",
                     scene.name, instance.name, extent));
   }
   if (lines.size() > kMostLines) {
@@ -123,15 +123,15 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
       if (extent >= low / kUnusual && extent <= high * kUnusual) continue;
       if (!told.emplace(instance.mesh, thing.semantic).second) continue;
       lines.push_back(fmt::format(
-          "scene {}: '{}' is a {} of {:.3g} m, usual are {:g} to {:g} m: is its `unit` right?{}", scene.name,
+          "scene {}: '{}' is a {} of {:.3g} m, but {:g} to {:g} m are usual: is its `unit` right?{}", scene.name,
           instance.name.substr(0, instance.name.find('#')), scene.ontology.find(thing.semantic)->name, extent, low,
-          high, extent > high ? " Or are several things one (`instances`)?" : ""));
+          high, extent > high ? " Or have several things one instance id (`instances`)?" : ""));
     }
   }
   if (lines.size() > kMostLines) {
     const std::size_t more = lines.size() - kMostLines;
     lines.resize(kMostLines);
-    lines.push_back(fmt::format("scene {}: {} more things are of unusual sizes", scene.name, more));
+    lines.push_back(fmt::format("scene {}: {} more things have unusual sizes", scene.name, more));
   }
   return lines;
 }
@@ -177,10 +177,9 @@ std::vector<std::string> ruleWarnings(const Scene& scene) {
     }
     for (const auto& [id, names] : nodes) {
       if (names.size() < kSeveral) continue;
-      lines.push_back(
-          fmt::format("scene {}: {} nodes of the class {} in '{}' are one instance: `instances: node` makes "
-                      "each its own",
-                      scene.name, names.size(), scene.ontology.find(id)->name, mesh.name));
+      lines.push_back(fmt::format(
+          "scene {}: {} nodes of the class {} in '{}' share one instance id: `instances: node` gives each its own",
+          scene.name, names.size(), scene.ontology.find(id)->name, mesh.name));
     }
   }
   return lines;
@@ -197,8 +196,11 @@ std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& 
   }
   if (seeds.size() < 2) return {};
   const bool leaks = splits.size() > 1 && pipeline.splitsBySeed;
-  return {fmt::format("scene {}: nothing in it is procedural, so its {} seeds give the same geometry{}", scene.name,
-                      seeds.size(), leaks ? ", and `splits: {by: seed}` puts it into several splits: they leak" : "")};
+  return {fmt::format(
+      "scene {}: nothing in the scene is procedural, so its {} seeds give the same geometry{}", scene.name,
+      seeds.size(),
+      leaks ? ", and `splits: {by: seed}` puts this geometry into several splits: list the scene's seeds in one split"
+            : "")};
 }
 
 std::vector<std::string> driveWarnings(const Pipeline& pipeline) {

@@ -134,23 +134,25 @@ class WayCheck {
                          shortPlace(down[found.front()].from));
     };
     if (!low.empty()) {
-      say(fmt::format("'{}' is as high as the ground {}: has it a `mount`, such as {{position: [0, 0, 1.8]}}?", name,
-                      where(low)));
+      say(fmt::format(
+          "'{}' is at the height of the ground {}: does it have a `mount`, such as {{position: [0, 0, 1.8]}}?", name,
+          where(low)));
     }
     if (!under.empty()) {
-      say(fmt::format("'{}' is below the ground {}: nothing is under it and {} is {:.3g} m above ({})", name,
+      say(fmt::format("'{}' is below the ground {}: no surface is below it, and {} is {:.3g} m above it ({})", name,
                       where(under), nameOf(*above[under.front()]), above[under.front()]->distance,
                       drive_->ground() != nullptr
-                          ? "its `mount` is not above the vehicle's origin, which is on the ground"
+                          ? "place its `mount` above the vehicle's origin, which is on the ground"
                           : "`ground: drop` in the trajectory puts the vehicle on the ground"));
     }
     if (!beside.empty()) {
-      say(fmt::format("'{}' is {:.4g} m away from the scene {}, farther than it ranges", name,
+      say(fmt::format("'{}' is {:.4g} m away from the scene {}, which is beyond its range", name,
                       farFromScene(down[beside.front()].from), where(beside)));
     }
     if (beside.empty() && 2 * high.size() > below.size()) {
-      say(fmt::format("'{}' is more than {:g} m above what is under it {} ({:.4g} m): is the unit of the scene right?",
-                      name, kFarAbove, where(high), below[high.front()]->distance));
+      say(fmt::format(
+          "'{}' is more than {:g} m above the surface below it {} ({:.4g} m): is the unit of the scene right?", name,
+          kFarAbove, where(high), below[high.front()]->distance));
     }
   }
 
@@ -179,7 +181,7 @@ class WayCheck {
       }
       for (const auto& [key, count] : odd) {
         if (count.first + 2 < kDirections.size()) continue;
-        return say(fmt::format("'{}' is inside of {} at {} (frame {}){}", plan_.pipeline.sensors[sensor].name,
+        return say(fmt::format("'{}' is inside {} at {} (frame {}){}", plan_.pipeline.sensors[sensor].name,
                                nameOf(count.second), shortPlace(at), frame,
                                key.first == 0 ? ", which is right only in rooms and tunnels" : ""));
       }

@@ -28,8 +28,8 @@ Plan planAt(const Manifest& manifest, const fs::path& file) {
 void checkShards(const Plan& plan, const Manifest& manifest, const fs::path& datasetFolder) {
   const auto differs = [&](const std::string& what) {
     throw InputError({(datasetFolder / kManifestName).string()},
-                     fmt::format("its pipeline would give {} today: the files that it names, or the program (then {}), "
-                                 "are others, or it was made from a recording",
+                     fmt::format("its pipeline now gives {}: files that it names or the program (then {}) have changed "
+                                 "since, or the dataset was made from a recording",
                                  what, manifest.programVersion));
   };
   const std::vector<ShardJob> jobs = shardJobs(plan);
@@ -95,7 +95,7 @@ Plan planOfDataset(const Manifest& manifest, const fs::path& datasetFolder, cons
       if (why.empty()) why = error.what();
     }
   }
-  throw InputError(fmt::format("{}\nwhere is the pipeline that {} was made by? give --pipeline FILE",
+  throw InputError(fmt::format("{}\nname the pipeline file that {} was made from, by --pipeline FILE",
                                different.empty() ? notFound : different, datasetFolder.string()));
 }
 

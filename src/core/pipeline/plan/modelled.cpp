@@ -69,13 +69,13 @@ void addLabelLines(const Pipeline& pipeline, std::vector<std::string>& lines) {
     const Ontology scenes = readSceneOntology(s.sceneFile);
     if (!told.insert(scenes.name).second) continue;
     for (const std::string& line : lostBetween(scenes, own)) {
-      lines.push_back(fmt::format("labels of {} in place of {}: {}", own.name, scenes.name, line));
+      lines.push_back(fmt::format("labels: classes of {} replace those of {}: {}", own.name, scenes.name, line));
     }
   }
 }
 
 std::string motionLine(const Pipeline& pipeline) {
-  if (pipeline.recording != nullptr) return "ego motion: as it was recorded";
+  if (pipeline.recording != nullptr) return "ego motion: as in the recording";
   switch (pipeline.motion.kind) {
     case MotionKind::None:
       return "ego motion: left out, one pose per revolution";

@@ -25,10 +25,10 @@ const MethodEntry* methodOf(const Pipeline& pipeline) {
 void checkMotion(const Pipeline& pipeline) {
   const MethodEntry* const method = methodOf(pipeline);
   if (pipeline.motion.kind == MotionKind::None || method == nullptr || method->can.motion) return;
-  throw InputError(pipeline.motion.where,
-                   fmt::format("the method {} gives a whole revolution one pose: leave the motion out, or take "
-                               "`method: {}`",
-                               method->name, firstMethodThat(&MethodCapabilities::motion).name));
+  throw InputError(
+      pipeline.motion.where,
+      fmt::format("the method {} uses one pose for a complete revolution: leave the motion out, or take `method: {}`",
+                  method->name, firstMethodThat(&MethodCapabilities::motion).name));
 }
 
 // True if rays of a sensor continue through glass or off mirrors in any sequence.
@@ -51,9 +51,9 @@ void checkRays(const Pipeline& pipeline) {
                                  pipeline.methodName(), what, effect, firstMethodThat(can).name));
   };
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
-    want(pipeline.raysPerBeam(s) > 1, &MethodCapabilities::footprints, "footprint", "fires one ray a beam");
+    want(pipeline.raysPerBeam(s) > 1, &MethodCapabilities::footprints, "footprint", "traces one ray per beam");
     want(anyLightPaths(pipeline, s), &MethodCapabilities::transmission, "light_paths",
-         "ends rays at what they meet first");
+         "ends each ray at the first surface that it hits");
   }
 }
 
@@ -73,10 +73,11 @@ void checkOntologies(const Pipeline& pipeline) {
     if (known.contains(file)) continue;
     const Ontology ontology = readSceneOntology(file);
     if (!known.empty() && !sameClasses(ontology, known.begin()->second)) {
-      throw InputError({pipeline.file.string()},
-                       fmt::format("the scenes {} and {} have different classes: name one ontology for all with the "
-                                   "key `labels`",
-                                   known.begin()->first.string(), file.string()));
+      throw InputError(
+          {pipeline.file.string()},
+          fmt::format(
+              "the scenes {} and {} have different classes: name one ontology for all scenes by the key `labels`",
+              known.begin()->first.string(), file.string()));
     }
     known.emplace(file, ontology);
   }
@@ -95,13 +96,14 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
 void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
   if (pipeline.output.objects) {
-    throw InputError({pipeline.file.string()},
-                     "a recording does not know the boxes of objects: leave `output.objects` out, or trace anew");
+    throw InputError(
+        {pipeline.file.string()},
+        "a recording does not have the boxes of objects: leave `output.objects` out, or trace the scene again");
   }
   if (pipeline.output.voxels) {
-    throw InputError({pipeline.file.string()},
-                     "a recording does not know what stands where no beam went: leave `output.voxels` out, or trace "
-                     "anew");
+    throw InputError(
+        {pipeline.file.string()},
+        "a recording does not have the geometry that no beam hit: leave `output.voxels` out, or trace the scene again");
   }
   for (std::size_t i = 0; i < kColumnCount; ++i) {
     const std::string_view name = kColumns[i].name;
@@ -109,7 +111,9 @@ void checkObjects(const Pipeline& pipeline) {
       continue;
     throw InputError(
         {pipeline.file.string()},
-        fmt::format("a recording does not say how objects moved: leave the column {} out, or trace anew", name));
+        fmt::format(
+            "a recording does not have the motions of objects: leave the column {} out, or trace the scene again",
+            name));
   }
 }
 
@@ -122,8 +126,8 @@ void checkVoxels(const Pipeline& pipeline) {
       pipeline.output.layout.columns.has(kColumn))
     return;
   throw InputError(pipeline.motion.where,
-                   "output.voxels: which voxels points of a moving sensor lie in follows from their columns: name "
-                   "`column` in output.columns, or say `motion: {steps: per_column, deskew: true}`");
+                   "output.voxels: the voxels of points of a moving sensor depend on their columns: add `column` to "
+                   "output.columns, or write `motion: {steps: per_column, deskew: true}`");
 }
 
 // Throws InputError if the beams differ from the recording's: the recorded ranges would be combined with wrong
@@ -132,8 +136,8 @@ void checkBeams(const Recording& recording, const MountedSensor& sensor, const B
   for (const RecordedSensor& recorded : recording.sensors) {
     if (recorded.name != sensor.name || recorded.beams.empty() || recorded.beams == beamsHash(beams)) continue;
     throw InputError(sensor.description.where,
-                     fmt::format("the beams of '{}' differ from those of the recording in {} (their directions, "
-                                 "origins or range limits): take the sensor that it was made with",
+                     fmt::format("the beams of '{}' differ in directions, origins or range limits from those of the "
+                                 "recording in {}: use the sensor that made the recording",
                                  sensor.name, recording.folder.string()));
   }
 }
@@ -167,8 +171,9 @@ Plan makePlan(Pipeline read, Channels kept) {
   const Pipeline& pipeline = plan.pipeline;
   Channels& channels = plan.channels;
   if (pipeline.recording != nullptr && pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
-    throw InputError({pipeline.file.string()},
-                     "what was recorded cannot be moved: draw no `mount` of a sensor, or trace anew");
+    throw InputError(
+        {pipeline.file.string()},
+        "the sensors of a recording cannot be moved: give each `mount` fixed values, or trace the scene again");
   }
   checkOntologies(pipeline);
   checkMotion(pipeline);
@@ -186,15 +191,14 @@ Plan makePlan(Pipeline read, Channels kept) {
   const std::uint64_t rays = pipeline.raysPerFrame();
   const std::uint64_t bytes = rays * kBeamBytes + plan.bytesPerFrameInMemory();
   if (bytes + kProgramBytes > memoryLimitBytes()) {
-    throw InputError(
-        {pipeline.file.string()},
-        fmt::format("{} {} a frame x {} bytes and {} of the program are {}, but it may take {} of memory "
-                    "(--memory-limit, or what the machine or its container allows): allow more, or take fewer sensors, "
-                    "rings, columns or rays a beam",
-                    rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays,
-                    shortBytes(static_cast<double>(kProgramBytes)),
-                    shortBytes(static_cast<double>(bytes + kProgramBytes)),
-                    shortBytes(static_cast<double>(memoryLimitBytes()))));
+    throw InputError({pipeline.file.string()},
+                     fmt::format("{} {} per frame x {} bytes and {} of the program are {}, but only {} of memory are "
+                                 "allowed (by --memory-limit, the machine or its container): allow more, or take fewer "
+                                 "sensors, rings, columns or rays per beam",
+                                 rays, rays == pipeline.beamsPerFrame() ? "beams" : "rays", bytes / rays,
+                                 shortBytes(static_cast<double>(kProgramBytes)),
+                                 shortBytes(static_cast<double>(bytes + kProgramBytes)),
+                                 shortBytes(static_cast<double>(memoryLimitBytes()))));
   }
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     const MountedSensor& sensor = pipeline.sensors[s];
@@ -208,7 +212,7 @@ Plan makePlan(Pipeline read, Channels kept) {
     const std::uint32_t raysPerBeam = pipeline.raysPerBeam(s);
     if (beams->rosette && (raysPerBeam > 1 || !pipeline.vehicle.empty())) {
       throw InputError(sensor.description.where,
-                       fmt::format("the beams of '{}' differ from revolution to revolution: leave out {}", sensor.name,
+                       fmt::format("the beams of '{}' change from revolution to revolution: leave out {}", sensor.name,
                                    raysPerBeam > 1 ? "the effect footprint" : "`vehicle`"));
     }
     plan.sensors.push_back(
@@ -216,7 +220,7 @@ Plan makePlan(Pipeline read, Channels kept) {
   }
   if (!pipeline.vehicle.empty() && pipeline.recording != nullptr) {
     throw InputError({pipeline.file.string()},
-                     fmt::format("the recording in {} knows nothing of a vehicle: leave out `vehicle`",
+                     fmt::format("the recording in {} has no data of a vehicle: leave out `vehicle`",
                                  pipeline.recording->folder.string()));
   }
   checkDraws(plan);
@@ -225,50 +229,50 @@ Plan makePlan(Pipeline read, Channels kept) {
 
 void Plan::requirePasses() const {
   if (pipeline.recording != nullptr) {
-    throw InputError({pipeline.file.string()},
-                     fmt::format("the scans are made of the {} in {}: no passes are drawn "
-                                 "that could be kept",
-                                 nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
+    throw InputError(
+        {pipeline.file.string()},
+        fmt::format("the scans are made from the {} in {}, so that no passes are drawn: leave --keep-passes out",
+                    nameOf(pipeline.recording->kind), pipeline.recording->folder.string()));
   }
   const MethodEntry* const method = methodOf(pipeline);
   if (method != nullptr && method->can.passes) return;
   const std::string_view instead = firstMethodThat(&MethodCapabilities::passes).name;
   if (method == nullptr) {
     throw InputError(pipeline.method.options.where,
-                     fmt::format("method auto may choose one that draws no passes: take `method: {}`", instead));
+                     fmt::format("method auto may choose a method that draws no passes: take `method: {}`", instead));
   }
-  throw InputError(
-      {pipeline.file.string()},
-      fmt::format("the method {} draws no passes that could be kept: take `method: {}`", method->name, instead));
+  throw InputError({pipeline.file.string()},
+                   fmt::format("the method {} draws no passes to save: take `method: {}`", method->name, instead));
 }
 
 void Plan::requireOneRay() const {
   if (!pipeline.vehicle.empty()) {
-    throw InputError({pipeline.file.string()},
-                     "kept hits and passes are of the scene alone: keep none, or leave out `vehicle`");
+    throw InputError(
+        {pipeline.file.string()},
+        "saved hits and passes have only the scene, not the own vehicle: save none, or leave out `vehicle`");
   }
   if (pipeline.drawn != nullptr && pipeline.drawn->drawsMounts()) {
     throw InputError({pipeline.file.string()},
-                     "kept hits and passes are of sensors that are mounted alike in all sequences: keep none, or draw "
-                     "no mount");
+                     "saved hits and passes need the same mounts of sensors in all sequences: save none, or give each "
+                     "`mount` fixed values");
   }
   bool one = true;
   for (std::size_t s = 0; s < pipeline.sensors.size(); ++s) {
     one = one && pipeline.raysPerBeam(s) == 1 && !anyLightPaths(pipeline, s);
   }
   if (!one) {
-    throw InputError(
-        {pipeline.file.string()},
-        "the effects footprint and light_paths fire several rays a beam, but kept hits and passes hold one: "
-        "keep none, or leave them out");
+    throw InputError({pipeline.file.string()},
+                     "the effects footprint and light_paths trace several rays per beam, but saved hits and passes "
+                     "have one: save none, or leave these effects out");
   }
   if (pipeline.recording != nullptr || pipeline.method.entry == nullptr || !pipeline.method.entry->can.severalHits) {
     return;
   }
-  throw InputError({pipeline.file.string()},
-                   fmt::format("the method {} fires several rays a beam, but kept hits hold one: keep none, or take "
-                               "`method: {}`",
-                               pipeline.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
+  throw InputError(
+      {pipeline.file.string()},
+      fmt::format(
+          "the method {} traces several rays per beam, but saved hits have one: save none, or take `method: {}`",
+          pipeline.methodName(), firstMethodThat(&MethodCapabilities::reference).name));
 }
 
 Plan settled(Plan plan, MethodChoice choice, MethodRecord record) {
@@ -309,14 +313,12 @@ std::uint64_t Plan::bytesInMemory(std::uint64_t scenes) const {
 void Plan::checkMemory(std::uint64_t bytes, const std::string& scene) const {
   const std::uint64_t needed = bytesInMemory(bytes);
   if (needed <= memoryLimitBytes()) return;
-  throw InputError(
-      {pipeline.file.string()},
-      fmt::format(
-          "{} takes about {} with this method, {} with frames in flight and the program, but it may "
-          "take {} of memory (--memory-limit, or what the machine or its container allows): allow more, or take a "
-          "smaller scene, a coarser method, or fewer rings or columns",
-          scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),
-          shortBytes(static_cast<double>(memoryLimitBytes()))));
+  throw InputError({pipeline.file.string()},
+                   fmt::format("{} takes about {} with this method, {} with the frames in flight and the program, but "
+                               "only {} of memory are allowed (by --memory-limit, the machine or its container): allow "
+                               "more, or take a smaller scene, a coarser method, or fewer rings or columns",
+                               scene, shortBytes(static_cast<double>(bytes)), shortBytes(static_cast<double>(needed)),
+                               shortBytes(static_cast<double>(memoryLimitBytes()))));
 }
 
 ColumnSet Plan::columns() const {

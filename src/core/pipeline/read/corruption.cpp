@@ -46,7 +46,7 @@ const std::vector<std::string>& severities() {
 Value withCorruption(const Value& effects, const Value& corruption) {
   const NamedOptions named = readNamed(corruption, "corruption");
   if (named.options.kind != Value::Kind::Scalar) {
-    throw InputError(corruption.where, "corruption is a name and its severity, such as {fog: heavy}");
+    throw InputError(corruption.where, "corruption must be a name and its severity, such as {fog: heavy}");
   }
   Value options = corruption;
   options.entries = {{"severity", named.options}};
@@ -54,8 +54,8 @@ Value withCorruption(const Value& effects, const Value& corruption) {
   const Value file = readCorruption(resolveResource(corruption, named.name, kFolder));
   if (isDistribution(effects)) {
     throw InputError(effects.where,
-                     "effects are drawn as a whole, which a corruption cannot be added to: write a list "
-                     "whose items are drawn, or leave out one of both");
+                     "a corruption cannot be added to effects whose complete list is random: write a list with random "
+                     "items, or leave out the corruption or the random list");
   }
   Value list = effects;
   if (list.kind != Value::Kind::Sequence) {

@@ -54,8 +54,8 @@ DrawnSensors::DrawnSensors(Written written, const Pipeline& pipeline)
     drawsMounts_ = true;
     if (perFrame == nullptr) return;
     throw InputError(perFrame->where,
-                     "`per: frame`: a sensor stays where it is mounted all along a sequence, leave it out to draw for "
-                     "each sequence");
+                     "`per: frame`: the mount of a sensor is fixed during a sequence: leave `per` out, for a random "
+                     "mount in each sequence");
   });
   for (std::size_t number = 0; number < cases; ++number) {
     cases_.push_back(made(pipeline, [&](const Value& value, const std::string& /*key*/,
@@ -75,9 +75,9 @@ void DrawnSensors::checkCases() const {
       if (rays && intensityFullScale(other) == intensityFullScale(first)) continue;
       throw InputError(
           written_.effects.where,
-          fmt::format("what is drawn of the effects changes {} of '{}', which all scans of a dataset have "
-                      "in common: take the same in all cases, or make a dataset of each with --sweep",
-                      rays ? "whether there is an intensity, or its unit," : "how many rays a beam fires",
+          fmt::format("the random effects of '{1}' change {0}, but all scans of a dataset must agree in this: make all "
+                      "choices agree, or make a dataset of each with --sweep",
+                      rays ? "the existence or the unit of its intensity" : "the number of rays per beam",
                       Fields(written_.descriptions[s], "sensor").text("model", fmt::format("sensor {}", s))));
     }
   }
@@ -122,7 +122,7 @@ std::vector<std::string> DrawnSensors::lines() const {
   std::vector<std::string> lines;
   forEachKey([&](const std::string& key, const Value& value) {
     forEachDistribution(value, key, [&](const std::string& place, const Value& distribution) {
-      lines.push_back(fmt::format("drawn for each {}: {} {}",
+      lines.push_back(fmt::format("random for each {}: {} {}",
                                   findDrawnPerFrame(distribution) == nullptr ? "sequence" : "frame", place,
                                   flowText(distribution)));
     });

@@ -40,17 +40,17 @@ void resolveLabel(Value& label, const EffectClasses& classes) {
   const bool number =
       !label.quoted && !label.text.empty() && label.text.find_first_not_of("0123456789") == std::string::npos;
   if (!number) {
-    if (ontology == nullptr) throw InputError(label.where, "the recording has no classes: give `label` as a number");
+    if (ontology == nullptr)
+      throw InputError(label.where, "the recording has no class names: give `label` as a number");
     label.text = std::to_string(ontology->require(label.text, label.where).id);
     label.quoted = false;
     return;
   }
   const std::int64_t id = readInteger(label, "label", 0, 65535);
   if (ontology == nullptr || ontology->find(static_cast<std::uint16_t>(id)) != nullptr) return;
-  throw InputError(label.where,
-                   fmt::format("label: no class of the ontology '{}' has the id {}: take one of its ids or "
-                               "names, or 0 for none",
-                               ontology->name, id));
+  throw InputError(label.where, fmt::format("label: no class of the ontology '{}' has the id {}: give an id or a name "
+                                            "of one of its classes, or 0 for none",
+                                            ontology->name, id));
 }
 
 void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectClasses& classes) {
@@ -67,10 +67,9 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
     const EffectEntry& entry = requireEffect(named.name, named.where);
     const auto other = std::find_if(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == &entry; });
     if (other != made.end()) {
-      throw InputError(named.where,
-                       fmt::format("the effect '{}' stands twice, here and at {}:{}: both would draw the same random "
-                                   "numbers",
-                                   named.name, other->where.file, other->where.line));
+      throw InputError(named.where, fmt::format("the effect '{}' is listed twice, here and at {}:{}: both would use "
+                                                "the same random numbers; leave one out",
+                                                named.name, other->where.file, other->where.line));
     }
     if (meansNone(named)) continue;  // `EFFECT: none` changes nothing in a list without the word `sensor`
     resolveLabels(named, entry, classes);
@@ -105,24 +104,25 @@ Effects inOrder(std::vector<MadeEffect> made) {
   const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
   for (MadeEffect& m : made) {
     if (m.effect->setsGain() && !lit) {
-      throw InputError(m.where,
-                       fmt::format("the effect '{0}' changes the power, which nothing looks at: add the effect "
-                                   "`intensity`, or leave this one out too (`{0}: none` beside `sensor`)",
-                                   m.entry->name));
+      throw InputError(m.where, fmt::format("the effect '{0}' changes the power, but no effect uses the power: add the "
+                                            "effect `intensity`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
+                                            m.entry->name));
     }
     if (m.effect->needsIntensity() && !intensity) {
-      throw InputError(m.where,
-                       fmt::format("the effect '{0}' looks at the intensity: add the effect `intensity`, or leave this "
-                                   "one out too (`{0}: none` beside `sensor`)",
-                                   m.entry->name));
+      throw InputError(m.where, fmt::format("the effect '{0}' needs the intensity: add the effect `intensity`, or "
+                                            "leave '{0}' out too (`{0}: none` beside `sensor`)",
+                                            m.entry->name));
     }
     if (m.effect->setsIntensity() && intensity) {
-      throw InputError(m.where,
-                       fmt::format("the effect '{}' sets the intensity, as an earlier one does", m.entry->name));
+      throw InputError(
+          m.where,
+          fmt::format(
+              "the effect '{}' sets the intensity, which an earlier effect sets already: leave one of the two out",
+              m.entry->name));
     }
     if (m.effect->needsSnr() && !snr) {
-      throw InputError(m.where, fmt::format("the effect '{0}' looks at the signal to noise ratio: add `detection: "
-                                            "{{noise: ...}}`, or leave this one out too (`{0}: none` beside `sensor`)",
+      throw InputError(m.where, fmt::format("the effect '{0}' needs the signal-to-noise ratio: add `detection: "
+                                            "{{noise: ...}}`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
                                             m.entry->name));
     }
     intensity = intensity || m.effect->setsIntensity();
@@ -160,7 +160,8 @@ std::vector<Value> effectItems(const Value& list) {
   }
   if (meansSensor(list)) return {list};
   throw InputError(list.where,
-                   "effects must be a list such as [intensity]; for none write [], for each sensor's own `sensor`");
+                   "effects must be a list such as [intensity], [] for no effects, or `sensor` for the effects in each "
+                   "sensor's file");
 }
 
 Effects makeEffects(const std::vector<Value>& items, const EffectClasses& classes) {
@@ -176,10 +177,12 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   if (word == items.end()) return items;
   const Value* own = sensor.description.find("effects");
   if (own == nullptr) {
-    throw InputError(word->where, fmt::format("the sensor '{}' has no effects of its own: measure them with `scanmill "
-                                              "fit-noise`, write `effects:` into its file, or name effects here "
-                                              "(`scanmill list sensors` says which presets have some)",
-                                              sensor.name));
+    throw InputError(
+        word->where,
+        fmt::format(
+            "the file of the sensor '{}' has no effects: measure them with `scanmill fit-noise`, write `effects:` into "
+            "the file, or name effects here (`scanmill list sensors` shows the presets with effects)",
+            sensor.name));
   }
   checkIsList(*own);
   const std::vector<Value> owns = withoutNone(own->items);
@@ -189,7 +192,7 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
   std::vector<bool> out(owned, false);
   for (const Value& item : items) {
     if (&item == &*word) continue;
-    if (meansSensor(item)) throw InputError(item.where, "the word `sensor` stands twice");
+    if (meansSensor(item)) throw InputError(item.where, "the word `sensor` is listed twice");
     const NamedOptions change = readNamed(item, "an effect");
     requireEffect(change.name, change.where);
     std::size_t index = 0;
@@ -199,16 +202,17 @@ std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const Moun
       continue;
     }
     if (changed[index]) {
-      throw InputError(change.where, fmt::format("the effect '{}' stands twice beside `sensor`", change.name));
+      throw InputError(change.where, fmt::format("the effect '{}' is listed twice beside `sensor`", change.name));
     }
     changed[index] = true;
     out[index] = meansNone(change);
     if (out[index] || change.options.kind == Value::Kind::Null) continue;
     if (change.options.kind != Value::Kind::Map) {
-      throw InputError(change.options.where,
-                       fmt::format("effect {}: give a map of the keys to change, or `none` to leave the sensor's own "
-                                   "out",
-                                   change.name));
+      throw InputError(
+          change.options.where,
+          fmt::format(
+              "effect {}: give a map of the keys to change, or `none` to leave out the effect of the sensor's file",
+              change.name));
     }
     expanded[index] = withKeysOf(readNamed(owns[index], "an effect"), change);
   }
@@ -285,8 +289,8 @@ void readEffects(const Value& written, Pipeline& pipeline) {
     const auto isLit = [](const MountedSensor& s) { return intensityFullScale(*s.effects) > 0; };
     if (isLit(sensor) == isLit(pipeline.sensors.front())) continue;
     throw InputError(written.where,
-                     fmt::format("of the sensors '{}' and '{}' only one has an intensity, but all scans of a dataset "
-                                 "have the same columns: add `intensity` to the effects of the other",
+                     fmt::format("only one of the sensors '{}' and '{}' has an intensity, but all scans of a dataset "
+                                 "have the same columns: add `intensity` to the effects of the other sensor",
                                  pipeline.sensors.front().name, sensor.name));
   }
 }

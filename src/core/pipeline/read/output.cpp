@@ -25,17 +25,23 @@ VoxelGrid readVoxels(const Value& value) {
   double all = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (lengths[axis] <= 0) {
-      throw InputError(value.where,
-                       fmt::format("voxels: `to` lies above `from` along x, y and z, not as along {}", "xyz"[axis]));
+      throw InputError(
+          value.where,
+          fmt::format("voxels: `to` must be greater than `from` along x, y and z, but is not along {}", "xyz"[axis]));
     }
     const double count = std::round(lengths[axis] / grid.size);
     if (count < 1 || std::abs(count * grid.size - lengths[axis]) > 1e-6 * grid.size * count) {
-      throw InputError(value.where, fmt::format("voxels: {:g} m along {} are no whole number of voxels of {:g} m",
-                                                lengths[axis], "xyz"[axis], grid.size));
+      throw InputError(
+          value.where,
+          fmt::format(
+              "voxels: the {:g} m along {} are not a whole number of voxels of {:g} m: change `from`, `to` or `size`",
+              lengths[axis], "xyz"[axis], grid.size));
     }
     all *= count;
     constexpr double kMost = 64e6;
-    if (all > kMost) throw InputError(value.where, "voxels: more than 64 million of them: take larger ones, or fewer");
+    if (all > kMost)
+      throw InputError(value.where,
+                       "voxels: the grid has more than 64 million voxels: take larger voxels, or a smaller grid");
     grid.counts[axis] = static_cast<std::uint32_t>(count);
   }
   return grid;

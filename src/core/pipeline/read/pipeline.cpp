@@ -83,17 +83,18 @@ void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& l
                                           sensor.name, suggestion(sensor.name, names)));
     }
     if (recorded->rings != sensor.size.rings || recorded->columns != sensor.size.columns) {
-      throw InputError(where, fmt::format("the sensor '{}' has {} x {} beams, but in the recording in {} {} x {}",
-                                          sensor.name, sensor.size.rings, sensor.size.columns,
-                                          recording.folder.string(), recorded->rings, recorded->columns));
+      throw InputError(where,
+                       fmt::format("the sensor '{}' has {} x {} beams, but the recording in {} has {} x {} of it",
+                                   sensor.name, sensor.size.rings, sensor.size.columns, recording.folder.string(),
+                                   recorded->rings, recorded->columns));
     }
     if (!recorded->vehicleFromSensor) continue;
     const Value* mount = list.items[i].find("mount");
     if (mount != nullptr && sensor.vehicleFromSensor != *recorded->vehicleFromSensor) {
       const Vec3d& t = recorded->vehicleFromSensor->translation;
       throw InputError(mount->where,
-                       fmt::format("the sensor '{}' was mounted elsewhere when the recording in {} was made, at "
-                                   "[{:g}, {:g}, {:g}]: what it met cannot be moved; leave out `mount`",
+                       fmt::format("the mount of the sensor '{}' differs from that of the recording in {}, which is at "
+                                   "[{:g}, {:g}, {:g}]: recorded hits cannot be moved, so leave out `mount`",
                                    sensor.name, recording.folder.string(), t.x, t.y, t.z));
     }
     sensor.vehicleFromSensor = *recorded->vehicleFromSensor;
@@ -127,7 +128,8 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
     sensor.description = resolveSensor(item);
     sensor.name = own.text("name", fmt::format("lidar{}", sensors.size()));
     const Value* name = own.find("name");
-    if (sensor.name.empty()) throw InputError(name->where, "a sensor's name becomes part of file names: it is empty");
+    if (sensor.name.empty())
+      throw InputError(name->where, "a sensor's name becomes part of file names, so it must not be empty");
     if (sensor.name != keyPart(sensor.name)) {
       throw InputError(name->where, fmt::format("a sensor's name becomes part of file names: use lower-case letters, "
                                                 "digits, '-' and '_', such as '{}'",
@@ -148,7 +150,7 @@ std::vector<MountedSensor> readSensors(Fields& fields, std::uint64_t seed, Drawn
     sensor.size = sensorSize(sensor.description);
     sensors.push_back(std::move(sensor));
   }
-  if (sensors.size() > 4095) throw InputError(fields.where(), "at most 4095 sensors fit a vehicle");
+  if (sensors.size() > 4095) throw InputError(fields.where(), "a vehicle can have at most 4095 sensors");
   return sensors;
 }
 

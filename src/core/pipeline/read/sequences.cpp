@@ -40,7 +40,7 @@ Trajectories readTrajectories(const Value& list, const Periods& periods, const S
     auto trajectory = std::make_shared<const Trajectory>(
         readTrajectory(item, fallback, periods.first, lanes, seed, drive, periods.longest));
     if (trajectory->name().empty()) {
-      throw InputError(item.where, "a trajectory's name becomes part of file names: it is empty");
+      throw InputError(item.where, "a trajectory's name becomes part of file names, so it must not be empty");
     }
     if (!names.insert(keyPart(trajectory->name())).second) {
       throw InputError(item.where, fmt::format("two trajectories are named '{}'", trajectory->name()));
@@ -65,7 +65,8 @@ std::vector<std::uint64_t> readSeeds(const Value* value) {
   std::set<std::int64_t> known;
   for (const PlacedInteger& seed : listed) {
     if (!known.insert(seed.value).second) {
-      throw InputError(seed.where, fmt::format("seed {} stands twice: both sequences would be the same", seed.value));
+      throw InputError(seed.where,
+                       fmt::format("seed {} is listed twice: both sequences would be the same", seed.value));
     }
     seeds.push_back(static_cast<std::uint64_t>(seed.value));
   }
@@ -126,16 +127,17 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
     const std::vector<Value> without = readWithout(scene.find("without"));
     const Value* own = scene.find("trajectories");
     const Value* list = own == nullptr ? shared : own;
-    if (list == nullptr) throw InputError(item.where, "no trajectories, neither here nor for the whole pipeline");
+    if (list == nullptr)
+      throw InputError(item.where, "no trajectories: give the scene or the pipeline the key `trajectories`");
     const Value* along = followsLane(*list);
     Trajectories trajectories = along != nullptr ? Trajectories{} : readTrajectories(*list, periods);
     for (const std::uint64_t seed : seeds) {
       if (along != nullptr) {
         const std::optional<SceneLanes> lanes = readSceneLanes(file, seed);
         if (!lanes) {
-          throw InputError(along->where, fmt::format("`along` means the lanes of the scene's town, and {} has no town: "
-                                                     "give waypoints",
-                                                     file.string()));
+          throw InputError(
+              along->where,
+              fmt::format("`along` follows the lanes of a town, but {} has no town: give waypoints", file.string()));
         }
         trajectories = readTrajectories(*list, periods, &*lanes, seed);
       }
@@ -145,7 +147,7 @@ std::vector<Sequence> readSequences(Fields& fields, const Periods& periods) {
         sequences.back().moving = moving;
         sequences.back().without = without;
         if (!keys.insert(sequences.back().key()).second) {
-          throw InputError(item.where, fmt::format("the sequence '{}' stands twice", sequences.back().key()));
+          throw InputError(item.where, fmt::format("the sequence '{}' is listed twice", sequences.back().key()));
         }
       }
     }
@@ -172,8 +174,8 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
       if (value == nullptr || !own || sameItems(asked, s.without)) continue;
       throw InputError(
           value->where,
-          fmt::format("{} was recorded with {}: what its beams met cannot be changed; leave out `without`",
-                      recording.folder.string(), s.without.empty() ? "all things" : "other things taken out"));
+          fmt::format("{} was recorded with {}, and recorded hits cannot be changed: leave out `without`",
+                      recording.folder.string(), s.without.empty() ? "all objects" : "other objects removed"));
     }
   }
   return sequences;

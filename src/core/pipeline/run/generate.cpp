@@ -167,8 +167,8 @@ class DatasetRun {
 
   void checkStop() const {
     if (options_.stop == nullptr || !*options_.stop) return;
-    throw Error(fmt::format("stopped: the folder holds no manifest, hence no finished dataset; {}",
-                            shared() ? "the same command goes on with it" : "--resume goes on with it"));
+    throw Error(fmt::format("stopped: the dataset is unfinished, so the folder has no manifest; {}",
+                            shared() ? "the same command continues it" : "--resume continues it"));
   }
 
   void waitForOthers(std::size_t shards) {
@@ -190,8 +190,8 @@ class DatasetRun {
     if (!made) {
       throw InputError(
           {options_.folder.string()},
-          "holds a whole dataset of another pipeline (other `--set` make it another one), other files that "
-          "it names, or another version of this program: choose another output folder with -o");
+          "has a complete dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
+          "the pipeline names, or of another version of this program: choose another output folder with -o");
     }
     summary_.manifest = std::move(*made);
     summary_.whole = true;
@@ -222,8 +222,7 @@ class DatasetRun {
       for (const auto& [sensor, points] : pointsOfSensor) {
         if (points > 0) continue;
         summary_.warnings.push_back(
-            fmt::format("sequence {}: the sensor '{}' sees nothing in {} frames: is the trajectory "
-                        "inside the scene?",
+            fmt::format("sequence {}: the sensor '{}' hits nothing in {} frames: is the trajectory inside the scene?",
                         sequence.key(), sensor, sequence.frames));
       }
     }
@@ -296,9 +295,11 @@ GenerateSummary generate(const Plan& plan, const GenerateOptions& options) {
   if (!options.keepPasses.empty()) plan.requirePasses();
   if (!options.keepHits.empty() || !options.keepPasses.empty()) {
     plan.requireOneRay();
-    if (options.resume) throw InputError("--resume goes on with datasets, not with recordings: begin anew");
+    if (options.resume)
+      throw InputError("--resume cannot continue recordings: leave out --resume, or --keep-hits and --keep-passes");
     if (options.shards.kind != ShardChoice::Kind::All) {
-      throw InputError("recordings are made by one process: keep nothing, or leave --shards and --worker out");
+      throw InputError(
+          "recordings must be made by one process: leave out --keep-hits and --keep-passes, or --shards and --worker");
     }
   }
   ShotSource source(plan);

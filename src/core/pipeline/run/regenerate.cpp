@@ -29,8 +29,8 @@ constexpr const char* kScratch = "again";  // name of the scratch folder within 
 
 [[noreturn]] void failDifferent(const std::string& what, const Manifest& manifest) {
   throw Error(
-      fmt::format("{}: made again its bytes are others than the manifest states: the scenes or what they name "
-                  "have changed since, or the program has (then {}, now {}); nothing was replaced",
+      fmt::format("{}: made again, its bytes differ from the manifest, since the scenes, files that they name or the "
+                  "program (then {}, now {}) have changed; nothing was replaced",
                   what, manifest.programVersion, kVersion));
 }
 

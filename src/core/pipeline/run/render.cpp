@@ -40,7 +40,7 @@ RenderSummary render(const Plan& plan, const RenderOptions& options) {
     recorder.enter(s, *scene, *method);
     for (std::uint32_t frame = 0; frame < sequence.frames; ++frame) {
       if (options.stop != nullptr && *options.stop) {
-        throw Error("stopped: the folder holds no recording.json, hence no finished recording");
+        throw Error("stopped: the recording is unfinished, so the folder has no recording.json");
       }
       double pixels = 0;
       for (const Shot& shot : source.frame(s, frame).shots) {

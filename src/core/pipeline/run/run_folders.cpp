@@ -17,7 +17,9 @@ void checkFolders(const Plan& plan, const GenerateOptions& options) {
     for (const std::filesystem::path& other : folders) {
       const auto relative = [](const auto& a, const auto& b) { return a.lexically_relative(b).string(); };
       if (own == other || !relative(own, other).starts_with("..") || !relative(other, own).starts_with("..")) {
-        throw InputError({folder.string()}, "dataset and recordings need folders of their own, none within another");
+        throw InputError(
+            {folder.string()},
+            "the dataset and each recording need separate folders: give folders that are not within one another");
       }
     }
     folders.push_back(std::move(own));

@@ -76,8 +76,8 @@ class RecordingCheck {
     std::vector<std::string> strangers;
     std::set_difference(files_.begin(), files_.end(), named_.begin(), named_.end(), std::back_inserter(strangers));
     if (!strangers.empty()) {
-      result_.warnings.push_back(fmt::format("{}: nothing names {} of its files: {}", recording_.folder.string(),
-                                             strangers.size(), listOf(strangers)));
+      result_.warnings.push_back(fmt::format("{}: files that do not belong to the recording, {} in all: {}",
+                                             recording_.folder.string(), strangers.size(), listOf(strangers)));
     }
     return std::move(result_);
   }
@@ -146,7 +146,7 @@ class RecordingCheck {
     try {
       RecordedShot shot = recording_.shot(sample, sensor.name);
       if (shot.worldFromSensor.size() > sensor.columns) {
-        scan.problems.push_back(fmt::format("{}: /world_from_sensor: {} poses are more than the {} columns of '{}'",
+        scan.problems.push_back(fmt::format("{}: /world_from_sensor: has {} poses, more than the {} columns of '{}'",
                                             scan.file, shot.worldFromSensor.size(), sensor.columns, sensor.name));
       }
       if (!shot.hits.empty()) scan.images.push_back(std::move(shot.hits));
@@ -230,8 +230,7 @@ class RecordingCheck {
       const std::size_t known = recording_.materials[table].size();
       if (known == 0 || last < known) continue;
       problems.push_back(
-          fmt::format("{}: channel 'material': points to {}, but /materials/{} of the recording has {} "
-                      "entries",
+          fmt::format("{}: channel 'material': has the index {}, but /materials/{} of the recording has {} entries",
                       file, last, table, known));
     }
   }

@@ -352,7 +352,7 @@ std::string sizeHint(const Scene& scene) {
   const Vec3d size = bounds.high - bounds.low;
   const double most = std::max(size.x, size.y);
   if (most > kSmall && most < kLarge) return "";
-  return fmt::format("; the scene measures {:.3g} x {:.3g} x {:.3g} m: is its unit right?", size.x, size.y, size.z);
+  return fmt::format("; the scene measures {:.3g} x {:.3g} x {:.3g} m: is its `unit` right?", size.x, size.y, size.z);
 }
 
 }  // namespace
@@ -365,7 +365,7 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
   const Floor floor = floorOf(scene, classes);
   if (floor.triangles.empty()) {
     throw InputError(random.where,
-                     fmt::format("scene {}: no surface of {} is there to drive on that is less than 60 degrees steep{}",
+                     fmt::format("scene {}: has no surface of {} to drive on that is less than 60 degrees steep{}",
                                  scene.name, what, sizeHint(scene)));
   }
   const FreeSurface surface(probe, classes);
@@ -379,10 +379,9 @@ std::vector<Vec3d> findRandomWay(const SceneProbe& probe, const RandomWay& rando
     if (static_cast<double>(longest.size()) - 1 >= random.length / kStep) return longest;
   }
   const double found = longest.empty() ? 0 : static_cast<double>(longest.size() - 1) * kStep;
-  throw InputError(random.where,
-                   fmt::format("scene {}: the longest drive that was found on {} is {:g} m, and {:.4g} m are wanted: "
-                               "take fewer frames, a lower speed, or more classes{}",
-                               scene.name, what, found, random.length, sizeHint(scene)));
+  throw InputError(random.where, fmt::format("scene {}: the longest drive that was found on {} is {:g} m, but {:.4g} m "
+                                             "are needed: take fewer frames, a lower speed, or more classes{}",
+                                             scene.name, what, found, random.length, sizeHint(scene)));
 }
 
 }  // namespace scanmill

@@ -23,11 +23,10 @@ void checkMaterials(const Recording& recording, const Shot& shot, const Hits& hi
   const std::uint16_t last = *std::max_element(hits.material.begin(), hits.material.end());
   const bool hit = std::any_of(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; });
   if (last < known || !hit) return;
-  throw InputError(
-      {(recording.folder / "recording.json").string()},
-      fmt::format("/materials/{}: has {} materials, but {} of '{}' meets number {}: list them, or give the "
-                  "images roughness, metallic and retroreflectance",
-                  table, known, shot.sample, shot.sensorName, last));
+  throw InputError({(recording.folder / "recording.json").string()},
+                   fmt::format("/materials/{}: has {} materials, but {} of '{}' has the material index {}: list all "
+                               "materials, or give the images roughness, metallic and retroreflectance",
+                               table, known, shot.sample, shot.sensorName, last));
 }
 
 class RecordedHits : public Method {
@@ -51,7 +50,7 @@ class RecordedHits : public Method {
 
   std::vector<std::string> modelled() const override {
     std::vector<std::string> lines = recording_->modelled;
-    lines.push_back(fmt::format("hits: not traced now, but kept of an earlier run of {}", recording_->method));
+    lines.push_back(fmt::format("hits: read from a recording that {} made", recording_->method));
     return lines;
   }
   std::uint64_t memoryBytes() const override { return 0; }

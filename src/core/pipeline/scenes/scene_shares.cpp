@@ -173,8 +173,8 @@ std::vector<std::string> shareWarnings(const Scene& scene) {
   for (const ShareBound& b : scene.shares) {
     if (b.met()) continue;
     lines.push_back(fmt::format(
-        "scene {} seed {}: {} is {:.2g} % of what a sensor above the lane meets, {} the {:.3g} % asked for, "
-        "whatever the factor `{}`: widen the bounds, or leave this seed out",
+        "scene {} seed {}: {} is {:.2g} % of the hits of a sensor above the lane, {} the {:.3g} % asked for, for all "
+        "values of the factor `{}`: widen the bounds, or leave this seed out",
         scene.file.stem().string(), scene.seed, b.name, 100 * b.found, b.found < b.least ? "less than" : "more than",
         100 * (b.found < b.least ? b.least : b.most), nameOf(b.supply)));
   }

@@ -15,12 +15,12 @@
 namespace scanmill {
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
-  if (choice.entry == nullptr) throw Error("`method: auto`: the method is still to be chosen");
+  if (choice.entry == nullptr) throw Error("`method: auto`: no method has been chosen yet");
   Fields options(choice.options, "method " + std::string(choice.entry->name));
   options.alsoDescribed(choice.entry->keys).finish();
   if (scene.moves() && !choice.entry->can.moving) {
     throw InputError({scene.file.string()},
-                     fmt::format("objects of this scene move, and the method {} takes them as standing still: say "
+                     fmt::format("objects of this scene move, but the method {} cannot trace moving objects: write "
                                  "`moving: false` beside the scene in the pipeline, or take `method: {}`",
                                  choice.entry->name, firstMethodThat(&MethodCapabilities::moving).name));
   }
@@ -69,14 +69,14 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
   const bool both = !pipeline_.ontology.empty() && !recording.ontology.classes.empty();
   if (both && !sameClasses(scene.ontology, recording.ontology)) {
     throw InputError({pipeline_.ontology.string()},
-                     fmt::format("has other classes than the ontology '{}' to which the ids in the recording in {} "
-                                 "belong, and ids are not translated: leave out `labels`",
+                     fmt::format("has other classes than the ontology '{}' of the recording in {}, whose class ids "
+                                 "cannot be converted: leave out `labels`",
                                  recording.ontology.name, recording.folder.string()));
   }
   if (scene.ontology.classes.empty()) {
     throw InputError(
         {pipeline_.file.string()},
-        fmt::format("the recording in {} has no ontology: name one with the key `labels`", recording.folder.string()));
+        fmt::format("the recording in {} has no ontology: name one by the key `labels`", recording.folder.string()));
   }
   return scene;
 }
@@ -137,8 +137,8 @@ Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, st
   RecordedShot recorded = pipeline_.recording->shot(sample, pipeline_.sensors[sensor].name);
   if (recorded.worldFromSensor.size() > beams->columns) {
     throw InputError({pipeline_.recording->folder.string()},
-                     fmt::format("{} of '{}' has {} poses for {} columns", sample, recorded.sensor,
-                                 recorded.worldFromSensor.size(), beams->columns));
+                     fmt::format("{} of '{}' has {} poses, more than the {} columns of the sensor", sample,
+                                 recorded.sensor, recorded.worldFromSensor.size(), beams->columns));
   }
   Shot shot;
   shot.frame = frame;

@@ -81,8 +81,8 @@ class Detection : public Effect {
   void check(const BeamTable& beams) const override {
     if (o_.noise == 0 || beams.pulse > 0) return;
     throw InputError(where_,
-                     "effect detection: how often noise alone is taken for a return follows from the pulse: "
-                     "add `pulse_ns: 5`, with the data sheet's figure, to the sensor");
+                     "effect detection: the rate of false positives depends on the length of the pulse: add `pulse_ns: "
+                     "5`, with the data sheet's value, to the sensor");
   }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {

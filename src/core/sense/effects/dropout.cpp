@@ -110,11 +110,11 @@ std::unique_ptr<Effect> makeDropOut(Fields& options) {
   const double rings = options.number("rings", {0, 1}, 0);
   options.finish();  // first: if a key is missing, it is probably misspelt
   if (!options.has("threshold") && !options.has("probability") && !options.has("rings")) {
-    throw InputError(options.where(), "effect dropout: give threshold, probability or rings, or several of them");
+    throw InputError(options.where(), "effect dropout: give at least one of threshold, probability and rings");
   }
   if (things && !options.has("probability")) {
     throw InputError(options.where(),
-                     "effect dropout: `things` says whose returns are lost at random: give probability");
+                     "effect dropout: `things` limits the returns that are lost at random: give `probability` too");
   }
   return std::make_unique<DropOut>(static_cast<float>(threshold), probability, things, rings);
 }

@@ -30,13 +30,13 @@ class FootprintEffect : public Effect {
     const auto zero = [](const std::array<double, 2>& width) { return width[0] == 0 && width[1] == 0; };
     if (zero(beams.divergence) && zero(beams.exitWidth)) {
       throw InputError(where_,
-                       "effect footprint: the sensor does not say how wide its beams are: add "
-                       "`divergence_mrad: 3`, with the data sheet's figure, to the sensor");
+                       "effect footprint: the width of the beams is missing: add `divergence_mrad: 3`, with the data "
+                       "sheet's value, to the sensor");
     }
     if (beams.pulse == 0) {
       throw InputError(where_,
-                       "effect footprint: the sensor does not say how long its pulses are, which decides what "
-                       "echoes it tells apart: add `pulse_ns: 5`, with the data sheet's figure, to the sensor");
+                       "effect footprint: the length of the pulses is missing, which decides whether two echoes are "
+                       "separate: add `pulse_ns: 5`, with the data sheet's value, to the sensor");
     }
   }
 
@@ -53,8 +53,9 @@ std::unique_ptr<Effect> makeFootprintEffect(Fields& options) {
   const auto rays = static_cast<std::uint32_t>(options.integer("rays", 7, 127));
   options.finish();
   if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), rays) == std::end(kFootprintRays)) {
-    throw InputError(options.find("rays")->where,
-                     "effect footprint: rays lie on hexagons: 7, 19, 37, 61, 91 or 127 a beam");
+    throw InputError(
+        options.find("rays")->where,
+        "effect footprint: the rays of a beam lie on hexagons, so that `rays` must be 7, 19, 37, 61, 91 or 127");
   }
   return std::make_unique<FootprintEffect>(rays, options.where());
 }

@@ -345,11 +345,12 @@ std::unique_ptr<Effect> makeIntensity(Fields& options) {
   if (retro != nullptr) o.retroFullScale = options.number("retro_full_scale", {1.01, 1e9});
   options.finish();
   if (retro != nullptr && (!o.reflectivity || !o.bytes)) {
-    throw InputError(retro->where, "effect intensity: retro_full_scale needs model: reflectivity and output: u8");
+    throw InputError(retro->where, "effect intensity: retro_full_scale needs `model: reflectivity` and `output: u8`");
   }
   if (retro != nullptr && (options.has("saturation") || options.has("gamma"))) {
-    throw InputError(retro->where,
-                     "effect intensity: retro_full_scale states the whole response: leave saturation and gamma out");
+    throw InputError(
+        retro->where,
+        "effect intensity: retro_full_scale defines the complete response: leave saturation and gamma out");
   }
   return std::make_unique<Intensity>(o);
 }

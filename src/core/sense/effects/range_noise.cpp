@@ -109,7 +109,7 @@ class RangeNoise : public Effect {
   void addFaintness(const Shot& shot, const Returns& returns, std::size_t first, std::size_t count,
                     Batch<double>& sigma) const {
     if (returns.snr.size() != returns.size()) {
-      throw InputError("effect range_noise: over_snr_m needs the effect detection, with noise");
+      throw InputError("effect range_noise: over_snr_m needs the effect `detection` with the key `noise`");
     }
     const double pulse = pulseLength(shot.beams->pulse) / 2.355;
     for (std::size_t i = 0; i < count; ++i) {

@@ -41,9 +41,9 @@ class RingBias : public Effect {
   void check(const BeamTable& beams) const override {
     for (const PerRing* figure : {&range_, &elevation_, &gain_}) {
       if (figure->list.empty() || figure->list.size() == beams.rings) continue;
-      throw InputError(figure->where, "effect ring_bias: the list has " + std::to_string(figure->list.size()) +
-                                          " figures, the sensor " + std::to_string(beams.rings) +
-                                          " rings: give one figure per ring");
+      throw InputError(figure->where, "effect ring_bias: the number of values is " +
+                                          std::to_string(figure->list.size()) + ", but the number of rings is " +
+                                          std::to_string(beams.rings) + ": give one value per ring");
     }
   }
 

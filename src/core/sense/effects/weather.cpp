@@ -145,8 +145,8 @@ class WeatherEffect : public Effect {
   void check(const BeamTable& beams) const override {
     if (beamArea(beams, 1) > 0 && beams.pulse > 0) return;
     throw InputError(where_,
-                     "effect weather: what drops send back follows from the beam's width and the pulse's length: add "
-                     "`divergence_mrad: 3` and `pulse_ns: 5`, with the data sheet's figures, to the sensor");
+                     "effect weather: returns of drops depend on the beam's width and the pulse's length: add "
+                     "`divergence_mrad: 3` and `pulse_ns: 5`, with the data sheet's values, to the sensor");
   }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material>, Returns& returns) const override {
@@ -320,7 +320,7 @@ std::unique_ptr<Effect> makeWeather(Fields& options) {
   const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(), [&](const Kind& k) { return k.name == name; });
   const char* const exact = kind.byRate ? "rate_mm_h" : "visibility_m";
   if (const Value* other = options.find(kind.byRate ? "visibility_m" : "rate_mm_h")) {
-    throw InputError(other->where, fmt::format("effect weather: how much {} there is says `{}`", name, exact));
+    throw InputError(other->where, fmt::format("effect weather: give the amount of {} by `{}`", name, exact));
   }
   const std::string word = options.choice("severity", {"light", "moderate", "heavy"}, "moderate");
   Severity severity = kind.ladder[word == "light" ? 0 : word == "moderate" ? 1 : 2];

@@ -349,8 +349,8 @@ TEST(DepthCamera, CountsBeamsThatNoImageSees) {
   EXPECT_NEAR(static_cast<double>(misses), 2 * 360, 6);
   account += three->trace(shot, Channels::all(), hits);
   EXPECT_THAT(account.warningTexts(),
-              ElementsAre(fmt::format("{} of 1080 beams of 'lidar' lie outside of all images of layout three_120: they "
-                                      "are misses; take layout auto",
+              ElementsAre(fmt::format("{} of 1080 beams of 'lidar' are outside all images of layout three_120 and "
+                                      "count as misses: take `layout: auto`",
                                       misses)));
   const auto cameras = depthCamera(scene, "{resolution: 256}");
   EXPECT_TRUE(cameras->trace(shot, Channels::all(), hits).warnings.empty());

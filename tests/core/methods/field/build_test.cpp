@@ -379,7 +379,7 @@ TEST(Build, RefusesInstancedMeshes) {
   const SharedMeshes shared = buildSharedMeshes(device.get(), scene, instanced, {});
   const auto world = buildWorld(device.get(), scene, {}, instanced, shared, {});
   const auto build = [&] { buildField(*world, shapeAt({}, 0.1, 32, 1, false)); };
-  EXPECT_THAT(messageOf<Error>(build), testing::HasSubstr("without instanced meshes"));
+  EXPECT_THAT(messageOf<Error>(build), testing::HasSubstr("cannot be built of instanced meshes"));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ class GlMarch {
 
  private:
   std::mutex mutex_;
-  ComputeDevice device_{{"particles cannot fly by OpenGL", "'backend: cpu' does without it"}};
+  ComputeDevice device_{{"particles cannot march by OpenGL", "`backend: cpu` does not need it"}};
   DeviceMarch march_;
 };
 

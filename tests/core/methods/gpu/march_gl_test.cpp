@@ -383,7 +383,7 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   };
   const std::uint64_t largest = place.field->word.size() * sizeof(std::uint32_t);
   const std::string message = refusal(largest - 1);
-  EXPECT_THAT(message, HasSubstr("particles cannot fly by OpenGL: the "));
+  EXPECT_THAT(message, HasSubstr("particles cannot march by OpenGL: the "));
   EXPECT_THAT(message, HasSubstr("voxel_m"));
   EXPECT_THAT(message, HasSubstr("levels"));
   EXPECT_THAT(message, HasSubstr("backend: cpu"));
@@ -391,7 +391,7 @@ TEST(GlMarcher, FieldsLargerThanTheDeviceTakesAreRefused) {
   // After a refusal the marcher takes what it can.
   GlMarch marcher(largest / 2);
   EXPECT_THAT(messageOf<Error>([&] { marcher.march(place.field, place.world, kUsual, particles); }),
-              HasSubstr("particles cannot fly by OpenGL"));
+              HasSubstr("particles cannot march by OpenGL"));
   const Scene empty = nothing();
   const Surroundings little = surroundingsOf(empty, true);
   EXPECT_EQ(flown(marcher, little, kUsual, particlesIn(*little.field, 10)).misses, 10u);
@@ -402,7 +402,7 @@ TEST(GlMarcher, SaysWhatToDoWithoutADevice) {
   ::setenv("SCANMILL_GL_DEVICE", "77", 1);
   const std::string message = messageOf<Error>([] { makeGlMarcher(); });
   ::unsetenv("SCANMILL_GL_DEVICE");
-  EXPECT_THAT(message, HasSubstr("particles cannot fly by OpenGL: SCANMILL_GL_DEVICE: there is no device '77'"));
+  EXPECT_THAT(message, HasSubstr("particles cannot march by OpenGL: SCANMILL_GL_DEVICE: there is no device '77'"));
   EXPECT_THAT(message, HasSubstr("backend: cpu"));
 }
 

@@ -107,7 +107,7 @@ TEST(ParticlesOnADevice, SlicesDoNotMatter) {
   EXPECT_THAT(messageOf<Error>([&] {
                 madeOf(scene, shotAt(spinning(1000, 1000, -20, 20)), smallOptions(None), {.tableBytes = 30'000'000});
               }),
-              testing::HasSubstr("the sensor's beams do not fit into a buffer"));
+              testing::HasSubstr("the sensor has too many beams for a buffer"));
 }
 
 // Rounding of quotients rarely decides anything: markings that lie as high as layers may be are the most of it.

@@ -81,8 +81,8 @@ TEST(ParticleOptions, RefusesWhatIsOutOfRange) {
 
 TEST(ParticleOptions, RefusesWhatHasNoEffect) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> wrong = {
-      {"field: scene, voxels: 256", {"voxels: ", "leave voxels out, or take field: sensor"}},
-      {"field: scene, levels: 2", {"leave levels out, or take field: sensor"}},
+      {"field: scene, voxels: 256", {"voxels: ", "leave `voxels` out, or take `field: sensor`"}},
+      {"field: scene, levels: 2", {"leave `levels` out, or take `field: sensor`"}},
   };
   for (const auto& [yaml, words] : wrong) {
     SCOPED_TRACE(yaml);

@@ -192,7 +192,7 @@ TEST(Shape, SaysWhichVoxelsWouldDo) {
   }
   // None that may be asked for.
   const std::string far = messageOf([&] { shapeOf(options, {}, Box{{1e300, 0, 0}, {1.1e300, 1, 1}}, 100); });
-  EXPECT_THAT(far, testing::HasSubstr("m: choose field: sensor"));
+  EXPECT_THAT(far, testing::HasSubstr("m: choose `field: sensor`"));
 }
 
 TEST(Shape, FieldsOfTheSceneGrowWithItsLargestFace) {
@@ -254,7 +254,7 @@ TEST(CheckField, IsAskedWhenAMethodIsMade) {
     return builder.finish();
   }();
   expectInputError([&] { methodOf("particle", scene, "{field: scene, backend: cpu, voxel_m: 0.001}"); },
-                   {"voxel_m: ", "or more, or field: sensor"});
+                   {"voxel_m: ", "or more, or `field: sensor`"});
 }
 
 TEST(Shape, RefusesWhatIsTooLarge) {

@@ -37,9 +37,9 @@ TEST(DamageWarnings, TellOfCornersThatAreNoPlaces) {
   scene.dropped.outOfRange = 2000;
   EXPECT_THAT(
       damageWarnings(scene),
-      ElementsAre("scene yard: 1 triangle is left out, with corners that are NaN or infinite: is a file damaged?",
-                  "scene yard: 2,000 triangles are left out, with corners that their meshes do not have: is a "
-                  "file damaged?"));
+      ElementsAre("scene yard: 1 triangle is left out because of corners that are NaN or infinite: is a file damaged?",
+                  "scene yard: 2,000 triangles are left out because of corner indices that are out of range: is a file "
+                  "damaged?"));
 }
 
 TEST(RuleWarnings, NameRulesThatDecideNothing) {

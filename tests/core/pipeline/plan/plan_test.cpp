@@ -70,7 +70,7 @@ TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
       AllOf(HasSubstr("yard.yaml: the method ray_tracing draws no passes"), HasSubstr("take `method: depth_camera`")));
   // Nobody knows yet what `auto` will choose.
   EXPECT_THAT(messageOf<InputError>([&] { plan({"method={auto: {min_rate: 1}}"}).requirePasses(); }),
-              AllOf(HasSubstr("--set method"), HasSubstr("method auto may choose one that draws no passes")));
+              AllOf(HasSubstr("--set method"), HasSubstr("method auto may choose a method that draws no passes")));
 
   MethodEntry still = requireMethod("ray_tracing", {});
   still.name = "still";
@@ -82,7 +82,7 @@ TEST_F(PlanTest, WhatTheMethodCannotDoIsRefused) {
   };
   EXPECT_NO_THROW(planned({}));
   EXPECT_THAT(messageOf<InputError>([&] { planned({"motion={steps: 9}"}); }),
-              AllOf(HasSubstr("--set motion"), HasSubstr("the method still gives a whole revolution one pose")));
+              AllOf(HasSubstr("--set motion"), HasSubstr("the method still uses one pose for a complete revolution")));
 }
 
 // 4096 x 65536 beams are within a sensor's limits, hundreds of such sensors are not within a machine's memory.
@@ -97,7 +97,7 @@ TEST_F(PlanTest, FramesThatNoMemoryHoldsAreRefusedWithTheArithmetic) {
   EXPECT_THAT(messageOf<InputError>([&] {
                 plan({sensors + "]", "trajectories.0.frames=1"});
               }),
-              AllOf(HasSubstr("yard.yaml: 80530636800 beams a frame x "), HasSubstr("GiB of memory")));
+              AllOf(HasSubstr("yard.yaml: 80530636800 beams per frame x "), HasSubstr("GiB of memory")));
 }
 
 TEST_F(PlanTest, FramesInFlightFitTheThreadsAndTheMemory) {

@@ -331,7 +331,7 @@ const Refusal kRefusals[] = {
      "method:",
      "effects: [ring_bias: {range_m: [0.1, 0.2]}]\nmethod:",
      "[0.1",
-     {"2 figures", "one figure per ring"}},
+     {"values is 2", "one value per ring"}},
     {"Steps", "method:", "motion: {steps: 0}\nmethod:", "0}", {"steps"}},
 };
 

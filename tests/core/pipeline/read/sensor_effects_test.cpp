@@ -138,14 +138,14 @@ TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("'b'"), HasSubstr("fit-noise"), HasSubstr("name effects here")));
   EXPECT_THAT(refusal("effects: [range_noise: {sigma_m: 1}, sensor, range_noise: {sigma_m: 2}]\n", noise, noise),
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("'range_noise' stands twice")));
-  EXPECT_THAT(refusal("effects: [sensor, sensor]\n", noise, noise), HasSubstr("`sensor` stands twice"));
+  EXPECT_THAT(refusal("effects: [sensor, sensor]\n", noise, noise), HasSubstr("`sensor` is listed twice"));
   EXPECT_THAT(refusal("effects: [sensor, range_nois: none]\n", noise, noise), HasSubstr("did you mean 'range_noise'"));
   EXPECT_THAT(refusal("effects: [sensor, range_noise: 3]\n", noise, noise), HasSubstr("the keys to change"));
   EXPECT_THAT(refusal("effects: [sensor, range_noise: {sigma: 3}]\n", noise, noise),
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("did you mean 'sigma_m'")));
   EXPECT_TRUE(names(pipeline("effects: [range_noise: none, none]\n", noise, noise), 0).empty());
   EXPECT_THAT(refusal("effects: sensor\n", "effects: [intensity]\n", noise),
-              AllOf(HasSubstr("only one has an intensity"), HasSubstr("'b'")));
+              AllOf(HasSubstr("has an intensity, but all scans"), HasSubstr("'b'")));
   EXPECT_THAT(refusal("effects: sensors\n", noise, noise), HasSubstr("`sensor`"));
   EXPECT_THAT(refusal("", "effects: {range_noise: {sigma_m: 1}}\n", ""),
               AllOf(HasSubstr("first.yaml:"), HasSubstr("must be a list")));

@@ -46,8 +46,8 @@ TEST_F(Drawn, SamplesTellWhatWasDrawn) {
   }
   EXPECT_EQ(heights.size(), 3U);
   EXPECT_EQ(sigmas.size(), 12U);
-  EXPECT_THAT(m.modelled, Contains(HasSubstr("drawn for each sequence: sensors.0.mount.position.2 {uniform")));
-  EXPECT_THAT(m.modelled, Contains(HasSubstr("drawn for each frame: effects.0.range_noise.sigma_m")));
+  EXPECT_THAT(m.modelled, Contains(HasSubstr("random for each sequence: sensors.0.mount.position.2 {uniform")));
+  EXPECT_THAT(m.modelled, Contains(HasSubstr("random for each frame: effects.0.range_noise.sigma_m")));
 }
 
 // The points of a drawn scan are those of a pipeline with the drawn values written into it: ranges on the floor follow
@@ -160,9 +160,12 @@ TEST_F(Drawn, ValuesDoNotDependOnOtherKeys) {
 // The ends of what may be drawn are checked before the first ray, whether or not they will be met.
 TEST_F(Drawn, RefusesWhatMightNotWork) {
   EXPECT_THAT(refusal({"effects=[{range_noise: {sigma_m: {normal: [0.1, 0.03]}}}]"}), HasSubstr("sigma_m must be"));
-  EXPECT_THAT(refusal({"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]"}), HasSubstr("rays a beam fires"));
-  EXPECT_THAT(refusal({"effects=[{choice: [none, intensity]}]"}), HasSubstr("whether there is an intensity"));
-  EXPECT_THAT(refusal({"effects=[{intensity: {output: {choice: [float, u8]}}}]"}), HasSubstr("its unit"));
+  EXPECT_THAT(refusal({"effects=[{footprint: {rays: {choice: [7, 19]}}}, intensity]"}),
+              HasSubstr("the number of rays per beam"));
+  EXPECT_THAT(refusal({"effects=[{choice: [none, intensity]}]"}),
+              HasSubstr("the existence or the unit of its intensity"));
+  EXPECT_THAT(refusal({"effects=[{intensity: {output: {choice: [float, u8]}}}]"}),
+              HasSubstr("the unit of its intensity"));
   EXPECT_THAT(refusal({"sensors.0.mount.position.2={uniform: [1, 2], per: frame}"}), HasSubstr("per: frame"));
   EXPECT_THAT(refusal({"sensors.0.columns={choice: [64, 128]}"}), HasSubstr("cannot be drawn at random"));
   EXPECT_THAT(refusal({"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]"}),
@@ -172,7 +175,7 @@ TEST_F(Drawn, RefusesWhatMightNotWork) {
   options.keepHits = out("hits");
   options.quiet = true;
   EXPECT_THAT(messageOf([&] { generate(makePlan(readPipeline(pipeline_, {kHeight})), options); }),
-              HasSubstr("draw no mount"));
+              HasSubstr("give each `mount` fixed values"));
 }
 
 }  // namespace

@@ -481,10 +481,10 @@ TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   const std::filesystem::path scene = plan.pipeline.sequences[0].sceneFile;
   const std::string text = readFile(scene);
   writeFile(scene, text + "# changed\n");
-  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("other files"));
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("changed files"));
   writeFile(scene, text);
   EXPECT_EQ(generate(plan, options).resumedShards, 1u);
-  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("holds a whole dataset"));
+  EXPECT_THAT(messageOf<InputError>([&] { generate(plan, options); }), HasSubstr("has a complete dataset"));
 }
 
 }  // namespace

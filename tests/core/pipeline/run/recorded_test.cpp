@@ -133,7 +133,7 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   redrawn.keepPasses = out("passes");
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {}, recording)), redrawn); },
-                   {"made of the hits in", "no passes are drawn"});
+                   {"made from the hits in", "no passes are drawn"});
 }
 
 TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
@@ -144,9 +144,9 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
   };
   refused("sensors.0.first_azimuth_deg=90", {"'top'", "beams", "differ"});
   refused("sensors.0.range_m=[0.5, 50]", {"beams", "range limits"});
-  refused("sensors.0.mount.position=[0, 0, 3]", {"'top'", "mounted elsewhere", "[0, 0, 1.8]"});
+  refused("sensors.0.mount.position=[0, 0, 3]", {"'top'", "recorded hits cannot be moved", "[0, 0, 1.8]"});
   refused(fmt::format("labels={}/labels/semantic_kitti.yaml", SCANMILL_SOURCE_DIR),
-          {"other classes", "not translated"});
+          {"other classes", "cannot be converted"});
   std::string text = kYardPipeline;  // without a mount: the recording's
   text.erase(text.find("    mount:"), text.find("method:") - text.find("    mount:"));
   const fs::path bare = folder_.write("bare.yaml", text);
@@ -156,12 +156,12 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
   options.quiet = true;
   const Manifest manifest = generate(makePlan(readPipeline(bare, {}, recording)), options).manifest;
   EXPECT_EQ(manifest.sensors.front().vehicleFromSensor.translation.z, 1.8);
-  EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as it was recorded"));
+  EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as in the recording"));
 }
 
 TEST_F(RecordedTest, FoldersDoNotOverlap) {
   for (const fs::path& hits : {out("same"), out("same") / "hits", folder_.path()}) {
-    expectInputError([&] { keep({}, "same", hits); }, {"folders of their own"});
+    expectInputError([&] { keep({}, "same", hits); }, {"separate folders"});
     EXPECT_FALSE(fs::exists(out("same") / "manifest.json"));
   }
 }

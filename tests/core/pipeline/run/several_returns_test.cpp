@@ -220,7 +220,7 @@ TEST_F(SeveralReturns, MayBeNone) {
     const GenerateSummary summary = make(
         {kAllColumns, "output.formats=[pcd, csv, draco]", fmt::format("output.layout={}", layout)}, name, "{most: 0}");
     EXPECT_EQ(summary.points, 0u);
-    EXPECT_THAT(summary.warnings, Contains(HasSubstr("sees nothing")));
+    EXPECT_THAT(summary.warnings, Contains(HasSubstr("hits nothing")));
     for (const Scan& scan : scans(".pcd", name)) {
       EXPECT_EQ(scan.planes, 1u);
       EXPECT_EQ(scan.size(), scan.organised ? kRings * kColumns : 0u);
@@ -254,7 +254,7 @@ TEST_F(SeveralReturns, AreNoImagesOfHits) {
   options.keepHits = out("hits");
   options.quiet = true;
   EXPECT_THAT(messageOf<InputError>([&] { generate(planned({}), options); }),
-              AllOf(HasSubstr("yard.yaml: the method two_returns fires several rays a beam"),
+              AllOf(HasSubstr("yard.yaml: the method two_returns traces several rays per beam"),
                     HasSubstr("take `method: ray_tracing`")));
   EXPECT_FALSE(std::filesystem::exists(out()));
 }

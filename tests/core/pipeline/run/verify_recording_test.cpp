@@ -229,7 +229,7 @@ TEST_F(VerifyRecording, FilesThatNothingNamesAreAWarning) {
   put("spare.exr", image());
   const RecordingVerification v = verify();
   EXPECT_THAT(v.problems, IsEmpty());
-  EXPECT_THAT(v.warnings, ElementsAre(AllOf(HasSubstr("2 of its files"), HasSubstr("notes.txt, spare.exr"))));
+  EXPECT_THAT(v.warnings, ElementsAre(AllOf(HasSubstr("2 in all"), HasSubstr("notes.txt, spare.exr"))));
 }
 
 TEST_F(VerifyRecording, AnUnreadableIndexIsRefused) {

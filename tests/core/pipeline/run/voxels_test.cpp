@@ -90,7 +90,7 @@ TEST_F(Voxels, PointsOfAMovingSensorLieWhereTheyWere) {
   EXPECT_THAT(messageOf([&] {
                 makePlan(readPipeline(pipeline_, {kVoxels, "motion=per_column", "output.columns=[label]"}));
               }),
-              HasSubstr("name `column`"));
+              HasSubstr("add `column`"));
 }
 
 TEST_F(Voxels, AreTheSameOnAnyNumberOfThreadsAndLeaveScansAsTheyAre) {
@@ -121,8 +121,8 @@ TEST_F(Voxels, KeysAreChecked) {
   EXPECT_EQ(kitti, VoxelGrid());
   EXPECT_EQ(kitti.voxels(), 256U * 256 * 32);
   EXPECT_FALSE(readPipeline(pipeline_, {"output.voxels=false"}).output.voxels.has_value());
-  EXPECT_THAT(refusal("{size: 0.3}"), HasSubstr("no whole number of voxels"));
-  EXPECT_THAT(refusal("{from: [0, 20, 0], to: [10, -20, 4]}"), HasSubstr("`to` lies above `from`"));
+  EXPECT_THAT(refusal("{size: 0.3}"), HasSubstr("not a whole number of voxels"));
+  EXPECT_THAT(refusal("{from: [0, 20, 0], to: [10, -20, 4]}"), HasSubstr("`to` must be greater than `from`"));
   EXPECT_THAT(refusal("0.2"), HasSubstr("voxels must be true, false or a grid such as"));
   EXPECT_THAT(refusal("{size: 0}"), HasSubstr("size"));
   EXPECT_THAT(refusal("{to: [-1, 25.6, 4.4]}"), HasSubstr("along x"));

@@ -130,7 +130,7 @@ TEST_F(RandomWays, SayWhatIsTooShortOrNotThere) {
   EXPECT_THAT(messageOf([&] {
                 findRandomWay(probe, {{"road"}, Side::Right, 500, {"trip.yaml", 3, 4}}, 1, "drive");
               }),
-              AllOf(HasSubstr("trip.yaml:3:4"), HasSubstr("longest drive"), HasSubstr("500 m are wanted")));
+              AllOf(HasSubstr("trip.yaml:3:4"), HasSubstr("longest drive"), HasSubstr("500 m are needed")));
   EXPECT_THAT(messageOf([&] {
                 findRandomWay(probe_, {{"parking"}, Side::Right, 5, {}}, 1, "drive");
               }),

@@ -66,7 +66,7 @@ TEST(DropOut, OnlyThingsAreLostWhereItSaysSo) {
   for (std::size_t b = 0; b < world.hits.size(); ++b) {
     EXPECT_EQ(some.range[b], b % 2 == 0 ? all.range[b] : world.hits.range[b]);
   }
-  EXPECT_THAT(refusal("dropout: {things: true, rings: 0.5}"), testing::HasSubstr("give probability"));
+  EXPECT_THAT(refusal("dropout: {things: true, rings: 0.5}"), testing::HasSubstr("give `probability`"));
 }
 
 TEST(DropOut, CertaintiesAreExact) {

@@ -217,7 +217,7 @@ TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
   expectRefusedAt("  noise: []\n", {"p.yaml:11", "noise must be a list"});
   expectRefusedAt("  noise: [{name: a, effects: [{shel: {}}]}]\n", {"p.yaml:11", "did you mean 'shell'?"});
   expectRefusedAt("  noise: [{name: a, effects: [{shell: {scale: 1}}]}]\n", {"p.yaml:11", "scale_m"});
-  expectRefusedAt("  noise: [{name: a, effects: sensor}]\n", {"p.yaml:11", "no effects of its own"});
+  expectRefusedAt("  noise: [{name: a, effects: sensor}]\n", {"p.yaml:11", "has no effects: measure"});
   expectRefusedAt("  noise: [{name: a}]\n", {"p.yaml:11", "effects"});
   expectRefusedAt("  noise: [{name: a, effects: []}, {name: a, effects: []}]\n", {"p.yaml:11", "two noise levels"});
   expectRefusedAt("  noise: [{name: a, effects: []}]\n  reference: b\n", {"p.yaml:12", "no noise level 'b'"});
