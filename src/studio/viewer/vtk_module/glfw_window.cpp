@@ -38,8 +38,8 @@ void keepComplaint(int /*code*/, const char* text) {
   if (complaint().empty()) complaint() = text;
 }
 
-// Called when the connection to the X server is lost: ends the program. It must not return, since Xlib would then call
-// exit(), which destroys objects that are still in use.
+// Ends the program. Xlib calls this function when the connection to the X server is lost. The function must not return,
+// since Xlib would then call exit(), which destroys objects that are still in use.
 int endProgram(Display*) {
   constexpr std::string_view kMessage = "error: the connection to the X server, and with it the window, is lost\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kMessage.data(), kMessage.size());
