@@ -29,8 +29,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint64_t kGroup = 64;
-constexpr GLint kFirst = 0;  // locations of the uniforms firstInvocation and endInvocation
-constexpr GLint kEnd = 1;
+constexpr GLint kFirst = 0;  // location of the uniform firstInvocation
+constexpr GLint kEnd = 1;    // location of the uniform endInvocation
 
 constexpr const char* kBefore = R"(#version 430 core
 layout(local_size_x = 64) in;
