@@ -28,7 +28,7 @@ namespace scanmill {
 
 namespace {
 
-// Loads OpenGL's functions. GLEW then looks for an X display and reports an error if there is none; that error is
+// Loads OpenGL's functions. GLEW also looks for an X display, and reports an error if there is none. This error is
 // ignored.
 void findFunctions() {
   glewExperimental = GL_TRUE;

@@ -19,11 +19,11 @@ namespace {
 constexpr double kOpen = std::numeric_limits<double>::infinity();
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// The edges of the bands: the lower end of each band, then the upper end of the last band.
-constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // ranges (m)
-constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // incidence angles (degrees)
-constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};  // shortest edge of an instance's box (m)
-constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};      // longest edge of an instance's box (m)
+// The ends of bands: the lower end of each band, then the upper end of the last band.
+constexpr std::array kRangeEdges{0.0, 5.0, 10.0, 20.0, 40.0, 80.0, kOpen};      // bands of the range (m)
+constexpr std::array kIncidenceEdges{0.0, 30.0, 45.0, 60.0, 75.0, 85.0, 90.0};  // bands of the incidence (degrees)
+constexpr std::array kThicknessEdges{0.0, 0.05, 0.2, 0.5, 1.0, kOpen};          // bands of a box's shortest edge (m)
+constexpr std::array kLengthEdges{0.0, 0.3, 1.0, 2.0, 5.0, kOpen};              // bands of a box's longest edge (m)
 
 // Returns the index of the band that contains `value`, which must be at least the first edge. Values at or above the
 // last edge, such as 90 degrees, belong to the last band.

@@ -69,7 +69,7 @@ struct BeamErrors {
   std::vector<ErrorGroup> byRange;  // bands of the range (m)
   // Bands of the angle between beam and true surface normal (degrees); only beams with a true hit.
   std::vector<ErrorGroup> byIncidence;
-  std::vector<ErrorGroup> byPlace;      // "interior" and "edges"
+  std::vector<ErrorGroup> byPlace;      // two groups: "interior" and "edges"
   std::vector<ErrorGroup> byClass;      // one group per class that occurs, sorted by class id
   std::vector<SizeRecall> byThickness;  // object instances grouped by the shortest edge of their box
   std::vector<SizeRecall> byLength;     // object instances grouped by the longest edge of their box

@@ -22,8 +22,9 @@ struct CloudErrors {
 
 // The distances between a true and a tested cloud.
 struct CloudDistances {
-  std::vector<float> to;  // distance of each true point (m); NaN if the point is not finite or there is no tested point
-  // Distance of each tested point (m); NaN if the point is not finite or there is no true point.
+  // Distance (m) of each true point to the tested cloud; NaN if the point is not finite or the tested cloud is empty.
+  std::vector<float> to;
+  // Distance (m) of each tested point to the true cloud; NaN if the point is not finite or the true cloud is empty.
   std::vector<float> from;
   std::size_t unmatched = 0;  // number of finite points in one cloud if the other cloud has none; otherwise 0
 };

@@ -57,7 +57,7 @@ void checkRays(const Pipeline& pipeline) {
   }
 }
 
-// Memory of the program, its libraries and its threads' buffers.
+// Memory of the program, its libraries and its threads' buffers (bytes).
 constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // memory per beam of a beam table
 

@@ -18,8 +18,8 @@ namespace scanmill {
 
 // The mounts and effects of the sensors in one frame.
 struct SensorDraw {
-  std::vector<Pose> mounts;                             // vehicleFromSensor
-  std::vector<std::shared_ptr<const Effects>> effects;  // one list per sensor
+  std::vector<Pose> mounts;  // pose of each sensor in the vehicle's frame (vehicleFromSensor)
+  std::vector<std::shared_ptr<const Effects>> effects;  // list of effects of each sensor
   std::vector<DrawnValue> draws;
 };
 
@@ -28,7 +28,7 @@ class DrawnSensors {
   // The YAML values with their distributions, before sampling. A mount of the kind Null means the vehicle's origin.
   struct Written {
     Value effects;              // the pipeline's key `effects`; Null: no effects
-    std::vector<Value> mounts;  // one per sensor
+    std::vector<Value> mounts;  // mount of each sensor
     // One map of keys per sensor. The key `effects` may contain distributions.
     std::vector<Value> descriptions;
   };

@@ -189,8 +189,8 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// Returns 1 for a recording, which has one hit per beam. Before `method: auto` is replaced, returns the maximum over
-// all methods.
+// The number of surfaces is 1 for a recording, which has one hit per beam. Before `method: auto` is replaced, the
+// number is the maximum over all methods.
 std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;

@@ -113,7 +113,7 @@ class AnomalySearch {
   // of other classes' objects are excluded.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
-    constexpr double kFewShare = 0.02;  // fraction of all instances
+    constexpr double kFewShare = 0.02;  // a class with at most this fraction of all instances counts as rare
     const auto own = thingsOf_.find(c.id);
     if (own == thingsOf_.end() || parts_.contains(c.id)) return false;
     const auto share = static_cast<std::size_t>(kFewShare * static_cast<double>(sum_.things.size()));

@@ -122,7 +122,7 @@ class Summing {
   DatasetSummary result() { return std::move(sum_); }
 
  private:
-  using ObjectKey = std::pair<std::string, std::uint32_t>;  // sequence, id
+  using ObjectKey = std::pair<std::string, std::uint32_t>;  // name of the sequence, instance id
 
   void addClass(std::uint16_t id, const std::string& name, bool thing, bool known) {
     classAt_[id] = sum_.classes.size();

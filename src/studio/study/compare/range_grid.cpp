@@ -210,7 +210,7 @@ class GridMaker {
   }
 
   const Scan& scan_;
-  std::vector<std::uint32_t> points_;  // finite points
+  std::vector<std::uint32_t> points_;  // indices of finite points
   RangeGrid grid_;
 };
 

@@ -29,7 +29,7 @@ struct MeasuredShare {
 // sensor rounds ranges. Sigma is the standard deviation of the ranges from a smooth surface.
 struct PatchGroup {
   std::string name;  // the band's values, such as "7.5-10 m" or "60-75 deg"
-  double low = 0;    // ends of the band; `high` is infinite for the last band
+  double low = 0;    // ends of the band (m, degrees or intensity); `high` is infinite for the last band
   double high = 0;
   double range = 0;  // mean range (m)
   std::size_t patches = 0;

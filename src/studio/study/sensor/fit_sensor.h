@@ -16,9 +16,9 @@ struct SensorFit {
   std::uint32_t rings = 0, columns = 0;
   bool clockwise = false;
   double firstAzimuth = 0;
-  double field = 0;                   // 2 pi for a full revolution
-  std::vector<double> elevation;      // one per ring
-  std::vector<double> azimuthOffset;  // one per ring
+  double field = 0;                   // horizontal field of view; 2 pi for a full revolution
+  std::vector<double> elevation;      // elevation of each ring
+  std::vector<double> azimuthOffset;  // azimuth offset of each ring
   double originOffset = 0;            // horizontal distance of beam origins from the axis; 0 if it is not significant
   double originHeight = 0;            // height of beam origins; 0 if it is not significant
   std::vector<double> firing;         // firing time of each ring (s); empty if the scans have no times

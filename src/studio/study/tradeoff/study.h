@@ -51,7 +51,7 @@ struct EncodingResult {
   double encodePointsPerSecond = 0;  // rate of encoding with one thread
   double decodePointsPerSecond = 0;  // rate of decoding with one thread
   double bytesPerPoint = 0;
-  double largestError = 0;  // largest position error (m), measured by decoding
+  double largestError = 0;  // largest position error of decoded points (m)
   double statedError = 0;   // bound of the position error that the format guarantees (m)
 };
 
@@ -90,7 +90,7 @@ struct Study {
   StudyScene scene;
   std::vector<std::string> sensors;  // sensors with their sizes, such as "top: paper_64, 64 x 2048 beams"
   std::uint64_t shots = 0;
-  std::uint64_t beamsPerShot = 0;  // mean over the shots
+  std::uint64_t beamsPerShot = 0;  // number of beams, averaged over the shots
   Ontology ontology;
   std::vector<SettingResult> settings;
   // Time per scan (s, with one thread) of each stage that does not depend on the setting, such as "effects" and "encode
@@ -107,7 +107,7 @@ struct Study {
   // first setting by StudyOptions::showScan; absent if it was not measured.
   std::optional<RingFit> showing;
   std::vector<std::string> left;  // lines about measurements that were omitted for lack of time
-  // Lists the pictures; their contents are not stored in the JSON, but in files beside it.
+  // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;
 
   // Returns the costs and errors of all settings that were measured, in the order of `settings`.

@@ -56,7 +56,7 @@ struct CanvasView {
 struct ItemLook {
   Affine canvasFromItem;
   double size = 1;          // pixels: side of a point, or width of a line
-  double opacity = 1;       // 0 to 1
+  double opacity = 1;       // opacity from 0 (invisible) to 1
   std::uint32_t views = 1;  // bit k: the item is drawn in view k
   bool lit = true;          // shades triangles with a light at the eye
   bool round = false;       // draws points as discs instead of squares

@@ -100,7 +100,7 @@ class Join {
   }
 
  private:
-  // True if the beam has the same number of returns in both scans and none of them is a false positive.
+  // True if the beam has as many returns in the scan as in the reference, and none of them is a false positive.
   bool sameReturns(const PointKey& key) const {
     int more = 0;
     bool surfaces = true;

@@ -12,8 +12,8 @@ struct PanelNeeds {
   double letter = 15;  // height of a line of text in pixels, see Toolkit
   double row = 21;     // height of a menu, a button or a slider (pixels)
   bool title = true;
-  bool side = true;     // panel with the legends and the selected point
-  bool bar = true;      // frame slider
+  bool side = true;     // true: a panel with the legends and the selected point
+  bool bar = true;      // true: a bar with the frame slider
   int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
