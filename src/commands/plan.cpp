@@ -74,7 +74,7 @@ void printFeatures(const FeatureCosts& costs) {
     rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
                     share, fmt::format("{:+}", std::lround(cost.bytes * 1e-3))});
   };
-  add("the whole frame", costs.whole, "");
+  add("as the pipeline is", costs.whole, "");
   std::string lost;
   double scatter = 0;
   for (const FeatureCost& f : costs.features) {

@@ -136,7 +136,7 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
            {"info", at("huge.yaml")}, {"plan", pipeline_, "--check", "--set", "scenes.0.scene=huge.yaml"}}) {
     const Outcome o = scanmill(arguments);
     EXPECT_EQ(o.code, 0) << o.error;
-    EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' is 9.5e+03 m large"), HasSubstr("'nut' is 0.0001 m large")));
+    EXPECT_THAT(o.error, AllOf(HasSubstr("the object 'van' measures 9.5e+03 m"), HasSubstr("'nut' measures 0.0001 m")));
   }
 }
 

@@ -14,8 +14,9 @@ TEST_F(FitSensorCommand, WritesAFileThatIsASensor) {
   const std::string frame = (sharedData() / "lidar/ouster_os1_128/frame_1795.pcd").string();
   const Outcome fit = scanmill({"fit-sensor", frame, "-o", at("unit.yaml")});
   ASSERT_EQ(fit.code, 0) << fit.error;
-  EXPECT_THAT(fit.out, AllOf(HasSubstr("107,647 points of 1 scans: 128 rings x 1024 columns, a full turn"),
-                             HasSubstr("fit-noise"), HasSubstr("origin_offset_m: 0.0158")));
+  EXPECT_THAT(fit.out,
+              AllOf(HasSubstr("fitted to 107,647 points of 1 scans: 128 rings x 1024 columns over a full turn"),
+                    HasSubstr("fit-noise"), HasSubstr("origin_offset_m: 0.0158")));
   EXPECT_THAT(scanmill({"info", at("unit.yaml")}).out, HasSubstr("128"));
   expectRefused(scanmill({"fit-sensor", frame, "-o", at("unit.yaml")}), "--overwrite");
 }

@@ -50,7 +50,7 @@ TEST(Usage, WrongUsageIsRefusedWithAdvice) {
       {{"generate", "p.yaml"}, "-o DIR is missing"},
       {{"generate", "p.yaml", "-o", ""}, "-o DIR is missing"},
       {{"generate", "p.yaml", "-o"}, "--help"},
-      {{"generate", "p.yaml", "q.yaml", "-o", "x"}, "not also 'q.yaml'"},
+      {{"generate", "p.yaml", "q.yaml", "-o", "x"}, "'q.yaml' is a second"},
       {{"generate", "p.yaml", "-o", "x", "--thread", "2"}, "thread"},
       {{"generate", "p.yaml", "-o", "x", "--threads", "two"}, "two"},
       {{"generate", "p.yaml", "-o", "x", "--threads", "-1"}, "--threads must be from 0 to 1024"},

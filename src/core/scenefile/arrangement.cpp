@@ -33,7 +33,7 @@ std::array<double, 2> readRange(Fields& f, const char* key, Range range, std::ar
   if (value == nullptr) return fallback;
   const std::vector<double> ends = f.numbers(key, range);
   if (ends.size() != 2 || ends[0] > ends[1]) {
-    throw InputError(value->where, fmt::format("{} must be [least, most]", key));
+    throw InputError(value->where, fmt::format("{} must be [minimum, maximum]", key));
   }
   return {ends[0], ends[1]};
 }
@@ -42,7 +42,7 @@ std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontolog
   std::vector<std::uint16_t> ids;
   const Location where = f.require(key).where;
   for (const std::string& name : f.texts(key)) ids.push_back(ontology.require(name, where).id);
-  if (ids.empty()) throw InputError(where, fmt::format("{} must name classes", key));
+  if (ids.empty()) throw InputError(where, fmt::format("{} must name at least one class", key));
   return ids;
 }
 
@@ -82,7 +82,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
       s.where = value->where;
       s.classes = readClasses(f, "on", ontology);
       if (f.has("count") == f.has("density")) {
-        throw InputError(value->where, "scatter needs either a count or a density (a square metre)");
+        throw InputError(value->where, "scatter needs either `count` or `density` (copies per square metre)");
       }
       if (f.has("count")) s.count = static_cast<std::uint64_t>(f.integer("count", 1, Placement::kMostCopies));
       s.density = f.number("density", {1e-9, 1e4}, 0);
@@ -99,14 +99,16 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
           corners[i] = {c[0], c[1], 0};
         }
         if (!pair || corners[0].x >= corners[1].x || corners[0].y >= corners[1].y) {
-          throw InputError(within->where, "within must be [[x, y], [x, y]]: the least and the greatest corner in m");
+          throw InputError(within->where,
+                           "within must be [[x, y], [x, y]] in m: the corner with the least coordinates, then the one "
+                           "with the greatest");
         }
         s.within = corners;
       }
       scatter_ = std::move(s);
     }
     if (const Value* value = copies->find("along")) {
-      if (scatter_) throw InputError(value->where, "copies are either scattered or along a path, not both");
+      if (scatter_) throw InputError(value->where, "copies must have either `scatter` or `along`, not both");
       Fields f(*value, "along");
       f.also({"waypoints", "every", "left"}).finish();
       along_ = Along{readWaypoints(f.require("waypoints")), f.number("every", {1e-3, 1e6}),
@@ -140,7 +142,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
 
 std::vector<Arrangement::Distance> Arrangement::readDistances(const Value& value, const Ontology& ontology) {
   if (value.kind != Value::Kind::Map || value.entries.empty()) {
-    throw InputError(value.where, "distance_from must be {class: [least, most]} in m, or {class: least}");
+    throw InputError(value.where, "distance_from must be {class: [minimum, maximum]} in m, or {class: minimum}");
   }
   std::vector<Distance> distances;
   for (const auto& [name, ends] : value.entries) {
@@ -151,7 +153,7 @@ std::vector<Arrangement::Distance> Arrangement::readDistances(const Value& value
     if (ends.kind == Value::Kind::Sequence) {
       const std::vector<double> both = readNumbers(ends, "distance_from", kMetres);
       if (both.size() != 2 || both[0] > both[1]) {
-        throw InputError(ends.where, "a distance is [least, most] in m, or the least alone");
+        throw InputError(ends.where, "a distance must be [minimum, maximum] in m, or only the minimum");
       }
       d.least = both[0];
       d.most = both[1];
@@ -170,16 +172,16 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   const SurfaceHeights::Area area = heights.area(s.classes);
   if (area.squareMetres() <= 0) {
     throw InputError(s.where,
-                     "there is no such surface to scatter on: no object above this one has triangles of these classes "
-                     "that face up (`scanmill info` of the scene lists its classes), and objects below it are not "
-                     "there yet");
+                     "no surface to scatter on: no earlier object of the list has triangles of these classes that face "
+                     "up (`scanmill info` of the scene lists its classes), and later objects are placed afterwards");
   }
   const bool bounded = s.within.has_value();
   const double own =
       bounded ? (s.within->at(1).x - s.within->at(0).x) * (s.within->at(1).y - s.within->at(0).y) : area.squareMetres();
   const double wanted = s.count ? static_cast<double>(*s.count) : s.density * own;
   if (wanted > static_cast<double>(Placement::kMostCopies)) {
-    throw InputError(s.where, fmt::format("{:.4g} copies; at most {} are made", wanted, Placement::kMostCopies));
+    throw InputError(
+        s.where, fmt::format("{:.4g} copies are too many: at most {} are possible", wanted, Placement::kMostCopies));
   }
   std::vector<Pose> places;
   Spaced spaced(s.spacing);
@@ -187,16 +189,17 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   if (most == 0) {
     throw InputError(
         s.where,
-        fmt::format("makes {:.2g} copies on {:.4g} square metres: take a higher density, or a count", wanted, own));
+        fmt::format("gives {:.2g} copies on {:.4g} square metres: give a higher density, or a count", wanted, own));
   }
   std::vector<SurfaceDistance> from;
   for (const Distance& d : s.distances) {
     from.emplace_back(scene, std::vector{d.semantic}, std::isfinite(d.most) ? d.most : d.least);
     if (!from.back().empty()) continue;
-    const std::string none =
-        fmt::format("no object above this one has triangles of the class {}", scene.ontology.find(d.semantic)->name);
-    if (std::isfinite(d.most)) throw InputError(d.where, none + " to be near to");
-    warn(fmt::format("{}: {} to keep away from: list what has them before it", d.where.text(), none));
+    const std::string none = fmt::format("no earlier object of the list has triangles of the class {}",
+                                         scene.ontology.find(d.semantic)->name);
+    if (std::isfinite(d.most)) throw InputError(d.where, none + ", to which these copies must be near");
+    warn(fmt::format("{}: {}, from which these copies must keep a distance: list the objects of this class first",
+                     d.where.text(), none));
   }
   const auto keepsDistances = [&](const Vec3d& p) {
     for (std::size_t i = 0; i < from.size(); ++i) {
@@ -236,8 +239,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     places.push_back({fromYawPitchRoll(2 * kPi * uniform(b[3]), 0, 0), p});
   }
   if (s.count && places.size() < most) {
-    throw InputError(s.where, fmt::format("only {} of {} copies find room with the seed {}: take a smaller count, less "
-                                          "spacing, wider distances, or more classes or room to scatter on",
+    throw InputError(s.where, fmt::format("only {} of {} copies fit with the seed {}: give a smaller count or spacing, "
+                                          "wider distances, or more classes or a larger area to scatter on",
                                           places.size(), most, seed));
   }
   return places;
@@ -248,7 +251,8 @@ std::vector<Pose> Arrangement::alongPath() const {
   std::vector<Pose> places;
   const double count = std::floor(path.length() / along_->every * (1 + 1e-12)) + 1;
   if (count > static_cast<double>(Placement::kMostCopies)) {
-    throw InputError(along_->where, fmt::format("{:.4g} copies; at most {} are made", count, Placement::kMostCopies));
+    throw InputError(along_->where,
+                     fmt::format("{:.4g} copies are too many: at most {} are possible", count, Placement::kMostCopies));
   }
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {
     const Pose on = path.pose(static_cast<double>(i) * along_->every);
@@ -269,8 +273,8 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
     throw InputError(scatter_ ? scatter_->where
                      : along_ ? along_->where
                               : Location{},
-                     fmt::format("{} places with {} copies each; at most {} are made", outer.size(), placement.count(),
-                                 Placement::kMostCopies));
+                     fmt::format("{} places with {} copies each are too many: at most {} copies are possible",
+                                 outer.size(), placement.count(), Placement::kMostCopies));
   }
   std::vector<Copy> all;
   for (const Pose& place : outer) {
@@ -315,11 +319,11 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
   }
   if (!lost) return standing;
   const std::string why = fmt::format(
-      "there is nothing to stand on at [{:.6g}, {:.6g}]: the objects above this one have no surface there {}that is "
-      "less than 60 degrees steep (objects below it are not there yet)",
+      "no surface to stand on at [{:.6g}, {:.6g}]: earlier objects of the list have no surface there {}that is less "
+      "than 60 degrees steep (later objects are placed afterwards)",
       lost->x, lost->y, standOn_->classes.empty() ? "" : "of these classes ");
   if (standing.empty()) throw InputError(standOn_->where, why);
-  warn(fmt::format("{}: {} of {} copies are left out with the seed {}: {}", standOn_->where.text(),
+  warn(fmt::format("{}: left out {} of {} copies with the seed {}: {}", standOn_->where.text(),
                    all.size() - standing.size(), all.size(), seed, why));
   return standing;
 }

@@ -100,11 +100,13 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
     c.kind = kindOf(f.choice("kind", {"ground", "whole", "detail", "drop"}, "whole"));
     c.of = textsOf(f, "of");
     if (c.kind == ConceptKind::Detail && c.of.empty()) {
-      throw InputError(item.where, "a detail needs `of`: the names of the concepts that have it");
+      throw InputError(item.where,
+                       "a concept of the kind detail needs `of`: the names of the concepts that have this detail");
     }
     if (f.has("size")) {
       const std::vector<double> size = f.numbers("size", {0, 1e6});
-      if (size.size() != 2) throw InputError(f.require("size").where, "size must be two lengths");
+      if (size.size() != 2)
+        throw InputError(f.require("size").where, "size must be two lengths [minimum, maximum] in m");
       c.size = Between{size[0], size[1]};
     }
     for (const std::string& word : textsOf(f, "words")) c.words.push_back(foldedName(word));

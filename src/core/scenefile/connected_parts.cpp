@@ -108,7 +108,8 @@ ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
   std::unordered_map<Vec3f, std::uint32_t, PlaceHash, SamePlace> known;
   std::size_t vertices = 0;
   for (const AssetPart* part : parts) vertices += part->positions.size();
-  if (vertices > std::numeric_limits<std::uint32_t>::max()) throw Error("more than 4294967295 vertices in one file");
+  if (vertices > std::numeric_limits<std::uint32_t>::max())
+    throw Error("a file has more than 4294967295 vertices: split it");
   parent.reserve(vertices);
   known.reserve(vertices);
   for (const AssetPart* part : parts) {

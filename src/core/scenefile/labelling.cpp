@@ -178,9 +178,11 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   for (const LabelledPart& p : parts) vertices += p.part.positions.size();
   constexpr std::uint64_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
   if (vertices > kMostVertices || parts.size() > kMostSurfaces) {
-    throw InputError(where, fmt::format("'{}' has {} parts (node and material) and {} vertices; at most {} and {} fit "
-                                        "one file: split it",
-                                        labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
+    throw InputError(
+        where,
+        fmt::format(
+            "'{}' has {} parts (node and material) and {} vertices, but a file may have at most {} and {}: split it",
+            labelling.file, parts.size(), vertices, kMostSurfaces, kMostVertices));
   }
 }
 
@@ -198,10 +200,10 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
     if (!own.empty()) things = std::max(things, *std::max_element(own.begin(), own.end()));
   }
   if (bounds.by == ThingBounds::By::Part && things > kMostSurfaces) {
-    throw InputError(bounds.where, fmt::format("'{}' comes apart into {} connected things; at most {} are told apart: "
-                                               "take `instances: node` or object, or give a class of things to less of "
-                                               "it",
-                                               file, things, kMostSurfaces));
+    throw InputError(bounds.where,
+                     fmt::format("'{}' has {} connected things, but at most {} can get instance ids: give `instances: "
+                                 "node` or `instances: object`, or label less of the file with classes of things",
+                                 file, things, kMostSurfaces));
   }
   std::vector<LabelledPart> divided;
   std::vector<const SemanticClass*> dividedClasses;
@@ -348,11 +350,10 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
     for (std::size_t r = 0; r < labelling.rules.size(); ++r) {
       if (labelling.rules[r].drop) byRules += counts.decided[r];
     }
-    throw InputError(where,
-                     fmt::format("'{}' has no triangle that can be traced and that no rule drops: {} are dropped by "
-                                 "rules (sizes and places in rules are in m, after `unit`), {} have vertices that are "
-                                 "not finite, {} no area, {} indices out of range",
-                                 labelling.file, byRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
+    throw InputError(
+        where, fmt::format("no triangle of '{}' remains: rules drop {} (lengths in rules are in m, after `unit`), {} "
+                           "have NaN or infinite corners, {} have no area, {} have indices out of range",
+                           labelling.file, byRules, dropped.nonFinite, dropped.degenerate, dropped.outOfRange));
   }
   return meshes;
 }

@@ -31,8 +31,9 @@ Copies ObjectPlacer::read(Fields& object) const {
   const Value* const moving = object.find("moving");
   if (moving == nullptr) return copies;
   if (copies.arrangement.needsSurfaces()) {
-    throw InputError(moving->where,
-                     "scatter and stand_on are for what stands still: give the way of what moves its heights");
+    throw InputError(
+        moving->where,
+        "scatter and stand_on are for objects that stand still: give the path of a moving object its heights instead");
   }
   copies.movement = readMovement(*moving);
   return copies;
@@ -90,8 +91,9 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
   }
   placed_ += count;
   if (placed_ > Placement::kMostCopies) {
-    throw InputError(where, fmt::format("with these {} copies the scene has {} placed objects; at most {} are made",
-                                        count, placed_, Placement::kMostCopies));
+    throw InputError(
+        where, fmt::format("with these {} copies the scene has {} placed objects, but at most {} are possible", count,
+                           placed_, Placement::kMostCopies));
   }
   std::uint64_t number = 0;
   for (const auto& [worldFromAsset, variant, copyNumber] : places) {

@@ -17,8 +17,7 @@ Vec3d readScale(const Value& value) {
   }
   for (const double s : {scale.x, scale.y, scale.z}) {
     if (std::abs(s) < 1e-9 || std::abs(s) > 1e9) {
-      throw InputError(value.where,
-                       fmt::format("scale must be from 1e-9 to 1e9 in size and may not be zero, found {}", s));
+      throw InputError(value.where, fmt::format("scale must have an absolute value from 1e-9 to 1e9, not {}", s));
     }
   }
   return scale;
@@ -67,8 +66,8 @@ void readCopies(const Value& value, Placement& placement) {
   const double total = double(n[0]) * double(n[1]) * double(n[2]) * double(placement.at.size());
   if (total > double(Placement::kMostCopies)) {
     throw InputError(value.where,
-                     fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies; at most {} are made", n[0], n[1],
-                                 n[2], placement.at.size(), total, Placement::kMostCopies));
+                     fmt::format("{} x {} x {} grid cells x {} places = {:.4g} copies, but at most {} are possible",
+                                 n[0], n[1], n[2], placement.at.size(), total, Placement::kMostCopies));
   }
 }
 

@@ -120,7 +120,8 @@ void expandBraces(const std::string& pattern, std::vector<std::string>& out, con
   }
   out.push_back(pattern);
   if (out.size() > kMostAlternatives) {
-    throw InputError(where, fmt::format("the braces of a pattern mean over {} alternatives", kMostAlternatives));
+    throw InputError(where,
+                     fmt::format("the braces of a pattern expand to more than {} alternatives", kMostAlternatives));
   }
 }
 
@@ -155,10 +156,9 @@ Rgb readColor(const Value& value) {
       text.size() == 7 && text[0] == '#' &&
       std::from_chars(text.data() + 1, text.data() + 7, number, 16).ptr == text.data() + text.size();
   if (!hexadecimal) {
-    throw InputError(
-        value.where,
-        "a color is a text in quotes such as \"#8fb34d\", red, green and blue: `scanmill info` of the file "
-        "lists them");
+    throw InputError(value.where,
+                     "a color must be a text in quotes such as \"#8fb34d\" (red, green, blue): `scanmill info FILE "
+                     "--colors` lists the colours of a file");
   }
   return {static_cast<std::uint8_t>(number >> 16), static_cast<std::uint8_t>(number >> 8),
           static_cast<std::uint8_t>(number)};
@@ -169,7 +169,7 @@ std::vector<Rgb> readColors(const Value* value) {
   if (value == nullptr) return colors;
   if (value->kind != Value::Kind::Sequence) return {readColor(*value)};
   for (const Value& item : value->items) colors.push_back(readColor(item));
-  if (colors.empty()) throw InputError(value->where, "color is an empty list; leave it out");
+  if (colors.empty()) throw InputError(value->where, "color is an empty list: leave it out");
   return colors;
 }
 
@@ -180,8 +180,7 @@ std::optional<Between> readBetween(Fields& match, std::string_view key) {
   if (value == nullptr) return std::nullopt;
   const std::vector<double> bounds = match.numbers(key, kLengths);
   if (bounds.size() != 2 || bounds[0] > bounds[1]) {
-    throw InputError(value->where,
-                     fmt::format("{0} must be two numbers, the lesser first, such as {0}: [0, 2.5]", key));
+    throw InputError(value->where, fmt::format("{0} must be [minimum, maximum], such as {0}: [0, 2.5]", key));
   }
   return Between{bounds[0], bounds[1]};
 }
@@ -199,7 +198,7 @@ std::optional<Box> readBox(const Value* value) {
   const auto point = [&](std::size_t i) { return Vec3d{corners[i][0], corners[i][1], corners[i][2]}; };
   const Box box{point(0), point(1)};
   if (box.low.x > box.high.x || box.low.y > box.high.y || box.low.z > box.high.z) {
-    throw InputError(value->where, "the first corner of a box has the least x, y and z, the second the greatest");
+    throw InputError(value->where, "the first corner of a box must have the least x, y and z, the second the greatest");
   }
   return box;
 }
@@ -229,7 +228,8 @@ Rule readRule(const Value& value) {
     rule.colors = readColors(m.find("color"));
     if (m.has("within")) {
       if (rule.colors.empty())
-        throw InputError(m.require("within").where, "within needs a color, from which it counts");
+        throw InputError(m.require("within").where,
+                         "within needs the key `color`: it is the greatest difference from this color");
       rule.within = static_cast<int>(m.integer("within", 0, 255));
     }
     rule.box = readBox(m.find("box"));
@@ -241,8 +241,7 @@ Rule readRule(const Value& value) {
     if (rule.node.empty() && rule.material.empty() && rule.texture.empty() && rule.file.empty() && !rule.byTriangle()) {
       throw InputError(
           match.where,
-          "match says nothing: give node, material, texture, file, color, box, height, slope_deg or size, or write "
-          "'any'");
+          "match is empty: give node, material, texture, file, color, box, height, slope_deg or size, or write 'any'");
     }
   }
   rule.className = f.text("class", "");
@@ -250,12 +249,12 @@ Rule readRule(const Value& value) {
   rule.drop = f.boolean("drop", false);
   f.finish();
   if (rule.drop && !(rule.className.empty() && rule.materialName.empty())) {
-    throw InputError(value.where, "what a rule drops has neither class nor material");
+    throw InputError(value.where, "a rule with `drop: true` can have neither class nor material: leave them out");
   }
   if (!rule.drop && rule.className.empty() && rule.materialName.empty()) {
     throw InputError(value.where,
-                     "the rule sets neither class nor material; `drop: true` would leave out what it "
-                     "matches");
+                     "the rule has neither class nor material: give at least one, or `drop: true` to leave out the "
+                     "triangles that it matches");
   }
   return rule;
 }
@@ -281,9 +280,9 @@ bool matches(const std::string& pattern, std::string_view text, const Location& 
 
 std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where) {
   if (text.size() > kLongestName) {
-    throw InputError(where, fmt::format("a name of {} characters is too long for a regular expression (at most {}); "
-                                        "use a glob",
-                                        text.size(), kLongestName));
+    throw InputError(
+        where, fmt::format("a name of {} characters is too long for a regular expression (at most {}): use a glob",
+                           text.size(), kLongestName));
   }
   try {
     std::match_results<std::string_view::const_iterator> match;

@@ -97,7 +97,7 @@ class SceneReader {
     if (kind == "primitive") return readPrimitive(f);
     const bool street = kind == "street";
     if (towns_ > 0 || (!street && procedural_ > 0)) {
-      throw InputError(value.where, "a town fills the ground about it: one a scene, and no street beside it");
+      throw InputError(value.where, "a scene can have only one town, and no street beside it");
     }
     towns_ += street ? 0 : 1;
     const Affine place = proceduralPlace(f, street ? "street" : "town");
@@ -127,8 +127,8 @@ class SceneReader {
               "points",    "heights",   "thing",    "allow_outside", "facing"})
           .finish();
       throw InputError(where,
-                       "an object is exactly one of file, primitive, street and town (`town: {}` where all of its "
-                       "keys keep their defaults)");
+                       "an object must have exactly one of the keys file, primitive, street and town (`town: {}` for a "
+                       "town with defaults)");
     }
     return found;
   }
@@ -149,9 +149,9 @@ class SceneReader {
     const Placement placement = readPlacement(f);
     f.finish();
     if (placement.scaled || placement.copied) {
-      throw InputError(f.where(), fmt::format("a {0} has neither scale nor copies: give its lengths, or write another "
-                                              "{0}",
-                                              what));
+      throw InputError(
+          f.where(),
+          fmt::format("a {0} cannot have scale or copies: give its lengths, or add another object with a {0}", what));
     }
     return toAffine(placement.object.pose);
   }
@@ -173,16 +173,17 @@ class SceneReader {
     if (value.kind == Value::Kind::Sequence) {
       throw InputError(
           value.where,
-          "file is one: write an object for each, or {one_of: [...]}, of which each copy is one at random");
+          "file must be one file: write an object for each, or {one_of: [...]}, from which each copy is one at random");
     }
     if (value.kind != Value::Kind::Map) {
       const std::string name = f.text("file");
       const std::filesystem::path path = assetPath(name, value);
       if (isFolder(path)) {
-        throw InputError(value.where,
-                         fmt::format("'{}' is a folder: name a file in it, or write {{one_of: {}}}, of which "
-                                     "each copy is one at random",
-                                     path.string(), name));
+        throw InputError(
+            value.where,
+            fmt::format(
+                "'{}' is a folder: name a file in it, or write {{one_of: {}}}, from which each copy is one at random",
+                path.string(), name));
       }
       return {{path, name}};
     }
@@ -250,14 +251,14 @@ class SceneReader {
     f.finish();
 
     if (clip && all.size() > 1) {
-      throw InputError(f.require("animation").where, "animation is for one file, whose clip it names");
+      throw InputError(f.require("animation").where, "animation is for objects of one file, which has the clip");
     }
     if (clip && !clip->second) {
       const Variant& one = all.front();
       if (one.labelling.things.by == ThingBounds::By::Part) {
         throw InputError(
             one.labelling.things.where,
-            "connected parts may be others at every moment of a clip that plays: take node, object or a pattern");
+            "the connected parts of a playing clip can change at any time: give `instances` node, object or a pattern");
       }
       const std::shared_ptr<const Animation> animation =
           files_.playing(one.file, one.asset, one.labelling, clip->first, fileValue.where);
@@ -273,11 +274,13 @@ class SceneReader {
 
   static void readSurvey(Fields& f, const std::filesystem::path& file, bool cloud, AssetOptions& asset) {
     if (const Value* points = f.find("points")) {
-      if (!cloud) throw InputError(points->where, "points is for files of points: .las, .pcd and .ply without faces");
+      if (!cloud)
+        throw InputError(points->where, "points is only for files of points: .las, .pcd and .ply without faces");
       asset.points = readPointOptions(*points);
     }
     if (const Value* heights = f.find("heights")) {
-      if (!isHeights(lowerExtension(file))) throw InputError(heights->where, "heights is for rasters, such as .tif");
+      if (!isHeights(lowerExtension(file)))
+        throw InputError(heights->where, "heights is only for rasters, such as .tif");
       asset.heights = readHeightOptions(*heights);
     }
   }
@@ -378,7 +381,7 @@ class SceneReader {
     const std::string name = f.text("name", kind);
     const Copies copies = copiesOf(f);
     if (!copies.arrangement.materials().empty()) {
-      throw InputError(f.require("vary").where, "material of vary is for objects that are files");
+      throw InputError(f.require("vary").where, "the key `material` of `vary` is only for objects that are files");
     }
     f.finish();
 
@@ -407,7 +410,8 @@ Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& 
   if (objects == nullptr) return {};
   if (const Value* perFrame = findDrawnPerFrame(*objects)) {
     throw InputError(perFrame->where,
-                     "`per: frame`: a scene's objects are the same in all frames, leave it out to draw for each seed");
+                     "`per: frame`: a scene's objects are the same in all frames: leave `per` out, for a random value "
+                     "for each seed");
   }
   return withDraws(*objects, "objects", {.seed = seed}, draws);
 }

@@ -20,7 +20,7 @@ PointOptions readPointOptions(const Value& value) {
     const std::vector<double> ends =
         one ? std::vector(2, f.number("radius", {1e-4, 100})) : f.numbers("radius", {1e-4, 100});
     if (ends.size() != 2 || ends[0] > ends[1]) {
-      throw InputError(radius->where, "radius must be one in m, or [least, most]");
+      throw InputError(radius->where, "radius must be one length in m, or [minimum, maximum]");
     }
     options.surfels.radius = {ends[0], ends[1]};
   }
@@ -47,7 +47,9 @@ HeightOptions readHeightOptions(const Value& value) {
       for (const double c : readNumbers(corner, "within")) ends.push_back(c);
     }
     if (within->kind != Value::Kind::Sequence || ends.size() != 4 || ends[0] >= ends[2] || ends[1] >= ends[3]) {
-      throw InputError(within->where, "within must be [[x, y], [x, y]]: the least and the greatest corner");
+      throw InputError(
+          within->where,
+          "within must be [[x, y], [x, y]]: the corner with the least coordinates, then the one with the greatest");
     }
     options.within = {{ends[0], ends[1], ends[2], ends[3]}};
   }

@@ -104,8 +104,10 @@ Numbers numberThings(const ThingBounds& bounds, const std::vector<ThingTriangles
       if (std::none_of(triangles.begin(), triangles.end(), [&](const ThingTriangles& t) {
             return matchedText(bounds.pattern, t.part->node, bounds.where).has_value();
           })) {
-        warn(fmt::format("{}: {} matches no node of a class of things, so that each node is one, such as '{}'",
-                         bounds.where.text(), bounds.pattern, triangles.front().part->node));
+        warn(
+            fmt::format("{}: the pattern {} matches no node of a class of things, so that each node becomes an "
+                        "instance, such as '{}'",
+                        bounds.where.text(), bounds.pattern, triangles.front().part->node));
       }
       return byKeys(triangles, [&](const AssetPart& part) {
         const std::optional<std::string> text = matchedText(bounds.pattern, part.node, bounds.where);

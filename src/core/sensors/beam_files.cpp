@@ -46,7 +46,7 @@ class BeamTableFile {
       while (cells.size() > names_.size() && cells.back().empty()) cells.pop_back();
       rows_.push_back({lines[i].where, std::move(cells)});
     }
-    if (rows_.empty()) throw InputError(head_.where, "no line follows the names of the columns");
+    if (rows_.empty()) throw InputError(head_.where, "the table has no line after the column names");
   }
 
   const TextLine& head() const { return head_; }
@@ -73,7 +73,8 @@ class BeamTableFile {
     const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
     for (const Row& row : rows_) {
       if (row.cells.size() == names_.size()) continue;
-      throw InputError(row.where, fmt::format("has {} cells, the first line has {}", row.cells.size(), names_.size()));
+      throw InputError(row.where,
+                       fmt::format("has {} cells, but the first line has {}", row.cells.size(), names_.size()));
     }
     std::vector<double> numbers(rows_.size());
     std::vector<bool> known(rows_.size());
@@ -84,12 +85,13 @@ class BeamTableFile {
         const double channel = numberOf(row.cells[*channels], row.where);
         const double least = hasZero(*channels) ? 0 : 1;
         if (channel != std::floor(channel) || channel < least || channel - least >= static_cast<double>(rows_.size())) {
-          throw InputError(row.where, fmt::format("has the channel {:g}; those of {} lines are {:g} to {:g}", channel,
-                                                  rows_.size(), least, least + static_cast<double>(rows_.size()) - 1));
+          throw InputError(row.where,
+                           fmt::format("has the channel {:g}, but a table of {} lines has the channels {:g} to {:g}",
+                                       channel, rows_.size(), least, least + static_cast<double>(rows_.size()) - 1));
         }
         at = static_cast<std::size_t>(channel - least);
       }
-      if (known[at]) throw InputError(row.where, "names a channel that a line before it has named");
+      if (known[at]) throw InputError(row.where, "has the channel of an earlier line: give each channel one line");
       known[at] = true;
       numbers[at] = numberOf(row.cells[column], row.where);
     }
@@ -120,10 +122,9 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   const auto own = table.column({"elevation_deg"});
   const auto hesai = table.column({"elevation"});
   if (!own && !hesai) {
-    throw InputError(table.head().where,
-                     fmt::format("should name the columns, such as Channel,Elevation,Azimuth (Hesai) or "
-                                 "elevation_deg,azimuth_offset_deg: {}",
-                                 quotedForMessage(table.head().text)));
+    throw InputError(table.head().where, fmt::format("must name the columns, such as Channel,Elevation,Azimuth (Hesai) "
+                                                     "or elevation_deg,azimuth_offset_deg, but is: {}",
+                                                     quotedForMessage(table.head().text)));
   }
   if (own) {
     table.expectOnly({"channel", "laserid", "laser_id", "ring", "elevation_deg", "azimuth_offset_deg", "origin_left_m",
@@ -147,8 +148,11 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   }
   for (const Laser& laser : lasers) {
     if (std::fabs(laser.elevation) <= 90 && std::fabs(laser.azimuth) <= 360) continue;
-    throw InputError({file.string()},
-                     fmt::format("has a laser at {:g} deg up and {:g} deg around", laser.elevation, laser.azimuth));
+    throw InputError(
+        {file.string()},
+        fmt::format(
+            "has a laser with the elevation {:g} deg and the azimuth {:g} deg: at most 90 and 360 deg are possible",
+            laser.elevation, laser.azimuth));
   }
   for (Laser& laser : lasers) laser.azimuth = std::remainder(laser.azimuth, 360.0);
   return lasers;
@@ -159,17 +163,17 @@ std::vector<double> readFiringTable(const std::filesystem::path& file) {
   const auto micro = table.column({"firing_time_us", "firetimeus", "firetimes", "firetime"});
   const auto nano = table.column({"even_firetimens", "firetimens"});
   if (!micro && !nano) {
-    throw InputError(table.head().where,
-                     fmt::format("should name the columns, such as Channel,fire time(us); files of several states, "
-                                 "between which their sensor changes, are not read: put the times of one into "
-                                 "a table with the column firing_time_us: {}",
-                                 quotedForMessage(table.head().text)));
+    throw InputError(
+        table.head().where,
+        fmt::format("must name the columns, such as Channel,fire time(us), but is: {}; files with several firing "
+                    "states are not read: put the times of one state into a table with the column firing_time_us",
+                    quotedForMessage(table.head().text)));
   }
   std::vector<double> times = table.numbers(micro ? *micro : *nano);
   if (const auto odd = table.column({"odd_firetimens"}); odd && table.numbers(*odd) != times) {
     throw InputError(table.head().where,
-                     "has two states, even and odd, whose times differ: put the times of one into a table with the "
-                     "column firing_time_us");
+                     "has two firing states, even and odd, with different times: put the times of one state into a "
+                     "table with the column firing_time_us");
   }
   const double first = *std::min_element(times.begin(), times.end());
   for (double& time : times) time = (time - first) * (micro ? 1 : 1e-3);

@@ -31,14 +31,14 @@ class Columns {
                          fmt::format("the column {} is unknown{}", quotedForMessage(cell), suggestion(name, kKnown)));
       }
       if (!index_.emplace(name, index_.size()).second) {
-        throw InputError(where_, fmt::format("the column {} stands twice", name));
+        throw InputError(where_, fmt::format("the column {} is listed twice", name));
       }
     }
     for (const char* name : {"azimuth_deg", "elevation_deg"}) {
       if (!has(name)) throw InputError(where_, fmt::format("the table has no column {}", name));
     }
     if (has("ring") != has("column"))
-      throw InputError(where_, "the table has one of ring and column: give both or none");
+      throw InputError(where_, "the table has only one of the columns ring and column: give both or none");
   }
 
   bool has(const std::string& name) const { return index_.contains(name); }
@@ -49,7 +49,8 @@ class Columns {
     if (found == index_.end()) return fallback;
     const double value = numberOf(cells[found->second], where);
     if (value >= range.low && value <= range.high) return value;
-    throw InputError(where, fmt::format("{} is {:g}, not within {:g} to {:g}", name, value, range.low, range.high));
+    throw InputError(where,
+                     fmt::format("{} is {:g}, but must be from {:g} to {:g}", name, value, range.low, range.high));
   }
 
  private:
@@ -65,7 +66,7 @@ struct Row {
 };
 
 std::uint32_t countOf(double number, const Location& where) {
-  if (number != std::floor(number)) throw InputError(where, "ring and column are whole numbers");
+  if (number != std::floor(number)) throw InputError(where, "ring and column must be whole numbers");
   return static_cast<std::uint32_t>(number);
 }
 
@@ -82,7 +83,7 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
     const Location& where = lines[i].where;
     const std::vector<std::string_view> cells = cellsOf(lines[i].text);
     if (cells.size() != columns.count()) {
-      throw InputError(where, fmt::format("has {} cells, the first line has {}", cells.size(), columns.count()));
+      throw InputError(where, fmt::format("has {} cells, but the first line has {}", cells.size(), columns.count()));
     }
     const auto number = [&](const char* name, Range range) { return columns.number(name, cells, where, range); };
     Row row{radians(number("azimuth_deg", {-360, 360})),
@@ -100,8 +101,8 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   const std::size_t beams = std::size_t{sensor.rings} * sensor.columns;
   if (rows.empty() || rows.size() != beams || sensor.columns > kMostColumns) {
     throw InputError({file.string()},
-                     fmt::format("has {} beams for {} rings of {} columns (at most {}): each has one line", rows.size(),
-                                 sensor.rings, sensor.columns, kMostColumns));
+                     fmt::format("has {} beams, but {} rings of {} columns (at most {}) need one line for each beam",
+                                 rows.size(), sensor.rings, sensor.columns, kMostColumns));
   }
   ListedBeams& all = sensor.beams;
   all.azimuth.resize(beams);
@@ -112,7 +113,8 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   for (const Row& row : rows) {
     const std::size_t beam = std::size_t{row.ring} * sensor.columns + row.column;
     if (known[beam]) {
-      throw InputError(row.where, fmt::format("names ring {}, column {} a second time", row.ring, row.column));
+      throw InputError(row.where, fmt::format("has ring {}, column {} of an earlier line: give each beam one line",
+                                              row.ring, row.column));
     }
     known[beam] = true;
     all.azimuth[beam] = row.azimuth;
@@ -126,7 +128,7 @@ ListedSensor readListedBeams(const std::filesystem::path& file) {
   for (std::uint32_t c = 1; c < sensor.columns; ++c) {
     if (starts[c] >= starts[c - 1]) continue;
     throw InputError({file.string()},
-                     fmt::format("column {} fires before column {}: columns fire one after the other", c, c - 1));
+                     fmt::format("column {} fires before column {}: columns must fire in their order", c, c - 1));
   }
   return sensor;
 }
@@ -154,11 +156,12 @@ Rosette readRosette(const Value& value) {
   const double share = f.number("share", {0, 1}, 0.5);
   rosette.angle = {half * share, half * (1 - share)};
   const std::vector<double> turns = f.numbers("turns_hz", {-1e4, 1e4});
-  if (turns.size() != 2) throw InputError(f.require("turns_hz").where, "turns_hz must be two, such as [121.6, -77.7]");
+  if (turns.size() != 2)
+    throw InputError(f.require("turns_hz").where, "turns_hz must be two frequencies, such as [121.6, -77.7]");
   rosette.speed = {2 * kPi * turns[0], 2 * kPi * turns[1]};
   if (const Value* phases = f.find("phase_deg")) {
     const std::vector<double> phase = f.numbers("phase_deg", {-360, 360});
-    if (phase.size() != 2) throw InputError(phases->where, "phase_deg must be two, such as [0, 90]");
+    if (phase.size() != 2) throw InputError(phases->where, "phase_deg must be two angles, such as [0, 90]");
     rosette.phase = {radians(phase[0]), radians(phase[1])};
   }
   return rosette;

@@ -26,9 +26,9 @@ std::vector<Laser> readLasers(const Value& file) {
   const Value* lasers = file.find("lasers");
   if (file.kind != Value::Kind::Map || lasers == nullptr || lasers->kind != Value::Kind::Sequence ||
       lasers->items.empty()) {
-    throw InputError(file.where,
-                     "no calibration: it must be a map with a list `lasers`, as the ROS drivers of Velodyne sensors "
-                     "keep it");
+    throw InputError(
+        file.where,
+        "is not a calibration: it must be a map with a list `lasers`, as in the ROS drivers of Velodyne sensors");
   }
   std::vector<Laser> read;
   for (const Value& item : lasers->items) {
@@ -125,10 +125,9 @@ Unit readUnit(const std::filesystem::path& file, bool window) {
   if (kind == ".json") return unitOfOuster(file, window);
   if (kind == ".csv") return {readBeamTable(file), {}};
   if (kind == ".dat") {
-    throw InputError(
-        {file.string()},
-        "is a correction file of one of Hesai's sensors with mirrors, whose beams do not lie on cones: not "
-        "read");
+    throw InputError({file.string()},
+                     "is a correction file of a Hesai sensor with mirrors, whose beams do not lie on cones: such files "
+                     "are not read");
   }
   return {readLasers(readYaml(file)), {}};
 }
@@ -145,10 +144,9 @@ void checkFiring(const Value& preset, const Value& own, const Unit& unit, const 
   const std::string theirs = order == nullptr ? "top_down" : order->text;
   const std::string ours = orderOf(unit.lasers);
   if (theirs == ours || theirs == "unordered" || ours == "unordered") return;
-  throw InputError(where,
-                   fmt::format("the preset's firing times are those of rings {}, but the file lists its lasers {}: "
-                               "turn the file's lines round, or give firing_time_us",
-                               theirs, ours));
+  throw InputError(where, fmt::format("the firing times of the preset are for rings in the order {}, but the file "
+                                      "lists its lasers {}: reverse the lines of the file, or give firing_time_us",
+                                      theirs, ours));
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ double beamArea(const BeamTable& beams, double range) {
 
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam) {
   if (std::find(std::begin(kFootprintRays), std::end(kFootprintRays), raysPerBeam) == std::end(kFootprintRays)) {
-    throw Error(fmt::format("a beam of {} rays: only hexagons of rays are known", raysPerBeam));
+    throw Error(fmt::format("a beam cannot have {} rays: they must form a hexagon", raysPerBeam));
   }
   const std::vector<GridPoint> grid = hexagon(raysPerBeam, beams.uniformBeam);
   auto table = std::make_shared<BeamTable>(beams);

@@ -65,7 +65,8 @@ GroundOptions readGround(const Value& value) {
   options.where = value.where;
   if (value.kind == Value::Kind::Scalar && value.text == "drop") return options;
   if (value.kind != Value::Kind::Map) {
-    throw InputError(value.where, "ground must be `drop` or such as {height: 1.8, wheels: [2.7, 1.6], on: [road]}");
+    throw InputError(value.where,
+                     "ground must be `drop` or a map such as {height: 1.8, wheels: [2.7, 1.6], on: [road]}");
   }
   Fields f(value, "ground");
   f.also({"height", "wheels", "on"}).finish();
@@ -76,7 +77,8 @@ GroundOptions readGround(const Value& value) {
     } else {
       const std::vector<double> sizes = f.numbers("wheels", {0.05, 50});
       if (sizes.size() != 2) {
-        throw InputError(wheels->where, "wheels must be [wheelbase, track] in m, or none, which keeps it upright");
+        throw InputError(wheels->where,
+                         "wheels must be [wheelbase, track] in m, or none, which keeps the vehicle upright");
       }
       options.wheels = {{sizes[0], sizes[1]}};
     }
@@ -114,11 +116,10 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
     }
   }
   if (!last) {
-    throw InputError(
-        options.where,
-        fmt::format("there is no ground above or below the whole way, which begins at {}: `scanmill "
-                    "info` of the scene tells where it lies (where the poses are recorded, `start` moves them)",
-                    shortPlace(way(0).translation)));
+    throw InputError(options.where,
+                     fmt::format("no part of the path, which begins at {}, has ground above or below it: `scanmill "
+                                 "info` of the scene prints its bounds (`start` moves recorded poses)",
+                                 shortPlace(way(0).translation)));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // Samples without ground copy the one before; those at the start copy the first one with ground.
@@ -138,8 +139,9 @@ std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<do
     const double metres = length(way(knots[i]).translation - way(from).translation);
     const double steps = std::max(std::ceil(metres / kSpacing), 1.0);
     if (static_cast<double>(places.size()) + steps > static_cast<double>(kMostSamples)) {
-      throw InputError(where, fmt::format("the ground is sampled every {:g} m, and at most {} times: the way is longer",
-                                          kSpacing, kMostSamples));
+      throw InputError(
+          where, fmt::format("the path is too long: the ground is sampled every {:g} m, and at most {} times", kSpacing,
+                             kMostSamples));
     }
     const auto count = static_cast<std::size_t>(steps);
     for (std::size_t k = 1; k < count; ++k) places.push_back(from + span * static_cast<double>(k) / steps);
@@ -204,7 +206,7 @@ Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& grou
   const Vec3d& at = pose.translation;
   if (!stand) {
     throw InputError(options.where,
-                     fmt::format("there is no ground above or below the pose at [{:g}, {:g}, {:g}]", at.x, at.y, at.z));
+                     fmt::format("the pose at [{:g}, {:g}, {:g}] has no ground above or below it", at.x, at.y, at.z));
   }
   const double yaw = headingOf(pose.rotation);
   const Quat own = inverse(Pose{fromYawPitchRoll(yaw, 0, 0), {}}).rotation * pose.rotation;

@@ -25,9 +25,9 @@ void forEachRow(const std::filesystem::path& file, const std::function<void(cons
       take(row);
       return false;
     });
-    if (!rest.is_array()) throw InputError({file.string()}, "is no table of nuScenes, which is a list");
+    if (!rest.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
   } catch (const nlohmann::json::exception& e) {
-    throw InputError({file.string()}, fmt::format("is no table of nuScenes: {}", e.what()));
+    throw InputError({file.string()}, fmt::format("is not a table of nuScenes: {}", e.what()));
   }
 }
 

@@ -21,9 +21,9 @@ class Reader {
     try {
       root_ = Json::parse(readFile(file));
     } catch (const Json::exception& e) {
-      fail(fmt::format("is no JSON: {}", e.what()));
+      fail(fmt::format("is not JSON: {}", e.what()));
     }
-    if (!root_.is_object()) fail("is no metadata of an Ouster sensor, which is a map");
+    if (!root_.is_object()) fail("is not the metadata of an Ouster sensor: it must be a map");
   }
 
   OusterMetadata read() const {
@@ -51,11 +51,11 @@ class Reader {
   }
 
   std::vector<double> numbers(const Json& list, const char* key) const {
-    if (!list.is_array()) fail(fmt::format("{} is no list of numbers", key));
+    if (!list.is_array()) fail(fmt::format("{} must be a list of numbers", key));
     std::vector<double> read;
     for (const Json& item : list) {
       if (!item.is_number() || !std::isfinite(item.get<double>())) {
-        fail(fmt::format("{}: entry {} is no number", key, read.size()));
+        fail(fmt::format("{}: entry {} must be a number", key, read.size()));
       }
       read.push_back(item.get<double>());
     }
@@ -69,7 +69,7 @@ class Reader {
       fail("has no beam_altitude_angles and beam_azimuth_angles: is it the metadata of an Ouster sensor?");
     }
     if (!altitude->empty() && altitude->front().is_array()) {
-      fail("has an angle for every pixel, as flash sensors (DF, ES) have: only sensors that spin are read");
+      fail("has an angle for each pixel, as of a flash sensor (DF, ES): only metadata of spinning sensors is read");
     }
     const std::vector<double> up = numbers(*altitude, "beam_altitude_angles");
     const std::vector<double> around = numbers(*azimuth, "beam_azimuth_angles");
@@ -86,7 +86,7 @@ class Reader {
       m.elevation.push_back(up[i]);
       m.azimuth.push_back(around[i] == 0 ? 0 : -around[i]);
     }
-    if (m.elevation.empty()) fail("all of its beams have the angles 0");
+    if (m.elevation.empty()) fail("gives all beams the angles 0");
   }
 
   void readMode(OusterMetadata& m) const {
@@ -97,7 +97,7 @@ class Reader {
     const std::string text = mode != nullptr && mode->is_string() ? mode->get<std::string>() : "";
     if (std::sscanf(text.c_str(), "%ux%u%c", &columns, &rate, &rest) != 2 || columns == 0 || rate == 0 ||
         columns > 65536 || rate > 1000) {
-      fail(fmt::format("has the lidar_mode '{}', where one such as 1024x10 is wanted: columns x revolutions a second",
+      fail(fmt::format("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10",
                        text));
     }
     m.columns = columns;
@@ -119,12 +119,12 @@ class Reader {
     const std::vector<double> ends = numbers(*window, "column_window");
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
     if (ends.size() != 2 || !isColumn(ends[0]) || !isColumn(ends[1])) {
-      fail(fmt::format("has a column_window that is not [first, last] of {} columns", m.columns));
+      fail(fmt::format("has a column_window that is not [first, last] within its {} columns", m.columns));
     }
     m.firstColumn = static_cast<std::uint32_t>(ends[0]);
     const auto last = static_cast<std::uint32_t>(ends[1]);
     m.windowColumns = (last + m.columns - m.firstColumn) % m.columns + 1;
-    if (m.windowColumns == 1 && m.columns > 1) fail("has a column_window of one column: two at least are wanted");
+    if (m.windowColumns == 1 && m.columns > 1) fail("has a column_window of one column, but it must have at least two");
   }
 
   void readOrigin(OusterMetadata& m) const {
@@ -136,13 +136,13 @@ class Reader {
     m.originHeight = 0.03618;
     m.firstAzimuth = 180;
     if (const Json* offset = find("beam_intrinsics", "lidar_origin_to_beam_origin_mm")) {
-      if (!offset->is_number()) fail("lidar_origin_to_beam_origin_mm is no number");
+      if (!offset->is_number()) fail("lidar_origin_to_beam_origin_mm must be a number");
       m.originOffset = offset->get<double>() * 1e-3;
     }
     const Json* const transform = find("lidar_intrinsics", "lidar_to_sensor_transform");
     if (transform == nullptr) return;
     const std::vector<double> t = numbers(*transform, "lidar_to_sensor_transform");
-    if (t.size() != 16) fail("lidar_to_sensor_transform has not 16 numbers");
+    if (t.size() != 16) fail("lidar_to_sensor_transform must have 16 numbers");
     m.firstAzimuth = degrees(std::atan2(t[4], t[0]));
     m.originHeight = t[11] * 1e-3;
   }

@@ -20,7 +20,7 @@ template <std::size_t N>
 std::array<double, N> numbersOf(std::string_view text, const Location& where, const char* what) {
   const std::vector<std::string_view> cells = cellsOf(text);
   if (cells.size() != N) {
-    throw InputError(where, fmt::format("has {} numbers where {} are wanted: {}", cells.size(), N, what));
+    throw InputError(where, fmt::format("has {} numbers, but must have {}: {}", cells.size(), N, what));
   }
   std::array<double, N> numbers;
   for (std::size_t i = 0; i < N; ++i) numbers[i] = numberOf(cells[i], where);
@@ -35,7 +35,8 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
   for (const Vec3d& d : {product.x - Vec3d{1, 0, 0}, product.y - Vec3d{0, 1, 0}, product.z - Vec3d{0, 0, 1}}) {
     off += std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
   }
-  if (!(off < 1e-2)) throw InputError(where, "is no rigid transform: its three columns are not square to each other");
+  if (!(off < 1e-2))
+    throw InputError(where, "is not a rigid transform: its first three columns must be orthogonal unit vectors");
   return affine;
 }
 
@@ -75,21 +76,23 @@ class PoseColumns {
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
       const std::string name = lowerCase(unquoted(names[i]));
-      if (!columns_.emplace(name, i).second) throw InputError(where_, fmt::format("the column {} stands twice", name));
+      if (!columns_.emplace(name, i).second)
+        throw InputError(where_, fmt::format("the column {} is listed twice", name));
     }
     static const std::map<std::string, double> kTimes{
         {"time", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
     for (const auto& [name, unit] : kTimes) {
       if (!columns_.contains(name)) continue;
-      if (time_) throw InputError(where_, fmt::format("the table has the time twice: {} is one too many", name));
+      if (time_)
+        throw InputError(where_, fmt::format("the table has two columns of time: leave out {} or the other", name));
       time_ = columns_.at(name);
       second_ = unit;
     }
     if (!time_) {
-      throw InputError(where_, fmt::format("the first line should name the columns time (s; or time_ms, time_us, "
-                                           "time_ns), x, y, z and, if it has them, qw, qx, qy, qz or yaw, pitch, "
-                                           "roll: no time in {}",
-                                           quotedForMessage(head.text)));
+      throw InputError(where_,
+                       fmt::format("the first line must name the columns time (s; or time_ms, time_us, time_ns), x, y, "
+                                   "z and optionally qw, qx, qy, qz or yaw, pitch, roll, but it has no time: {}",
+                                   quotedForMessage(head.text)));
     }
     for (const char* name : {"x", "y", "z"}) require(name);
     constexpr std::array<const char*, 4> kQuaternion{"qw", "qx", "qy", "qz"};
@@ -99,14 +102,14 @@ class PoseColumns {
     for (const std::string angle : kAngles) {
       const bool radian = has(angle);
       if ((radian && has(angle + "_deg")) || (quaternion && (radian || has(angle + "_deg")))) {
-        throw InputError(where_, fmt::format("the table has {} twice: leave out one of its columns", angle));
+        throw InputError(where_, fmt::format("the table states {} by two columns: leave out one of them", angle));
       }
     }
     for (const char* name : {"heading", "heading_deg", "bearing", "azimuth"}) {
       if (!headed() && has(name)) {
         throw InputError(where_,
-                         fmt::format("the column {} is unknown: call it yaw or yaw_deg if it counts from x (east) "
-                                     "to y (north); a compass counts from north to east",
+                         fmt::format("the column {} is ambiguous: name it yaw or yaw_deg if angles increase from x "
+                                     "(east) to y (north); those of a compass increase from north to east",
                                      name));
       }
     }
@@ -121,7 +124,7 @@ class PoseColumns {
   StampedPose poseOf(const TextLine& line) const {
     const std::vector<std::string_view> cells = cellsOf(line.text);
     if (cells.size() != count_) {
-      throw InputError(line.where, fmt::format("has {} cells, the first line has {}", cells.size(), count_));
+      throw InputError(line.where, fmt::format("has {} cells, but the first line has {}", cells.size(), count_));
     }
     const auto number = [&](const std::string& name) { return numberOf(cells[columns_.at(name)], line.where); };
     const auto angle = [&](const std::string& name) {
@@ -186,7 +189,7 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
     return rigid(numbersOf<12>(line.text.substr(colon + 1), line.where, "a matrix of 3 rows and 4 columns"),
                  line.where);
   }
-  throw InputError({file.string()}, "has no line `Tr: 12 numbers`, which takes points of the scanner to the camera");
+  throw InputError({file.string()}, "has no line `Tr: 12 numbers`, the transform from the scanner to the camera");
 }
 
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {

@@ -21,8 +21,8 @@ std::string formatOf(Fields& f, const std::filesystem::path& file) {
   const std::string guess = name.ends_with(".csv") ? "csv" : name.ends_with(".json") ? "nuscenes" : "";
   std::string format = f.choice("format", {"kitti", "tum", "nuscenes", "csv"}, guess);
   if (format.empty()) {
-    throw InputError(f.where(), fmt::format("what poses {} has cannot be told by its name: say `format: kitti` (12 "
-                                            "numbers a line) or `format: tum` (time x y z qx qy qz qw)",
+    throw InputError(f.where(), fmt::format("the name {} does not show the format of the poses: give `format: kitti` "
+                                            "(12 numbers per line) or `format: tum` (time x y z qx qy qz qw)",
                                             file.string()));
   }
   return format;
@@ -43,8 +43,8 @@ std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file)
   std::vector<double> times;
   if (f.has("times") == f.has("interval")) {
     throw InputError(f.where(),
-                     "KITTI's poses have no times: give either `times` (a file, s, one a line) or `interval` (s from "
-                     "pose to pose, 0.1 in KITTI)");
+                     "KITTI's poses have no times: give either `times` (a file with one time in s per line) or "
+                     "`interval` (s from pose to pose, 0.1 in KITTI)");
   }
   if (f.has("times")) {
     const std::filesystem::path timesFile = f.path("times");
@@ -151,16 +151,20 @@ std::string RecordedPoses::doubt() const {
     const Mat3 axes = toMatrix(poses_[i].pose.rotation);
     upright += axes.z.z;
     if (speed > kFastest) {
-      return fmt::format("it moves at {:.4g} m/s at {:.6g} s: are its times seconds and its places metres?", speed,
-                         poses_[i].time);
+      return fmt::format(
+          "the vehicle moves at {:.4g} m/s at {:.6g} s: are the times in seconds and the positions in metres?", speed,
+          poses_[i].time);
     }
     if (speed < kMoves) continue;
     moved += far;
     ahead += dot(axes.x, way);
   }
-  if (upright < 0) return "it is upside down: is the order of the quaternion right, or is it a `frame: camera`?";
+  if (upright < 0)
+    return "the vehicle is upside down: is the order of the quaternion right, or are the poses of a camera (`frame: "
+           "camera`)?";
   if (moved > 0 && std::fabs(ahead) < 0.5 * moved) {
-    return "it heads elsewhere than it drives: is the order of the quaternion right, or is it a `frame: camera`?";
+    return "the heading of the vehicle differs from its direction of travel: is the order of the quaternion right, or "
+           "are the poses of a camera (`frame: camera`)?";
   }
   return {};
 }
@@ -186,14 +190,15 @@ RecordedPoses readRecordedPoses(const Value& value) {
   }
   if (poses.size() < 2) {
     throw InputError({file.string()},
-                     fmt::format("has {} poses; a vehicle that moves needs two at least", poses.size()));
+                     fmt::format("has {} poses, but a moving vehicle needs at least two", poses.size()));
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     checkedPosition(poses[i].pose.translation, {file.string(), poses[i].line});
     if (i == 0 || poses[i].time > poses[i - 1].time) continue;
-    throw InputError({file.string(), poses[i].line},
-                     fmt::format("pose {} is at {:.6f} s, not after the one before it, at {:.6f} s", i + 1,
-                                 poses[i].time, poses[i - 1].time));
+    throw InputError(
+        {file.string(), poses[i].line},
+        fmt::format("pose {} has the time {:.6f} s, which is not after that of the pose before it, {:.6f} s", i + 1,
+                    poses[i].time, poses[i - 1].time));
   }
   if (const Value* start = f.find("start")) {
     Fields pose(*start, "start");

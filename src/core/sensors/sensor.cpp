@@ -63,7 +63,9 @@ std::vector<double> uniformElevations(const Value& value, std::uint32_t rings, c
     throw InputError(value.where, fmt::format("elevation_deg: top ({}) must be above bottom ({})", top, bottom));
   }
   if (order == "unordered") {
-    throw InputError(orderWhere, "uniform elevations are ordered: ring_order must be top_down or bottom_up");
+    throw InputError(
+        orderWhere,
+        "elevations by {top:, bottom:, rings:} are sorted, so that ring_order must be top_down or bottom_up");
   }
   std::vector<double> elevation(rings, (top + bottom) / 2);
   for (std::uint32_t ring = 0; ring < rings && rings > 1; ++ring) {
@@ -82,8 +84,8 @@ std::vector<double> listedElevations(const Value& value, const std::string& orde
     if (order == "top_down" ? above : below) {
       throw InputError(
           value.items[ring].where,
-          fmt::format("ring {} at {} deg is {} ring {} at {} deg, against ring_order: {}; sort the list or "
-                      "say ring_order: unordered",
+          fmt::format("ring {} at {} deg is {} ring {} at {} deg, which contradicts `ring_order: {}`: sort the list, "
+                      "or give `ring_order: unordered`",
                       ring, elevation[ring], above ? "above" : "below", ring - 1, elevation[ring - 1], order));
     }
   }
@@ -95,11 +97,9 @@ std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) 
   if (value == nullptr) return std::vector<double>(rings, 0.0);
   std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
   if (pattern.empty() || rings % pattern.size() != 0) {
-    throw InputError(
-        value->where,
-        fmt::format("azimuth_offset_deg has {} entries: it needs one per ring ({}) or a number that divides "
-                    "the rings, to be repeated",
-                    pattern.size(), rings));
+    throw InputError(value->where, fmt::format("azimuth_offset_deg has {} entries: give one per ring ({}), or a "
+                                               "pattern whose length divides the number of rings",
+                                               pattern.size(), rings));
   }
   const std::size_t period = pattern.size();
   pattern.resize(rings);
@@ -115,14 +115,15 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   if (value->kind == Value::Kind::Sequence) {
     times = readNumbers(*value, "firing_time_us", kMicroseconds);
     if (times.size() != table.rings) {
-      throw InputError(value->where, fmt::format("firing_time_us has {} entries for {} rings: it needs one per ring",
+      throw InputError(value->where, fmt::format("firing_time_us has {} entries for {} rings: give one per ring",
                                                  times.size(), table.rings));
     }
   } else {
     Fields fields(*value, "firing_time_us");
     fields.also({"step_us", "file"}).finish();
     if (fields.has("file") && fields.has("step_us")) {
-      throw InputError(fields.require("step_us").where, "firing_time_us has either a file or a step_us, not both");
+      throw InputError(fields.require("step_us").where,
+                       "firing_time_us must have either a file or a step_us, not both");
     }
     if (fields.has("file")) {
       const std::filesystem::path file = fields.path("file");
@@ -156,7 +157,7 @@ std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint3
                                     : std::vector<double>(rings, fields.number(key, {-10, 10}));
   if (origins.size() != rings) {
     throw InputError(value->where,
-                     fmt::format("{} has {} entries for {} rings: it needs one per ring", key, origins.size(), rings));
+                     fmt::format("{} has {} entries for {} rings: give one per ring", key, origins.size(), rings));
   }
   if (std::all_of(origins.begin(), origins.end(), [](double o) { return o == 0; })) origins.clear();
   return origins;
@@ -187,7 +188,7 @@ std::array<double, 2> readWidths(Fields& fields, std::string_view key, double mo
   }
   const std::vector<double> widths = readNumbers(*value, std::string(key), {0, most});
   if (widths.size() != 2) {
-    throw InputError(value->where, fmt::format("{} must be one width, or two: [across, up]", key));
+    throw InputError(value->where, fmt::format("{} must be one width, or the two widths [horizontal, vertical]", key));
   }
   return {widths[0] * unit, widths[1] * unit};
 }
@@ -212,8 +213,8 @@ void checkSameLasers(const Value& preset, const Value& own) {
   const auto rings = static_cast<std::size_t>(sensorSize(preset).rings);
   if (lasers == rings) return;
   throw InputError(calibration->where,
-                   fmt::format("{} is of a sensor with {} lasers, but the preset has {} rings: name the preset of that "
-                               "sensor, or give its other keys here",
+                   fmt::format("{} is for a sensor with {} lasers, but the preset has {} rings: name the preset of "
+                               "that sensor, or give the sensor's other keys here",
                                calibration->text, lasers, rings));
 }
 
@@ -262,7 +263,7 @@ SensorSize sensorSize(const Value& description) {
   if (fields.has("rosette") && !fields.has("elevation_deg")) {
     const double columns = readCount(fields.require("columns"), "columns");
     if (columns < 1 || columns > kMaxColumns) {
-      throw InputError(fields.require("columns").where, fmt::format("columns must be 1 to {}", kMaxColumns));
+      throw InputError(fields.require("columns").where, fmt::format("columns must be from 1 to {}", kMaxColumns));
     }
     return {1, static_cast<std::uint64_t>(columns)};
   }
@@ -279,11 +280,10 @@ SensorSize sensorSize(const Value& description) {
   }
   const bool ringsFit = rings >= 1 && rings <= kMaxRings;
   if (!ringsFit || columns < 1 || columns > kMaxColumns) {
-    throw InputError(
-        ringsFit ? columnValue.where : ringValue->where,
-        fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams a revolution: a sensor has 1 to {} rings "
-                    "and 1 to {} columns",
-                    rings, columns, rings * columns, kMaxRings, kMaxColumns));
+    throw InputError(ringsFit ? columnValue.where : ringValue->where,
+                     fmt::format("rings x columns = {:.15g} x {:.15g} = {:.15g} beams per revolution, but a sensor has "
+                                 "1 to {} rings and 1 to {} columns",
+                                 rings, columns, rings * columns, kMaxRings, kMaxColumns));
   }
   return {static_cast<std::uint64_t>(rings), static_cast<std::uint64_t>(columns)};
 }
@@ -293,7 +293,7 @@ namespace {
 void refuseBeside(Fields& fields, const char* key, std::initializer_list<const char*> others) {
   for (const char* other : others) {
     if (const Value* value = fields.find(other)) {
-      throw InputError(value->where, fmt::format("{} says nothing beside `{}`: leave it out", other, key));
+      throw InputError(value->where, fmt::format("{} has no effect beside `{}`: leave it out", other, key));
     }
   }
 }
@@ -380,7 +380,7 @@ void makeFlash(Fields& fields, BeamTable& table) {
   constexpr double kWidest = 170;  // deg
   const Value& field = fields.require("field_deg");
   if (degrees(table.field) > kWidest) {
-    throw InputError(field.where, fmt::format("field_deg of a flash sensor must be {} at most", kWidest));
+    throw InputError(field.where, fmt::format("field_deg of a flash sensor must be at most {}", kWidest));
   }
   const double middle = table.firstAzimuth + (table.clockwise ? -1 : 1) * table.field / 2;
   table.listed = std::make_shared<const ListedBeams>(

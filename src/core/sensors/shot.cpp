@@ -53,10 +53,11 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   if (motion.kind == MotionKind::PerColumn) steps = beams->columns;
   if (motion.kind == MotionKind::Steps) steps = motion.steps;
   if (steps > beams->columns) {
-    throw InputError(motion.where,
-                     fmt::format("motion has {} steps a revolution, but sensor {} has {} columns: use at most "
-                                 "{}, or per_column",
-                                 steps, beams->model, beams->columns, beams->columns));
+    throw InputError(
+        motion.where,
+        fmt::format(
+            "motion has {} steps per revolution, but the sensor {} has {} columns: give at most {}, or per_column",
+            steps, beams->model, beams->columns, beams->columns));
   }
   const double duration = motion.kind == MotionKind::None ? 0 : beams->columnPeriod() * beams->columns;
   // A vehicle that stands still needs one pose, whatever was asked.

@@ -48,7 +48,7 @@ double numberOf(std::string_view text, const Location& where) {
   if (text.starts_with('+')) text.remove_prefix(1);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw InputError(where, fmt::format("{} is no number", quotedForMessage(text)));
+    throw InputError(where, fmt::format("{} is not a number", quotedForMessage(text)));
   }
   return number;
 }

@@ -55,7 +55,7 @@ void refuseKeysOfDrives(Fields& fields, const char* why) {
   for (const char* key :
        {"speed", "every_m", "acceleration", "stops", "lane_changes", "sway", "path", "rounding", "keep"}) {
     if (const Value* drives = fields.find(key)) {
-      throw InputError(drives->where, fmt::format("{} is for ways that are driven: {}", key, why));
+      throw InputError(drives->where, fmt::format("{} is for paths that are driven: {}", key, why));
     }
   }
 }
@@ -66,7 +66,8 @@ std::vector<DriveStop> readStops(Fields& fields, double length) {
   const Value* list = fields.find("stops");
   if (list == nullptr) return stops;
   if (!fields.has("acceleration")) {
-    throw InputError(list->where, "stops need an acceleration (m/s^2), with which the vehicle brakes and starts");
+    throw InputError(list->where,
+                     "stops need the key `acceleration` (m/s^2), with which the vehicle brakes and starts");
   }
   if (list->kind != Value::Kind::Sequence) {
     throw InputError(list->where, "stops must be a list such as [{at: 60, wait: 4}]");
@@ -76,7 +77,7 @@ std::vector<DriveStop> readStops(Fields& fields, double length) {
     f.also({"at", "wait"}).finish();
     stops.push_back({f.number("at", {kApart, std::max(kApart, length - kApart)}), f.number("wait", {0, 3600}, 3)});
     if (stops.size() > 1 && stops.back().at < stops[stops.size() - 2].at + kApart) {
-      throw InputError(item.where, "stops follow each other along the way, at least 1 m apart");
+      throw InputError(item.where, "stops must be in their order along the path and at least 1 m apart");
     }
   }
   return stops;
@@ -88,9 +89,10 @@ std::uint32_t countFrames(double duration, double interval, double pathLength, d
   // A frame that falls on the end of the path counts, whatever the rounding.
   const double count = std::min(std::floor(duration / interval * (1 + 1e-12) + 1e-9) + 1, limit);
   if (count > Trajectory::kMaxFrames) {
-    throw InputError(where, fmt::format("{:.6g} m of path / {:.6g} m/s / {:.6g} s a frame = {:.6g} frames, more than "
-                                        "{}; set every_s, frames or, where it drives anew, every_m or speed",
-                                        pathLength, speed, interval, count, Trajectory::kMaxFrames));
+    throw InputError(where,
+                     fmt::format("{:.6g} m of path / {:.6g} m/s / {:.6g} s per frame = {:.6g} frames, more than {}: "
+                                 "give every_s or frames, or, unless the drive is recorded, every_m or speed",
+                                 pathLength, speed, interval, count, Trajectory::kMaxFrames));
   }
   return static_cast<std::uint32_t>(count);
 }
@@ -99,7 +101,7 @@ std::uint32_t countFrames(double duration, double interval, double pathLength, d
 
 double Trajectory::frameTime(std::uint32_t frame) const {
   if (everyMetres_ <= 0) return frame * interval_;
-  if (!profile_) throw Error(fmt::format("the way of {} is not known yet", name_));
+  if (!profile_) throw Error(fmt::format("the path of {} is not known yet", name_));
   return profile_->timeAt(std::min(frame * everyMetres_, path_->length()));
 }
 
@@ -115,7 +117,7 @@ Pose Trajectory::pose(std::uint32_t frame, double dt) const {
 
 double Trajectory::placeAt(double time) const {
   if (recorded_) return time;
-  if (!profile_) throw Error(fmt::format("the way of {} is not known yet", name_));
+  if (!profile_) throw Error(fmt::format("the path of {} is not known yet", name_));
   return profile_->distance(time);
 }
 
@@ -142,8 +144,8 @@ std::string Trajectory::about() const {
     return fmt::format("a random drive of {:.4g} m on {}", random_->length, fmt::join(random_->classes, ", "));
   if (offLines_ < kWorthTelling) return {};
   return fmt::format(
-      "a spline through {} waypoints, up to {:.2g} m off the straight lines between them (`path: line` "
-      "keeps to these)",
+      "a spline through {} waypoints, up to {:.2g} m off the straight lines between them (`path: line` follows these "
+      "lines)",
       waypoints_, offLines_);
 }
 
@@ -225,7 +227,7 @@ void Trajectory::readPoses(Fields& fields, double fallbackPeriod, double limit) 
 }
 
 void Trajectory::readRecorded(Fields& fields, double fallbackPeriod, double limit) {
-  refuseKeysOfDrives(fields, "a recording says where the vehicle was at each time");
+  refuseKeysOfDrives(fields, "a recording states the pose of the vehicle at each time");
   const Value& value = fields.require("recorded");
   recorded_ = std::make_shared<const RecordedPoses>(readRecordedPoses(value));
   interval_ = fields.number("every_s", kInterval, fallbackPeriod);
@@ -239,7 +241,7 @@ void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
   for (const char* key : {"path", "rounding"}) {
     if (const Value* value = fields.find(key); value != nullptr && (!waypoints || (!lines && key[0] == 'r'))) {
       throw InputError(value->where, fmt::format("{} is for {}", key,
-                                                 waypoints ? "`path: line`, whose corners are rounded" : "waypoints"));
+                                                 waypoints ? "`path: line`, whose corners it rounds" : "waypoints"));
     }
   }
   if (waypoints) {
@@ -252,7 +254,7 @@ void Trajectory::readWay(Fields& fields, const SceneLanes* lanes) {
   const bool turns = fields.choice("along", {"lane", "turns"}, "lane") == "turns";
   if (lanes == nullptr) {
     throw InputError(fields.require("along").where,
-                     "`along` means the lanes of the scene's town; here is none: give waypoints");
+                     "`along` follows the lanes of a town, but here is no town: give waypoints");
   }
   setPath(Path(overGround(turns ? lanes->turns : lanes->lane)));
   if (turns) turns_ = lanes->turnCount;
@@ -263,10 +265,10 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
   speed_ = fields.number("speed", {0, 100});
   if (speed_ <= 0) {
     throw InputError(fields.require("speed").where,
-                     "speed must be above 0 m/s; for a vehicle that stands still use poses");
+                     "speed must be above 0 m/s: for a vehicle that stands still, give poses");
   }
   if (fields.has("every_s") && fields.has("every_m")) {
-    throw InputError(fields.require("every_m").where, "a frame comes either every_s or every_m, not both");
+    throw InputError(fields.require("every_m").where, "give either every_s or every_m, not both");
   }
   interval_ = fields.has("every_m") ? fields.number("every_m", kInterval) / speed_
                                     : fields.number("every_s", kInterval, fallbackPeriod);
@@ -278,12 +280,12 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
 
   if (const Value* on = fields.find("on")) {
     if (!std::isfinite(limit)) {
-      throw InputError(on->where, "a random drive has no end: say how many `frames` it has");
+      throw InputError(on->where, "a random drive has no end: give the number of `frames`");
     }
     if (fields.texts("on").empty()) throw InputError(on->where, "on must name classes, such as [road]");
     for (const char* key : {"path", "rounding"}) {
       if (const Value* value = fields.find(key)) {
-        throw InputError(value->where, fmt::format("{} is for waypoints: a random drive finds its own way", key));
+        throw InputError(value->where, fmt::format("{} is for waypoints: a random drive chooses its own path", key));
       }
     }
     RandomWay way{fields.texts("on"), RandomWay::Side::Right, ((limit - 1) * interval_ + lastTurn_) * speed_,
@@ -291,7 +293,7 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
     const std::string side = fields.choice("keep", {"right", "left", "middle"}, "right");
     if (side != "right") way.keep = side == "left" ? RandomWay::Side::Left : RandomWay::Side::Middle;
     if (const Value* changes = fields.find("lane_changes")) {
-      throw InputError(changes->where, "lane_changes are for ways that are known: a random drive has none");
+      throw InputError(changes->where, "lane_changes are for given paths: leave them out of a random drive");
     }
     stops_ = readStops(fields, way.length);
     random_ = std::move(way);
@@ -316,7 +318,8 @@ std::uint32_t countDrives(const Value& value) {
   const Value* const drives = value.find("drives");
   if (drives == nullptr || drives->kind == Value::Kind::Null) return 1;
   if (value.find("on") == nullptr) {
-    throw InputError(drives->where, "drives is for random drives, which have `on`: others would be the same");
+    throw InputError(drives->where,
+                     "drives is for random drives, which have `on`: several other drives would be the same");
   }
   return static_cast<std::uint32_t>(readInteger(*drives, "drives", 1, 10'000));
 }
@@ -343,8 +346,8 @@ Trajectory readTrajectory(const Value& value, const std::string& name, double fa
   if (kinds.size() != 1) {
     throw InputError(
         kinds.empty() ? value.where : fields.require(kinds[1]).where,
-        fmt::format("trajectory {} has {}: it needs one of poses, waypoints, along, on and recorded", result.name_,
-                    kinds.empty() ? "no way" : fmt::format("{}", fmt::join(kinds, " and "))));
+        fmt::format("trajectory {} has {}: give exactly one of poses, waypoints, along, on and recorded", result.name_,
+                    kinds.empty() ? "none of these keys" : fmt::format("{}", fmt::join(kinds, " and "))));
   }
   if (kinds.front() == "poses") {
     result.readPoses(fields, fallbackPeriod, limit);

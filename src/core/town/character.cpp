@@ -27,7 +27,7 @@ Parameters readParameters(Fields& fields) {
   p.road = fields.text("road", "");
   p.keepsLeft = fields.choice("driving_side", {"right", "left"}, "right") == "left";
   if (!p.road.empty() && p.map.empty()) {
-    throw InputError(fields.find("road")->where, "road names the main road of a map: give the `map` too");
+    throw InputError(fields.find("road")->where, "road is the name of a map's main road: give the key `map` too");
   }
   p.length = fields.number("length", {100, 1000}, p.length);
   const Range factor{0, 5};

@@ -274,7 +274,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   // The path is absolute because libosmium would download a name that begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
-    throw InputError(where, fmt::format("{} is no file: a map is an OpenStreetMap extract", file.string()));
+    throw InputError(where, fmt::format("{} is not a file: a map is an OpenStreetMap extract", file.string()));
   }
   OsmExtract extract;
   try {
@@ -290,10 +290,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   map.file = file;
   if (map.roads.empty()) {
     throw InputError(
-        where,
-        fmt::format("{} has no road that cars may drive on: no way of some length with the tag highway=residential "
-                    "or the like",
-                    file.string()));
+        where, fmt::format("{} has no road for cars, such as a way with the tag highway=residential", file.string()));
   }
   return map;
 }

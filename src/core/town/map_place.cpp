@@ -43,8 +43,8 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
                                           suggestion(parameters.road, names)));
     }
     const std::string which = parameters.road.empty() ? "the longest road for cars" : quotedForMessage(parameters.road);
-    throw InputError(
-        where, fmt::format("{} in {} is {:.0f} m long: a main road needs {} m", which, file, longest, kLeastLength));
+    throw InputError(where, fmt::format("{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest,
+                                        kLeastLength));
   }
   // The probability of a road is proportional to its length.
   double pick = draw.next() * sum;
@@ -129,7 +129,7 @@ class Cutter {
     const double length = runs.empty() ? 0 : place_.roads.front().road.length();
     if (length < 0.8 * kLeastLength) {
       throw InputError(
-          where_, fmt::format("{} in {} is too winding for a main road: rounded it is {:.0f} m long",
+          where_, fmt::format("{} in {} is too winding for a main road: only {:.0f} m of it can be smoothed into one",
                               main.name.empty() ? "a road" : quotedForMessage(main.name), map_.file.string(), length));
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);

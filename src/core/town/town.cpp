@@ -38,7 +38,7 @@ std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout
   for (const ShareBound& bound : bounds) {
     const auto s = static_cast<std::size_t>(bound.supply);
     if (bound.least <= 0 || factors[s] > 0 || supply[s] <= 0) continue;
-    throw InputError(shares.where, fmt::format("shares ask for {}, but `{}: 0` leaves none: take it out", bound.name,
+    throw InputError(shares.where, fmt::format("shares need {}, but `{}: 0` leaves none: remove this key", bound.name,
                                                nameOf(bound.supply)));
   }
   return bounds;

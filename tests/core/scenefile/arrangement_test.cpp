@@ -161,7 +161,7 @@ TEST_F(Arrangements, KeepTheirDistanceFromClasses) {
   EXPECT_EQ(this->posts("copies: {scatter: {on: [terrain], count: 9, distance_from: {tree: 5}}}").size(), 9u)
       << "far from what there is not";
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: {tree: [0, 5]}}}"),
-              AllOf(HasSubstr("s.yaml:7"), HasSubstr("no object above")));
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("no earlier object")));
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: {roof: 5}}}"), HasSubstr("roof"));
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9, distance_from: {road: [4, 1]}}}"),
               HasSubstr("[least, most]"));
@@ -228,13 +228,13 @@ TEST_F(Arrangements, StandWithTheirLowestPointOnWhatIsBelow) {
       << "a house is a thing";
   EXPECT_NEAR(posts("position: [-20, 10, 50], stand_on: [building]").at(0).translation.z, 8, 1e-5);
   EXPECT_THAT(refusal("position: [500, 0, 0], stand_on: ground"),
-              AllOf(HasSubstr("s.yaml:7"), HasSubstr("nothing to stand on at [500, 0]")));
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("no surface to stand on at [500, 0]")));
   // Of several those that have no ground are left out.
   testing::internal::CaptureStderr();
   EXPECT_EQ(posts("stand_on: ground, copies: {along: {waypoints: [[10, -20, 0], [510, -20, 0]], every: 250}}").size(),
             1u);
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              AllOf(HasSubstr("s.yaml:7"), HasSubstr("2 of 3 copies are left out"), HasSubstr("at [260, -20]")));
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("left out 2 of 3 copies"), HasSubstr("at [260, -20]")));
 }
 
 TEST_F(Arrangements, VaryWithinTheirBounds) {
@@ -261,14 +261,13 @@ TEST_F(Arrangements, VaryWithinTheirBounds) {
 
 TEST_F(Arrangements, MistakesAreNamedWithTheirPlace) {
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain]}}"),
-              AllOf(HasSubstr("s.yaml:7"), HasSubstr("a count or a density")));
+              AllOf(HasSubstr("s.yaml:7"), HasSubstr("either `count` or `density`")));
   EXPECT_THAT(refusal("copies: {scatter: {count: 4}}"), HasSubstr("'on'"));
   EXPECT_THAT(refusal("copies: {scatter: {on: [lawm], count: 4}}"), HasSubstr("no class 'lawm'"));
-  EXPECT_THAT(refusal("copies: {scatter: {on: [water], count: 4}}"), HasSubstr("no such surface"));
-  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 4000, spacing: 5}}"),
-              HasSubstr("of 4000 copies find room"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [water], count: 4}}"), HasSubstr("no surface to scatter on"));
+  EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 4000, spacing: 5}}"), HasSubstr("of 4000 copies fit"));
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 4, within: [[1, 2], [0, 3]]}}"),
-              HasSubstr("the least and the greatest"));
+              HasSubstr("the corner with the least coordinates"));
   EXPECT_THAT(
       refusal("copies: {scatter: {on: [terrain], count: 4}, along: {waypoints: [[0, 0, 0], [1, 0, 0]], every: 1}}"),
       HasSubstr("not both"));
@@ -334,7 +333,7 @@ TEST_F(Arrangements, StandOnWhatFacesUp) {
 }
 
 TEST_F(Arrangements, WhatCannotBeMeantIsRefused) {
-  EXPECT_THAT(refusal("moving: {velocity: [1, 0, 0]}, stand_on: ground"), HasSubstr("for what stands still"));
+  EXPECT_THAT(refusal("moving: {velocity: [1, 0, 0]}, stand_on: ground"), HasSubstr("for objects that stand still"));
   EXPECT_THAT(refusal("copies: {scatter: {on: [terrain], count: 9}}, vary: {position: 3}"),
               HasSubstr("off their surface"));
   EXPECT_EQ(refusal("copies: {scatter: {on: [terrain], count: 9}}, vary: {position: 3}, stand_on: ground"), "accepted");

@@ -547,7 +547,7 @@ TEST_F(SceneReader, objectsFaceAWay) {
 
 TEST_F(SceneReader, aTownStandsAlone) {
   const auto refusal = [&](const std::string& objects) { return messageOf([&] { read(objects); }); };
-  EXPECT_THAT(refusal("  - town: {length: 100}\n  - town: {length: 100}\n"), testing::HasSubstr("one a scene"));
+  EXPECT_THAT(refusal("  - town: {length: 100}\n  - town: {length: 100}\n"), testing::HasSubstr("only one town"));
   EXPECT_THAT(refusal("  - street: {}\n  - town: {length: 100}\n"), testing::HasSubstr("no street beside it"));
 }
 

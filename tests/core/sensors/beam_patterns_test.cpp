@@ -82,14 +82,14 @@ TEST_F(BeamPatterns, TablesThatAreNoneAreRefused) {
   EXPECT_THAT(refused("azimuth_deg,elevation_dg\n1,2\n"), HasSubstr("did you mean 'elevation_deg'"));
   EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring\n1,2,0\n"), HasSubstr("both or none"));
   EXPECT_THAT(refused("azimuth_deg,elevation_deg\n1,91\n"),
-              AllOf(HasSubstr("b.csv:2"), HasSubstr("not within -90 to 90")));
-  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,0,0\n"), HasSubstr("2 beams for 1 rings"));
+              AllOf(HasSubstr("b.csv:2"), HasSubstr("must be from -90 to 90")));
+  EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,0,0\n"), HasSubstr("2 beams, but 1 rings"));
   EXPECT_THAT(refused("azimuth_deg,elevation_deg,ring,column\n1,2,0,0\n1,2,1,1\n1,2,1,1\n1,2,0,1\n"),
-              AllOf(HasSubstr("b.csv:4"), HasSubstr("a second time")));
+              AllOf(HasSubstr("b.csv:4"), HasSubstr("of an earlier line")));
   EXPECT_THAT(refused("azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,3\n"),
               HasSubstr("column 1 fires before column 0"));
   EXPECT_THAT(refused("azimuth_deg,elevation_deg,time_us\n1,2,9\n1,2,200000\n"), HasSubstr("lower rate_hz"));
-  EXPECT_THAT(refusal("beams: b.csv, columns: 9, rate_hz: 10, range_m: [0, 50]"), HasSubstr("columns says nothing"));
+  EXPECT_THAT(refusal("beams: b.csv, columns: 9, rate_hz: 10, range_m: [0, 50]"), HasSubstr("columns has no effect"));
 }
 
 constexpr const char* kRosette =
@@ -159,7 +159,7 @@ TEST_F(BeamPatterns, ShotsOfARosetteAreThoseOfTheirTime) {
   EXPECT_THAT(
       refusal("columns: 9, rate_hz: 10, range_m: [0, 9], elevation_deg: [1], rosette: {field_deg: 30, turns_hz: "
               "[3, 4]}"),
-      HasSubstr("elevation_deg says nothing beside"));
+      HasSubstr("elevation_deg has no effect beside"));
 }
 
 }  // namespace

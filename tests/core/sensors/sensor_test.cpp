@@ -275,7 +275,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadSensor{"elevation_deg: {top: 1, bottom: -1, rings: 1e12}", "1000000000000 x 100 = 100000000000000"},
         BadSensor{"elevation_deg: {top: 1, bottom: -1, rings: 2, step: 3}", "step"},
         BadSensor{"azimuth_offset_deg: []", "azimuth_offset_deg"},
-        BadSensor{"azimuth_offset_deg: [1, 2, 3]", "divides the rings"},
+        BadSensor{"azimuth_offset_deg: [1, 2, 3]", "divides the number of rings"},
         BadSensor{"azimuth_offset_deg: [1, 2, 3, 4, 5, 6, 7, 8]", "has 8 entries"},
         BadSensor{"azimuth_offset_deg: [200]", "azimuth_offset_deg"},
         BadSensor{"origin_offset_m: -1", "origin_offset_m"}, BadSensor{"origin_height_m: 1e3", "origin_height_m"},

@@ -209,17 +209,17 @@ TEST(Trajectory, ListedPosesStandStill) {
 
 TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   const std::string line = "waypoints: [[0, 0, 0], [100, 0, 0]]\n";
-  EXPECT_THAT(refusal(""), HasSubstr("needs one of poses, waypoints, along, on and recorded"));
+  EXPECT_THAT(refusal(""), HasSubstr("give exactly one of poses, waypoints, along, on and recorded"));
   EXPECT_THAT(refusal("{poses: []}"), HasSubstr("trip.yaml:1:9: "));
   EXPECT_THAT(refusal("{poses: [{position: [0, 0]}]}"), HasSubstr("trip.yaml:1:"));
   EXPECT_THAT(refusal("{poses: [{yaw: 3}]}"), HasSubstr("yaw_deg"));
   EXPECT_THAT(refusal("{poses: [{}], speed: 3}"), HasSubstr("speed"));
   EXPECT_THAT(refusal("{poses: [{position: [1e300, 0, 0]}]}"), HasSubstr("farther than"));
-  EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("has poses and waypoints: it needs one of"));
+  EXPECT_THAT(refusal(line + "speed: 3\nposes: [{}]"), HasSubstr("has poses and waypoints: give exactly one of"));
   EXPECT_THAT(refusal(line), HasSubstr("speed"));
-  EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is none"));
+  EXPECT_THAT(refusal("{along: lane, speed: 3}"), HasSubstr("here is no town"));
   EXPECT_THAT(refusal(line + "along: lane\nspeed: 3"), HasSubstr("has waypoints and along"));
-  EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("has poses and along: it needs one of"));
+  EXPECT_THAT(refusal("{along: lane, poses: [{}]}"), HasSubstr("has poses and along: give exactly one of"));
   EXPECT_THAT(refusal(line + "speed: 0"), HasSubstr("trip.yaml:2:8: "));
   EXPECT_THAT(refusal(line + "speed: -1"), HasSubstr("trip.yaml:2:8: "));
   EXPECT_THAT(refusal(line + "speed: 101"), HasSubstr("trip.yaml:2:8: "));
@@ -229,7 +229,7 @@ TEST(Trajectory, MalformedOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(refusal(line + "speed: 1\nframes: 1e9"), HasSubstr("trip.yaml:3:9: "));
   EXPECT_THAT(refusal(line + "speed: 1\nevery: 2"), HasSubstr("trip.yaml:3:"));
   EXPECT_THAT(refusal("{along: lanes, speed: 3}"), HasSubstr("did you mean 'lane'"));
-  EXPECT_THAT(refusal(line + "speed: 9\nstops: [{at: 9}]"), HasSubstr("need an acceleration"));
+  EXPECT_THAT(refusal(line + "speed: 9\nstops: [{at: 9}]"), HasSubstr("stops need the key `acceleration`"));
   const std::string driven = line + "speed: 9\nacceleration: 2\n";
   EXPECT_THAT(refusal(driven + "stops: 3"), HasSubstr("trip.yaml:4:"));
   EXPECT_THAT(refusal(driven + "stops: [{at: 200}]"), HasSubstr("trip.yaml:4:"));
@@ -306,7 +306,7 @@ TEST(Trajectory, DoesNotSwayAtRest) {
 
 TEST(Trajectory, HugeFrameCountsAreRefusedWithTheArithmetic) {
   const std::string message = refusal("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6}");
-  EXPECT_THAT(message, HasSubstr("1000 m of path / 10 m/s / 1e-07 s a frame = 1e+09 frames"));
+  EXPECT_THAT(message, HasSubstr("1000 m of path / 10 m/s / 1e-07 s per frame = 1e+09 frames"));
   EXPECT_THAT(message, HasSubstr("10000000"));
   EXPECT_EQ(trajectoryOf("{waypoints: [[0, 0, 0], [1000, 0, 0]], speed: 10, every_m: 1e-6, frames: 9}").frames(), 9u);
 }
@@ -329,7 +329,7 @@ TEST(TrajectoryWay, RefusesKeysOfOtherWays) {
   EXPECT_THAT(refusal("{keep: left, " + line + "}"), HasSubstr("keep is for random drives"));
   EXPECT_THAT(refusal("{drives: 2, " + line + "}"), HasSubstr("drives is for random drives"));
   EXPECT_THAT(refusal("{path: line, poses: [{}]}"),
-              HasSubstr("path is for ways that are driven: the vehicle stands still"));
+              HasSubstr("path is for paths that are driven: the vehicle stands still"));
   EXPECT_THAT(refusal("{ground: fall, " + line + "}"), HasSubstr("ground must be `drop`"));
   EXPECT_THAT(refusal("{ground: {wheels: [1, 2, 3]}, " + line + "}"), HasSubstr("[wheelbase, track]"));
 }
@@ -346,9 +346,9 @@ TEST(RandomDrive, IsAsLongAsItsFramesAtItsSpeedAndKnownByItsNumber) {
   EXPECT_THROW(second.pose(0, 0), Error) << "its way is not known yet";
   const Trajectory known = second.along({{0, 0, 0}, {30, 0, 0}, {60, 0, 0}});
   EXPECT_NEAR(known.pose(10, 0).translation.x, 40, 1e-9);
-  EXPECT_THAT(refusal("{\"on\": [road], speed: 8}"), HasSubstr("how many `frames`"));
+  EXPECT_THAT(refusal("{\"on\": [road], speed: 8}"), HasSubstr("the number of `frames`"));
   EXPECT_THAT(refusal("{\"on\": [road], speed: 8, frames: 3, lane_changes: [{at: 1, left: 3}]}"),
-              HasSubstr("a random drive has none"));
+              HasSubstr("leave them out of a random drive"));
 }
 
 }  // namespace

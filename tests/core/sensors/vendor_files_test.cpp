@@ -114,8 +114,8 @@ TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
         fmt::format(R"({{"beam_altitude_angles": {}, "beam_azimuth_angles": {}{}}})", altitude, azimuth, more));
   };
   EXPECT_THAT(with("[1, 2]", "[1]", ""), HasSubstr("2 beam_altitude_angles and 1"));
-  EXPECT_THAT(with("[1, \"x\"]", "[1, 2]", ""), HasSubstr("entry 1 is no number"));
-  EXPECT_THAT(with("[[1], [2]]", "[[1], [2]]", ""), HasSubstr("only sensors that spin"));
+  EXPECT_THAT(with("[1, \"x\"]", "[1, 2]", ""), HasSubstr("entry 1 must be a number"));
+  EXPECT_THAT(with("[[1], [2]]", "[[1], [2]]", ""), HasSubstr("only metadata of spinning sensors"));
   EXPECT_THAT(with("[100]", "[1]", ""), HasSubstr("altitude 100"));
   EXPECT_THAT(with("[1]", "[1]", ""), HasSubstr("lidar_mode"));
   EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "fast")"), HasSubstr("'fast'"));
@@ -212,7 +212,7 @@ TEST_F(VendorFiles, FiringTimesComeFromATable) {
   folder_.write("n.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,4960,4960\n2,5480,5480\n");
   EXPECT_THAT(readFiringTable(folder_.path() / "n.csv"), ElementsAre(0, testing::DoubleNear(0.52, 1e-9)));
   folder_.write("n.csv", "Channel,Even_fire time(ns),Odd_fire time(ns)\n1,4960,4960\n2,5480,5500\n");
-  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.path() / "n.csv"); }), HasSubstr("two states"));
+  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.path() / "n.csv"); }), HasSubstr("two firing states"));
   folder_.write("f.csv", "Channel,fire time(us)\n1,0\n2,0\n");
   EXPECT_THAT(
       refusal("calibration: h.csv, columns: 100, rate_hz: 10, range_m: [1, 100], firing_time_us: {file: f.csv}"),
@@ -225,17 +225,17 @@ TEST_F(VendorFiles, TablesThatAreNoneAreRefusedWithTheirLine) {
     return refusal("calibration: t.csv, columns: 100, rate_hz: 10, range_m: [1, 100]");
   };
   EXPECT_THAT(refused("a,b\n1,2\n"), AllOf(HasSubstr("t.csv:1"), HasSubstr("Channel,Elevation,Azimuth")));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n"), HasSubstr("no line follows"));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n"), HasSubstr("no line after the column names"));
   EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2\n"), AllOf(HasSubstr("t.csv:2"), HasSubstr("2 cells")));
   EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n1,3,0\n"),
-              AllOf(HasSubstr("t.csv:3"), HasSubstr("has named")));
+              AllOf(HasSubstr("t.csv:3"), HasSubstr("of an earlier line")));
   EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n5,3,0\n"),
               AllOf(HasSubstr("t.csv:3"), HasSubstr("channel 5")));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,up,0\n"), HasSubstr("no number"));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,95,0\n"), HasSubstr("95 deg up"));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,up,0\n"), HasSubstr("not a number"));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,95,0\n"), HasSubstr("elevation 95 deg"));
   EXPECT_THAT(refused(""), HasSubstr("is empty"));
   EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", "Operational State,0,0\n1,2,3\n")); }),
-              AllOf(HasSubstr("s.csv:1"), HasSubstr("several states")));
+              AllOf(HasSubstr("s.csv:1"), HasSubstr("several firing states")));
   folder_.write("a.dat", "x");
   EXPECT_THAT(refusal("calibration: a.dat, columns: 100, rate_hz: 10, range_m: [1, 100]"), HasSubstr("mirrors"));
 }
@@ -263,7 +263,8 @@ TEST_F(VendorFiles, AllOfHesaisRealTablesAreReadOrRefused) {
       EXPECT_GE(readFiringTable(entry.path()).size(), 16u) << entry.path();
       ++times;
     } catch (const InputError& e) {
-      EXPECT_THAT(e.what(), testing::AnyOf(HasSubstr("several states"), HasSubstr("two states"))) << entry.path();
+      EXPECT_THAT(e.what(), testing::AnyOf(HasSubstr("several firing states"), HasSubstr("two firing states")))
+          << entry.path();
       ++refused;
     }
   }
@@ -278,7 +279,8 @@ TEST_F(VendorFiles, TablesAreReadToTheLetter) {
     return refusal("calibration: h.CSV, columns: 100, rate_hz: 10, range_m: [1, 100]");
   };
   EXPECT_THAT(refused("Channel;Elevation;Azimuth\n1;2,5;0,1\n"), AllOf(HasSubstr("h.CSV:2"), HasSubstr("'2,5'")));
-  EXPECT_THAT(refused("elevation_deg,azimuth_offset_deg\n2,-2,7\n"), HasSubstr("has 3 cells, the first line has 2"));
+  EXPECT_THAT(refused("elevation_deg,azimuth_offset_deg\n2,-2,7\n"),
+              HasSubstr("has 3 cells, but the first line has 2"));
   EXPECT_THAT(refused("Channel,Elevation,Azimut\n1,2,3\n"), HasSubstr("did you mean 'azimuth'"));
   EXPECT_EQ(refused("Channel,Elevation,Azimuth,\n1,2,3,,\n"), "accepted") << "cells that are empty, at the end";
   folder_.write("f.csv", "Channel,fire time(us)\n1,0\n");
@@ -298,7 +300,7 @@ TEST_F(VendorFiles, FiringTimesOfAPresetAreNotSwapped) {
   }
   folder_.write("down.csv", down);
   folder_.write("up.csv", up);
-  EXPECT_THAT(refusal("preset: vlp_16, calibration: down.csv"), HasSubstr("firing times are those of rings bottom_up"));
+  EXPECT_THAT(refusal("preset: vlp_16, calibration: down.csv"), HasSubstr("are for rings in the order bottom_up"));
   const auto turned = sensor("preset: vlp_16, calibration: up.csv");
   EXPECT_EQ(turned->firingOffset, sensor("preset: vlp_16")->firingOffset);
 }

@@ -10,8 +10,7 @@
 #include <hwy/foreach_target.h>
 
 #if HWY_TARGET == HWY_SCALAR
-#error \
-    "the library Highway has no vector instructions for this processor: for x86 without SSSE3, compile with g++ 12.3 or later"
+#error "Highway knows no lanes of this processor: for x86 without SSSE3 it takes g++ 12.3 or later"
 #endif
 
 #include "methods/particle/march.h"

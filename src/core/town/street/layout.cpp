@@ -40,15 +40,15 @@ Parameters readParameters(Fields& fields) {
   p.furniture = fields.number("furniture", density, p.furniture);
   p.shelters = fields.number("shelters", density, p.shelters);
   if (p.parkingWidth > 0 && p.parkingWidth < 2) {
-    throw InputError(fields.where(),
-                     fmt::format("street: parking_width is {} m: give 0 for none, or at least 2 m", p.parkingWidth));
+    throw InputError(
+        fields.where(),
+        fmt::format("street: parking_width is {} m: give 0 for no parking, or at least 2 m", p.parkingWidth));
   }
   const double built = p.roadWidth / 2 + p.parkingWidth + Layout::kCurb + p.sidewalkWidth + p.frontGarden;
   if (p.terrain < built + 25) {
-    throw InputError(fields.where(),
-                     fmt::format("street: terrain is {} m, but the houses begin {} m from the centre line: give at "
-                                 "least {} m, or narrower roads and gardens",
-                                 p.terrain, built, built + 25));
+    throw InputError(fields.where(), fmt::format("street: terrain is {} m, but the houses start {} m from the centre "
+                                                 "line: give at least {} m, or narrower roads and gardens",
+                                                 p.terrain, built, built + 25));
   }
   return p;
 }

@@ -306,7 +306,7 @@ const Refusal kRefusals[] = {
      "  - {name: Drive, poses: [{position: [0, 0, 0]}]}\nsensors:",
      "{name: Drive",
      {"two trajectories", "'Drive'"}},
-    {"TwoSeeds", "yard.yaml", "yard.yaml\n    seeds: [5, 6, 5]", "5]", {"seed 5 stands twice"}},
+    {"TwoSeeds", "yard.yaml", "yard.yaml\n    seeds: [5, 6, 5]", "5]", {"seed 5 is listed twice"}},
     {"TwoScenes",
      "yard.yaml",
      "yard.yaml\n  - {scene: other/yard.yaml}",

@@ -137,7 +137,7 @@ TEST_F(SensorEffectsOf, AreRefusedWithAdvice) {
   EXPECT_THAT(refusal("effects: sensor\n", noise, ""),
               AllOf(HasSubstr("yard.yaml:"), HasSubstr("'b'"), HasSubstr("fit-noise"), HasSubstr("name effects here")));
   EXPECT_THAT(refusal("effects: [range_noise: {sigma_m: 1}, sensor, range_noise: {sigma_m: 2}]\n", noise, noise),
-              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'range_noise' stands twice")));
+              AllOf(HasSubstr("yard.yaml:"), HasSubstr("'range_noise' is listed twice")));
   EXPECT_THAT(refusal("effects: [sensor, sensor]\n", noise, noise), HasSubstr("`sensor` is listed twice"));
   EXPECT_THAT(refusal("effects: [sensor, range_nois: none]\n", noise, noise), HasSubstr("did you mean 'range_noise'"));
   EXPECT_THAT(refusal("effects: [sensor, range_noise: 3]\n", noise, noise), HasSubstr("the keys to change"));

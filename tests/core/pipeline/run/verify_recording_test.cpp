@@ -186,7 +186,7 @@ TEST_F(VerifyRecording, HitsOfAnotherSensorAreAProblem) {
   writeHits(folder_.path() / "2.exr", odd);
   EXPECT_THAT(problems(), ElementsAre(AllOf(StartsWith("1.exr"), HasSubstr("4 x 2"), HasSubstr("'top' has 2 x 4")),
                                       AllOf(StartsWith("2.exr"), HasSubstr("no class 9")),
-                                      AllOf(StartsWith("2.exr"), HasSubstr("points to 300"))));
+                                      AllOf(StartsWith("2.exr"), HasSubstr("has the index 300"))));
 }
 
 TEST_F(VerifyRecording, AnImageOfTheOtherKindIsAProblem) {
