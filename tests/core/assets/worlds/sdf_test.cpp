@@ -317,7 +317,7 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
   std::string deep;
   for (int i = 0; i < 100; ++i) deep += "<a>";
   for (int i = 0; i < 100; ++i) deep += "</a>";
-  EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf>" + deep + "</sdf>"); }), HasSubstr("deeper than"));
+  EXPECT_THAT(messageOf([&] { read("b.sdf", "<sdf>" + deep + "</sdf>"); }), HasSubstr("nested more than"));
 }
 
 // Cars and houses of Gazebo's database, whose units are inches, centimetres and metres.
