@@ -117,7 +117,7 @@ TEST_F(FirstSteps, GenerateWarnsOfWhatIsSeldomMeant) {
   const Outcome far = scanmill({"generate", pipeline_, "-q", "-o", at("far"), "--set",
                                 "trajectories=[{name: far, poses: [{position: [9000, 0, 0]}]}]"});
   EXPECT_EQ(far.code, 0);
-  EXPECT_THAT(far.error, AllOf(HasSubstr("warning: sequence scene-s1-far: the sensor 'top' sees nothing"),
+  EXPECT_THAT(far.error, AllOf(HasSubstr("warning: sequence scene-s1-far: the sensor 'top' hits nothing"),
                                HasSubstr("is the trajectory inside the scene?"),
                                HasSubstr("m away from the scene in 1 of 1 frames")));
   EXPECT_THAT(far.out, HasSubstr("; 2 warnings\n"));

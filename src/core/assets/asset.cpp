@@ -32,10 +32,10 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
     fail(fmt::format("the up axis is '{}', but must be x, y or z", *options.up));
   }
   if (options.clip && kind != ".gltf" && kind != ".glb") {
-    fail("is no glTF: animations are read from .gltf and .glb alone, so convert it");
+    fail("is not glTF: animations are read only from .gltf and .glb, so convert the file");
   }
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) fail("there is no such file");
+  if (!std::filesystem::exists(file, error)) fail("the file does not exist");
   if (!std::filesystem::is_regular_file(file, error)) fail("is not a file");
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
@@ -71,12 +71,12 @@ void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
   }
   if (farthest < kFar || extent > farthest) return;
   const auto reached = static_cast<float>(farthest);
-  warn(fmt::format(
-      "{}: its coordinates reach {:.0f} m, where single precision, in which it is read, has steps of {:.2g} "
-      "m: subtract an offset from them and give it as the object's `position`, or convert it to a binary "
-      "PLY of triangles with coordinates in double",
-      file.string(), farthest,
-      static_cast<double>(std::nextafter(reached, std::numeric_limits<float>::infinity()) - reached)));
+  warn(
+      fmt::format("{}: its coordinates reach {:.0f} m, where single precision, in which this kind of file is read, has "
+                  "steps of {:.2g} m: subtract an offset from all coordinates and give it as the object's `position`, "
+                  "or convert the file to a binary PLY of triangles with coordinates in double",
+                  file.string(), farthest,
+                  static_cast<double>(std::nextafter(reached, std::numeric_limits<float>::infinity()) - reached)));
 }
 
 Asset withFile(Asset asset, const std::filesystem::path& file) {

@@ -74,7 +74,7 @@ class Importer {
   void import() {
     configure();
     if (kind_.empty() || !importer_.IsExtensionSupported(kind_)) {
-      fail(fmt::format("is of an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
+      fail(fmt::format("has an unknown kind ('{}'): convert it to glTF, GLB, OBJ, PLY, STL, DAE, FBX, AC or BLEND",
                        kind_));
     }
     try {
@@ -158,12 +158,12 @@ class Importer {
     }
     if (squared > kMostCornersSquared) {
       fail(
-          fmt::format("has polygons of up to {} corners, which would take minutes to be cut into triangles: export it "
-                      "in triangles",
+          fmt::format("has polygons of up to {} corners, which would take minutes to divide into triangles: export it "
+                      "with triangles",
                       most));
     }
     scene_ = importer_.ApplyPostProcessing(steps);
-    if (scene_ == nullptr) fail(fmt::format("cannot be cut into triangles: {}; {}", reason(), remedyFor(kind_)));
+    if (scene_ == nullptr) fail(fmt::format("cannot be divided into triangles: {}; {}", reason(), remedyFor(kind_)));
   }
 
   // Returns the transform from the importer's frame to metres and z up.
@@ -252,7 +252,8 @@ class Importer {
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
       if (mesh.mNumVertices == 0 || mesh.mVertices == nullptr || mesh.mNumFaces == 0) continue;
       triangles_ += mesh.mNumFaces;
-      if (triangles_ > kMostTriangles) fail(fmt::format("places over {} triangles", kMostTriangles));
+      if (triangles_ > kMostTriangles)
+        fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
       const auto known = std::find(materials.begin(), materials.end(), mesh.mMaterialIndex);
       const std::size_t part = first + static_cast<std::size_t>(known - materials.begin());
       if (known == materials.end()) {
@@ -268,7 +269,7 @@ class Importer {
 
   void append(ImportedPart& part, const aiMesh& mesh, const Affine& assetFromNode) const {
     const std::size_t base = part.positions.size();
-    if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices reach");
+    if (base + mesh.mNumVertices > UINT32_MAX) fail("has more vertices than 32-bit indices allow: split it");
     part.positions.resize(base + mesh.mNumVertices);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
       const aiVector3D& v = mesh.mVertices[i];

@@ -47,7 +47,7 @@ void setColor(Material& material, BaseColor color, const std::filesystem::path& 
   const Material fallback;
   material.reflectance = fallback.reflectance;
   material.metallic = fallback.metallic;
-  material.source = "default: " + file.filename().string() + " states no colour";
+  material.source = "default: " + file.filename().string() + " has no colour";
 }
 
 ColorImages::~ColorImages() {
@@ -55,12 +55,12 @@ ColorImages::~ColorImages() {
     constexpr std::size_t kMost = 8;
     if (names.empty()) return;
     const std::vector<std::string> first(names.begin(), std::next(names.begin(), std::min(names.size(), kMost)));
-    warn(fmt::format("{}: missing textures: '{}'{}; plain colours stand for them{}", asset_.string(),
+    warn(fmt::format("{}: missing textures: '{}'{}; plain colours replace them{}", asset_.string(),
                      fmt::join(first, "', '"),
                      names.size() > kMost ? fmt::format(" and {} more", names.size() - kMost) : "", alsoSolid));
   };
   tell(missing_, "");
-  tell(missingCutOuts_, ", and what their alpha may cut out is solid");
+  tell(missingCutOuts_, ", and surfaces that their alpha would cut out are solid");
 }
 
 std::shared_ptr<const Texture> ColorImages::load(const std::string& key, const std::string& name, bool onlyAlpha,
@@ -80,7 +80,7 @@ float ColorImages::mean(const std::shared_ptr<const Texture>& image, float least
 std::shared_ptr<const Texture> ColorImages::find(const std::string& name, bool onlyAlpha, bool cutsOut,
                                                  const std::function<std::shared_ptr<const Texture>()>& embedded) {
   const auto broken = [&](const InputError& e) {
-    warn(fmt::format("{}: the texture '{}' is not used: {}", asset_.string(), name, e.what()));
+    warn(fmt::format("{}: the texture '{}' cannot be used: {}", asset_.string(), name, e.what()));
     return nullptr;
   };
   std::shared_ptr<const Texture> texture;

@@ -26,7 +26,7 @@ void checkKind(const std::filesystem::path& file) {
   const std::string_view begin(head.data(), static_cast<std::size_t>(in.gcount()));
   // Uncompressed, gzip (until Blender 2.93) and Zstandard (since 3.0).
   const bool known = begin == "BLENDER" || begin.starts_with("\x1F\x8B") || begin.starts_with("\x28\xB5\x2F\xFD");
-  if (!known) throw InputError({file.string()}, "is not a Blender file: it does not begin as one");
+  if (!known) throw InputError({file.string()}, "is not a Blender file: its first bytes are not those of one");
 }
 
 }  // namespace

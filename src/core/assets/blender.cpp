@@ -26,7 +26,7 @@ double patience() {
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), seconds);
   if (failure != std::errc() || end != text.data() + text.size() || !(seconds > 0) || !(seconds <= 1e6)) {
     throw InputError(
-        fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be seconds, above 0 and at most 1e6", text));
+        fmt::format("SCANMILL_BLENDER_SECONDS is '{}', but must be a number of seconds above 0 and at most 1e6", text));
   }
   return seconds;
 }
@@ -73,12 +73,12 @@ std::filesystem::path blenderProgram() {
   if (!program.empty()) return program;
   if (set)
     throw Error(
-        fmt::format("SCANMILL_BLENDER names no program: '{}' is not there or not executable; scripts/setup "
-                    "--blender installs one",
+        fmt::format("SCANMILL_BLENDER names '{}', which does not exist or is not executable: name Blender's program, "
+                    "or install it by scripts/setup --blender",
                     named));
   throw Error(
-      "Blender is not installed: scripts/setup --blender or, on Debian, apt-get install blender installs it; or set "
-      "SCANMILL_BLENDER to its program");
+      "Blender is not installed: install it by scripts/setup --blender or, on Debian, by apt-get install blender; or "
+      "set SCANMILL_BLENDER to its program");
 }
 
 BlenderJob::BlenderJob(const std::string& job, const std::filesystem::path& folder,
@@ -106,9 +106,9 @@ BlenderAnswer BlenderJob::answer() {
     const std::string end = process_.wait(patience_);
     fail(fmt::format("Blender failed ({})", end));
   } catch (const TimeOut&) {
-    fail(fmt::format("Blender did not answer within {} s: set SCANMILL_BLENDER_SECONDS to wait longer", patience_));
+    fail(fmt::format("Blender did not finish within {} s: set SCANMILL_BLENDER_SECONDS to wait longer", patience_));
   } catch (const nlohmann::json::exception& e) {
-    fail(fmt::format("Blender answers what is not understood ({})", e.what()));
+    fail(fmt::format("the answer of Blender is not understood ({})", e.what()));
   }
 }
 

@@ -58,7 +58,7 @@ enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
     text = e.what();
     code = Failed;
   } catch (...) {
-    text = "it failed for no stated reason";
+    text = "it failed without a stated reason";
     code = Failed;
   }
   for (std::size_t done = 0; done < text.size();) {
@@ -85,7 +85,7 @@ std::string readAll(int descriptor) {
 
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
   std::array<int, 2> pipe{};
-  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("no pipe: {}", std::strerror(errno)));
+  if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("a pipe cannot be made: {}", std::strerror(errno)));
   ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
   const std::uint64_t space = addressSpace();
   const pid_t child = ::fork();
@@ -93,7 +93,7 @@ std::string inChildProcess(const std::function<std::string()>& work, std::uint64
     const int reason = errno;
     ::close(pipe[0]);
     ::close(pipe[1]);
-    throw Error(fmt::format("no child process: {}", std::strerror(reason)));
+    throw Error(fmt::format("a child process cannot be started: {}", std::strerror(reason)));
   }
   if (child == 0) {
     ::close(pipe[0]);
@@ -112,7 +112,7 @@ std::string inChildProcess(const std::function<std::string()>& work, std::uint64
   }
   if (WIFSIGNALED(status)) {
     if (WTERMSIG(status) == SIGXCPU) throw ChildEnded(fmt::format("it takes more than {} s", seconds));
-    throw ChildEnded(fmt::format("it brings the importer down (signal {})", WTERMSIG(status)));
+    throw ChildEnded(fmt::format("it crashes the importer (signal {})", WTERMSIG(status)));
   }
   switch (WEXITSTATUS(status)) {
     case Done:
@@ -122,7 +122,7 @@ std::string inChildProcess(const std::function<std::string()>& work, std::uint64
     case OutOfMemory:
       throw ChildEnded(fmt::format("it takes more than {:.1f} GB of memory", static_cast<double>(memory) * 1e-9));
     default:
-      throw ChildEnded("it ends the importer");
+      throw ChildEnded("it makes the importer exit");
   }
 }
 

@@ -59,13 +59,13 @@ bool isAc3d(const std::string& kind) {
 
 std::string remedyFor(const std::string& kind) {
   return isAc3d(kind) ? "remove objects without surfaces, or convert it to glTF or OBJ"
-                      : "check that the file is whole, or convert it to glTF or OBJ";
+                      : "check that the file is complete, or convert it to glTF or OBJ";
 }
 
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   ImportedFile imported = kind == ".ply" ? importPly(file, kind, options) : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
-    warn(fmt::format("{}: names '{}', which is missing: its materials are plain", file.string(),
+    warn(fmt::format("{}: names '{}', which is missing: its materials have plain colours", file.string(),
                      fmt::join(imported.missing, "', '")));
   }
   const std::vector<AssetMaterial> materials = readMaterials(imported, file, options);

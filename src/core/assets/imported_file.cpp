@@ -77,7 +77,7 @@ class Reader {
 
   void each(auto&... values) { (read(values), ...); }
   bool atEnd() const { return left_.empty(); }
-  [[noreturn]] static void fail() { throw Error("the importer's answer is garbled"); }
+  [[noreturn]] static void fail() { throw Error("the importer's answer is damaged"); }
 
  private:
   void raw(void* to, std::size_t size) {

@@ -27,7 +27,7 @@ constexpr double kMaxList = 4294967296.0;  // entries; greater than any 32-bit c
 }
 
 [[noreturn]] void failCount(const Location& where, const PlyElement& element, std::uint64_t row) {
-  throw InputError(where, fmt::format("is damaged: '{}' {} of {} has a list whose length is no count", element.name,
+  throw InputError(where, fmt::format("is damaged: '{}' {} of {} has a list with an invalid length", element.name,
                                       row + 1, element.count));
 }
 
@@ -167,7 +167,7 @@ void checkAscii(const std::filesystem::path& file, const PlyHeader& header) {
 void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     if (element.name == "tristrips" && element.count > 0) {
-      throw InputError({file.string()}, "has triangle strips, which are not read: export it with faces");
+      throw InputError({file.string()}, "has triangle strips, which are not supported: export it with faces");
     }
     if (element.name != "vertex") continue;
     for (const char* axis : {"x", "y", "z"}) {

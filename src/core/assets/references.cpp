@@ -11,8 +11,8 @@ bool leadsOutside(const std::string& name) {
 
 std::string refusalOf(const std::string& name) {
   return fmt::format(
-      "names '{}', which lies outside of its folder: move it there, or allow it by `allow_outside: true` of the object "
-      "(--allow-outside of `info` and `draft`)",
+      "names '{}', which lies outside its folder: move that file into the folder, or allow it by `allow_outside: true` "
+      "of the object (--allow-outside of `info` and `draft`)",
       name);
 }
 

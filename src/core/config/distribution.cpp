@@ -46,7 +46,7 @@ Normal readNormal(Fields& fields) {
   const Value& value = fields.require("normal");
   const std::vector<double> given = readNumbers(value, "normal");
   if (given.size() != 2 || given[1] <= 0) {
-    throw InputError(value.where, "normal must be [mean, standard deviation], the latter above 0");
+    throw InputError(value.where, "normal must be [mean, standard deviation] with a standard deviation above 0");
   }
   const double mean = given[0];
   const double deviation = given[1];
@@ -55,8 +55,8 @@ Normal readNormal(Fields& fields) {
     const Range bounds = readInterval(*within, "within");
     ends = {std::max(ends.low, bounds.low), std::min(ends.high, bounds.high)};
     if (ends.low >= ends.high) {
-      throw InputError(within->where, fmt::format("nothing of the distribution lies within: [{:g}, {:g}] is more than "
-                                                  "{:g} standard deviations from the mean",
+      throw InputError(within->where, fmt::format("within excludes all values of the distribution: [{:g}, {:g}] is "
+                                                  "more than {:g} standard deviations from the mean",
                                                   bounds.low, bounds.high, kMostDeviations));
     }
   }
@@ -117,9 +117,9 @@ Fields fieldsOf(const Value& value) {
   fields.also({"uniform", "normal", "choice", "within", "per"}).finish();
   const auto kinds =
       std::count_if(kKinds.begin(), kKinds.end(), [&](std::string_view kind) { return fields.has(kind); });
-  if (kinds != 1) throw InputError(value.where, "a distribution is one of uniform, normal and choice");
+  if (kinds != 1) throw InputError(value.where, "a distribution must be exactly one of uniform, normal and choice");
   if (const Value* within = fields.find("within"); within != nullptr && !fields.has("normal")) {
-    throw InputError(within->where, "within cuts off a normal distribution, not others");
+    throw InputError(within->where, "within can only limit a normal distribution");
   }
   isPerFrame(fields);
   return fields;

@@ -149,7 +149,7 @@ Pose Fields::pose() {
   }
   const std::string what = what_ + ": rotation";
   if (angles) {
-    throw InputError(rotation->where, what + " and yaw_deg, pitch_deg or roll_deg exclude each other");
+    throw InputError(rotation->where, what + " and yaw_deg, pitch_deg or roll_deg cannot be given together");
   }
   const std::vector<double> q = readNumbers(*rotation, what);
   if (q.size() != 4) {

@@ -54,7 +54,7 @@ std::string explain(const std::string& message) {
   static const std::array<std::pair<std::string_view, std::string_view>, 10> kAdvice{{
       {YAML::ErrorMsg::END_OF_SEQ_FLOW, "a list [ ... ] is not closed"},
       {YAML::ErrorMsg::END_OF_MAP_FLOW, "a map { ... } is not closed"},
-      {YAML::ErrorMsg::FLOW_END, "a closing bracket without its opening one"},
+      {YAML::ErrorMsg::FLOW_END, "a closing bracket has no opening bracket"},
       {YAML::ErrorMsg::EOF_IN_SCALAR, "a quotation mark is not closed"},
       {YAML::ErrorMsg::MAP_VALUE, "a colon that does not follow a key: check the indentation, or quote the text"},
       {YAML::ErrorMsg::MAP_KEY, "a key cannot stand here: check the indentation"},
@@ -81,8 +81,8 @@ std::string bareColor(std::string_view text, int before) {
     std::size_t end = at + 1;
     while (end < text.size() && std::isxdigit(static_cast<unsigned char>(text[end])) != 0) ++end;
     if (end - at != 4 && end - at != 7) continue;
-    return fmt::format("; line {}: {} begins a comment unless it stands in quotes: \"{}\"", line,
-                       text.substr(at, end - at), text.substr(at, end - at));
+    return fmt::format("; line {}: {} begins a comment unless it is in quotes: \"{}\"", line, text.substr(at, end - at),
+                       text.substr(at, end - at));
   }
   return {};
 }
@@ -107,8 +107,8 @@ class TreeBuilder : public YAML::EventHandler {
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (documents_++ == 0) return;
     const bool marked = text_.substr(std::min(text_.size(), static_cast<std::size_t>(mark.pos))).starts_with("---");
-    throw InputError(place(mark), marked ? "a second document: one file holds one YAML document"
-                                         : "this does not belong to what stands above: check the indentation");
+    throw InputError(place(mark), marked ? "a second YAML document begins here, but a file must have only one"
+                                         : "this does not belong to the lines above: check the indentation");
   }
   void OnDocumentEnd() override {}
 
@@ -127,7 +127,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     refuseAsKey(mark, "is an alias");
     const auto found = anchors_.find(anchor);
-    if (found == anchors_.end()) throw InputError(place(mark), "this alias names a node that holds it: a cycle");
+    if (found == anchors_.end()) throw InputError(place(mark), "this alias refers to a node that contains the alias");
     const Extent extent = extentOf(found->second);
     count(mark, extent);
     add(found->second, 0);
@@ -135,7 +135,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& text) override {
-    if (text.find('\0') != std::string::npos) throw InputError(place(mark), "a NUL character in text");
+    if (text.find('\0') != std::string::npos) throw InputError(place(mark), "a text has a NUL character");
     if (awaitsKey()) {
       openKey(mark, text);
       return;
@@ -175,7 +175,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void refuseAsKey(const YAML::Mark& mark, const char* what) const {
-    if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text; this one {}", what));
+    if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text, but this key {}", what));
   }
 
   // True if the tag makes a scalar text, whatever it looks like: yaml-cpp gives "!" to all scalars that are not plain.
@@ -199,8 +199,8 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, Value::Kind kind) {
-    refuseAsKey(mark, kind == Value::Kind::Map ? "is a map, or a map that is not closed"
-                                               : "is a list, or a list that is not closed");
+    refuseAsKey(mark, kind == Value::Kind::Map ? "is a map, or belongs to a map that is not closed"
+                                               : "is a list, or belongs to a list that is not closed");
     checkTag(mark, tag);
     count(mark, {1, 0, 1});
     Open& node = open_.emplace_back();
@@ -221,13 +221,14 @@ class TreeBuilder : public YAML::EventHandler {
     nodes_ += extent.nodes;
     bytes_ += extent.bytes;
     if (open_.size() + extent.depth > kMaxDepth) {
-      throw InputError(place(mark), fmt::format("nested deeper than {} levels", kMaxDepth));
+      throw InputError(place(mark), fmt::format("the file is nested more than {} levels deep", kMaxDepth));
     }
     if (nodes_ > kMaxNodes) {
-      throw InputError(place(mark), fmt::format("more than {} values, aliases expanded", kMaxNodes));
+      throw InputError(place(mark), fmt::format("the file has more than {} values, with aliases expanded", kMaxNodes));
     }
     if (bytes_ > kMaxTextBytes) {
-      throw InputError(place(mark), fmt::format("more than {} bytes of text, aliases expanded", kMaxTextBytes));
+      throw InputError(place(mark),
+                       fmt::format("the file has more than {} bytes of text, with aliases expanded", kMaxTextBytes));
     }
   }
 

@@ -32,10 +32,11 @@ std::string found(const Value& value) {
 
 [[noreturn]] void refuse(const Value& value, std::string_view what, const std::string& expected, bool isText = false) {
   if (isDistribution(value)) {
-    throw InputError(value.where, fmt::format("{} cannot be drawn at random: sensors' `mount` and `effects`, the "
-                                              "pipeline's `effects` and a scene's `objects` can (docs/keys.md); "
-                                              "`--sweep` makes a dataset for each of some values",
-                                              what));
+    throw InputError(
+        value.where,
+        fmt::format("{} cannot be random: only sensors' `mount` and `effects`, the pipeline's `effects` and a scene's "
+                    "`objects` can (docs/keys.md); `--sweep` makes a dataset for each of several values",
+                    what));
   }
   const bool misquoted = !isText && value.kind == Value::Kind::Scalar && value.quoted;
   throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, found(value),
@@ -121,7 +122,7 @@ std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what
       continue;
     }
     if (numbers.empty() || i + 1 == list.items.size()) {
-      throw InputError(item.where, fmt::format("{}: '...' stands between two numbers, such as [1, ..., 20]", what));
+      throw InputError(item.where, fmt::format("{}: '...' must be between two numbers, such as [1, ..., 20]", what));
     }
     const std::int64_t from = numbers.back().value;
     const std::int64_t to = readInteger(list.items[i + 1], what, from + 1, from > high - kMost ? high : from + kMost);

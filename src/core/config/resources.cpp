@@ -76,7 +76,7 @@ std::string advice(const fs::path& path, const std::vector<fs::path>& folders, c
   if (!near.empty()) return fmt::format(" (did you mean '{}'?)", near);
   std::vector<std::string> stems;
   for (const std::string& name : yamlNames(builtInFolder)) stems.push_back(fs::path(name).stem().string());
-  return stems.empty() ? "" : fmt::format(" (those of the program are {})", fmt::join(stems, ", "));
+  return stems.empty() ? "" : fmt::format(" (the program comes with {})", fmt::join(stems, ", "));
 }
 
 }  // namespace

@@ -54,9 +54,9 @@ std::string variable(std::string_view inside, const Location& where) {
   const std::string name(inside.substr(0, end));
   const std::string_view rest = inside.substr(end);
   if (name.empty() || (!rest.empty() && !rest.starts_with(":-"))) {
-    throw InputError(where, fmt::format("{} is not a variable: write ${{NAME}} or ${{NAME:-fallback}}, and $$ for a "
-                                        "dollar",
-                                        quotedForMessage(fmt::format("${{{}}}", inside))));
+    throw InputError(
+        where, fmt::format("{} is not a variable: write ${{NAME}} or ${{NAME:-fallback}}, or $$ for a dollar sign",
+                           quotedForMessage(fmt::format("${{{}}}", inside))));
   }
   const char* value = std::getenv(name.c_str());
   if (rest.empty()) {
@@ -67,7 +67,7 @@ std::string variable(std::string_view inside, const Location& where) {
                            name));
   }
   if (rest.find("${") != std::string_view::npos) {
-    throw InputError(where, fmt::format("the fallback of ${{{}}} may not hold another variable", name));
+    throw InputError(where, fmt::format("the fallback of ${{{}}} cannot contain another variable", name));
   }
   return value != nullptr && *value != '\0' ? std::string(value) : std::string(rest.substr(2));
 }
@@ -76,7 +76,8 @@ std::string variable(std::string_view inside, const Location& where) {
 
 void checkText(std::string_view text, const std::string& file) {
   if (text.size() > kMaxYamlBytes) {
-    throw InputError({file}, fmt::format("has {} bytes; a YAML file may have at most {}", text.size(), kMaxYamlBytes));
+    throw InputError({file},
+                     fmt::format("has {} bytes, but a YAML file may have at most {}", text.size(), kMaxYamlBytes));
   }
   int line = 1;
   std::size_t lineStart = 0;
@@ -90,12 +91,12 @@ void checkText(std::string_view text, const std::string& file) {
       indenting = true;
       continue;
     }
-    if (c == 0) throw InputError(where, "a NUL byte: this is not a YAML text in UTF-8");
+    if (c == 0) throw InputError(where, "the file has a NUL byte: it is not a YAML text in UTF-8");
     if ((c < 0x20 && c != '\t' && c != '\r') || c == 0x7F) {
-      throw InputError(where, fmt::format("the control character 0x{:02X} may not stand in YAML", c));
+      throw InputError(where, fmt::format("the control character 0x{:02X} is not allowed in YAML", c));
     }
     if (c == '\t' && indenting && !restIsBlank(text, i)) {
-      throw InputError(where, "a tab in the indentation: YAML allows only spaces there");
+      throw InputError(where, "the indentation has a tab: YAML allows only spaces there");
     }
     indenting = indenting && (c == ' ' || c == '\t');
     const std::size_t length = utf8Length(text, i);

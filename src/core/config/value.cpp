@@ -34,7 +34,7 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
         where, fmt::format("{} is a list: {} must be the number of an item, from 0", parent, quotedForMessage(part)));
   }
   if (error == std::errc() && index < list.items.size()) return index;
-  throw InputError(where, list.items.empty() ? fmt::format("{} is a list without items", parent)
+  throw InputError(where, list.items.empty() ? fmt::format("{} is an empty list", parent)
                                              : fmt::format("item {} of {} is out of range: the list has items 0 to {}",
                                                            part, parent, list.items.size() - 1));
 }
@@ -72,7 +72,7 @@ Value readYaml(const std::filesystem::path& path) {
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   if (!unknown && size > kMaxYamlBytes) {
     throw InputError({path.string()},
-                     fmt::format("has {} bytes; a YAML file may have at most {}", size, kMaxYamlBytes));
+                     fmt::format("has {} bytes, but a YAML file may have at most {}", size, kMaxYamlBytes));
   }
   return parseYaml(readFile(path), path.string());
 }
@@ -81,15 +81,15 @@ void setValue(Value& root, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos) {
     throw InputError({fmt::format("--set {}", assignment)},
-                     "lacks a value: write key=value or key.key.0.key=value, such as --set seed=7");
+                     "has no value: write key=value or key.key.0.key=value, such as --set seed=7");
   }
   const std::string_view path = assignment.substr(0, equals);
   const Location where{fmt::format("--set {}", path)};
   const std::vector<std::string> parts = split(path);
   if (std::find(parts.begin(), parts.end(), "") != parts.end()) {
-    throw InputError(where, "an empty key: write key=value or key.key.0.key=value, such as --set seed=7");
+    throw InputError(where, "has an empty key: write key=value or key.key.0.key=value, such as --set seed=7");
   }
-  if (parts.size() > kMaxPathLength) throw InputError(where, fmt::format("more than {} keys deep", kMaxPathLength));
+  if (parts.size() > kMaxPathLength) throw InputError(where, fmt::format("has more than {} keys", kMaxPathLength));
 
   Value value = parseYaml(assignment.substr(equals + 1), where.file);
   // A single value needs no line and column beside the name of its key.
@@ -98,7 +98,7 @@ void setValue(Value& root, std::string_view assignment) {
   setFolder(value, folder.empty() ? "." : folder);
 
   Value* node = &root;
-  std::string parent = "the whole file";
+  std::string parent = "the file";
   std::string prefix;
   for (std::size_t depth = 0; depth < parts.size(); ++depth) {
     const std::string& part = parts[depth];
@@ -106,7 +106,7 @@ void setValue(Value& root, std::string_view assignment) {
       const std::string advice =
           depth == 0 ? "" : fmt::format(": write --set '{}'", asMaps(parts, depth, assignment.substr(equals + 1)));
       throw InputError(where,
-                       fmt::format("{} is a single value and holds no {}{}", parent, quotedForMessage(part), advice));
+                       fmt::format("{} is a single value and has no {}{}", parent, quotedForMessage(part), advice));
     }
     if (node->kind == Value::Kind::Sequence) {
       const std::size_t index = readIndex(part, *node, parent, where);

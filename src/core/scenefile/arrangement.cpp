@@ -33,7 +33,7 @@ std::array<double, 2> readRange(Fields& f, const char* key, Range range, std::ar
   if (value == nullptr) return fallback;
   const std::vector<double> ends = f.numbers(key, range);
   if (ends.size() != 2 || ends[0] > ends[1]) {
-    throw InputError(value->where, fmt::format("{} must be [minimum, maximum]", key));
+    throw InputError(value->where, fmt::format("{} must be [least, most]", key));
   }
   return {ends[0], ends[1]};
 }
@@ -142,7 +142,7 @@ Arrangement::Arrangement(Fields& object, const Ontology& ontology) {
 
 std::vector<Arrangement::Distance> Arrangement::readDistances(const Value& value, const Ontology& ontology) {
   if (value.kind != Value::Kind::Map || value.entries.empty()) {
-    throw InputError(value.where, "distance_from must be {class: [minimum, maximum]} in m, or {class: minimum}");
+    throw InputError(value.where, "distance_from must be {class: [least, most]} in m, or {class: least}");
   }
   std::vector<Distance> distances;
   for (const auto& [name, ends] : value.entries) {
@@ -153,7 +153,7 @@ std::vector<Arrangement::Distance> Arrangement::readDistances(const Value& value
     if (ends.kind == Value::Kind::Sequence) {
       const std::vector<double> both = readNumbers(ends, "distance_from", kMetres);
       if (both.size() != 2 || both[0] > both[1]) {
-        throw InputError(ends.where, "a distance must be [minimum, maximum] in m, or only the minimum");
+        throw InputError(ends.where, "a distance must be [least, most] in m, or only the least");
       }
       d.least = both[0];
       d.most = both[1];

@@ -105,8 +105,7 @@ std::vector<Concept> readConcepts(const std::filesystem::path& path) {
     }
     if (f.has("size")) {
       const std::vector<double> size = f.numbers("size", {0, 1e6});
-      if (size.size() != 2)
-        throw InputError(f.require("size").where, "size must be two lengths [minimum, maximum] in m");
+      if (size.size() != 2) throw InputError(f.require("size").where, "size must be two lengths [least, most] in m");
       c.size = Between{size[0], size[1]};
     }
     for (const std::string& word : textsOf(f, "words")) c.words.push_back(foldedName(word));

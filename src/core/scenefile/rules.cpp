@@ -180,7 +180,7 @@ std::optional<Between> readBetween(Fields& match, std::string_view key) {
   if (value == nullptr) return std::nullopt;
   const std::vector<double> bounds = match.numbers(key, kLengths);
   if (bounds.size() != 2 || bounds[0] > bounds[1]) {
-    throw InputError(value->where, fmt::format("{0} must be [minimum, maximum], such as {0}: [0, 2.5]", key));
+    throw InputError(value->where, fmt::format("{0} must be [least, most], such as {0}: [0, 2.5]", key));
   }
   return Between{bounds[0], bounds[1]};
 }

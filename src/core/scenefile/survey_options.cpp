@@ -20,7 +20,7 @@ PointOptions readPointOptions(const Value& value) {
     const std::vector<double> ends =
         one ? std::vector(2, f.number("radius", {1e-4, 100})) : f.numbers("radius", {1e-4, 100});
     if (ends.size() != 2 || ends[0] > ends[1]) {
-      throw InputError(radius->where, "radius must be one length in m, or [minimum, maximum]");
+      throw InputError(radius->where, "radius must be one length in m, or [least, most]");
     }
     options.surfels.radius = {ends[0], ends[1]};
   }

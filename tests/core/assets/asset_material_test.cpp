@@ -322,7 +322,7 @@ TEST(AssetMaterials, MissingTexturesAreToldInOneLine) {
   const std::string shown = testing::internal::GetCapturedStderr();
   EXPECT_EQ(std::count(shown.begin(), shown.end(), '\n'), 1) << shown;
   EXPECT_THAT(shown, testing::HasSubstr("a.obj: missing textures: 'gone0.jpg', 'gone1.jpg'"));
-  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours stand for them\n"));
+  EXPECT_THAT(shown, testing::HasSubstr("'gone7.jpg' and 2 more; plain colours replace them\n"));
 }
 
 }  // namespace

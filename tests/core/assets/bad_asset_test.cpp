@@ -65,7 +65,7 @@ TEST_F(AssetFiles, GltfIsCheckedBeforeItIsRead) {
   EXPECT_THAT(fails(gltf), HasSubstr("'absent.bin', which is missing"));
   write("short.bin", gltfBuffer().substr(0, 71));
   gltf.buffer = R"("uri":"short.bin")";
-  EXPECT_THAT(fails(gltf), HasSubstr("holds 71"));
+  EXPECT_THAT(fails(gltf), HasSubstr("has 71"));
   gltf = {};
   gltf.nodes = R"([{"children":[1]},{"children":[0]}])";
   EXPECT_THAT(fails(gltf), HasSubstr("ancestor"));
@@ -171,7 +171,7 @@ TEST_F(AssetFiles, SmallFilesThatAskForMuchAreRefusedAtOnce) {
   std::string primitives = primitive;
   for (int i = 0; i < 300; ++i) primitives += "," + primitive;
   replace(primitive, primitives);
-  EXPECT_THAT(failure(write("many.gltf", text)), HasSubstr("places 6020301 primitives"));
+  EXPECT_THAT(failure(write("many.gltf", text)), HasSubstr("has 6020301 primitives"));
 }
 
 TEST_F(AssetFiles, NamesThatLeadOutsideHaveToBeAllowed) {

@@ -42,7 +42,7 @@ TEST(InChildProcess, SaysHowTheChildEnded) {
   };
   EXPECT_THAT(end(die(SIGSEGV)), HasSubstr("signal 11"));
   EXPECT_THAT(end(die(SIGABRT)), HasSubstr("signal 6"));
-  EXPECT_THAT(end([]() -> std::string { ::_Exit(1); }), HasSubstr("ends the importer"));
+  EXPECT_THAT(end([]() -> std::string { ::_Exit(1); }), HasSubstr("makes the importer exit"));
   volatile bool forever = true;
   EXPECT_THAT(end(
                   [&] {

@@ -154,10 +154,9 @@ TEST_F(PlyMesh, CoarseCoordinatesAreWarnedOf) {
   fan.east = 4'500'000;
   testing::internal::CaptureStderr();
   readAsset(write(fan.text()), {});
-  EXPECT_THAT(
-      testing::internal::GetCapturedStderr(),
-      testing::HasSubstr("its coordinates reach 4500003 m, where single precision, in which it is read, has steps "
-                         "of 0.5 m"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("its coordinates reach 4500003 m, where single precision, in which this kind of file "
+                                 "is read, has steps of 0.5 m"));
 }
 
 TEST_F(PlyMesh, WhatHasNoPlaceIsKept) {

@@ -189,14 +189,14 @@ TEST(Distribution, RefusesWhatIsNone) {
   EXPECT_THAT(refusal("{uniform: [0, .inf]}"), HasSubstr("uniform"));
   EXPECT_THAT(refusal("{normal: [0, 0]}"), HasSubstr("above 0"));
   EXPECT_THAT(refusal("{normal: [0, 1, 2]}"), HasSubstr("[mean, standard deviation]"));
-  EXPECT_THAT(refusal("{normal: [0, 1], within: [5, 6]}"), HasSubstr("nothing of the distribution lies within"));
+  EXPECT_THAT(refusal("{normal: [0, 1], within: [5, 6]}"), HasSubstr("within excludes all values of the distribution"));
   EXPECT_THAT(refusal("{uniform: [0, 1], within: [0, 1]}"), HasSubstr("normal"));
   EXPECT_THAT(refusal("{uniform: [0, 1], normal: [0, 1]}"), HasSubstr("one of"));
   EXPECT_THAT(refusal("{choice: []}"), HasSubstr("at least one"));
   EXPECT_THAT(refusal("{choice: [a, ..., b]}"), HasSubstr("choice"));
   EXPECT_THAT(refusal("{uniform: [0, 1], per: scan}"), HasSubstr("frame"));
   EXPECT_THAT(messageOf([] { readNumber(parseYaml("{uniform: [0, 1]}", "x.yaml"), "speed"); }),
-              AllOf(HasSubstr("x.yaml:1:"), HasSubstr("speed cannot be drawn"), HasSubstr("--sweep")));
+              AllOf(HasSubstr("x.yaml:1:"), HasSubstr("speed cannot be random"), HasSubstr("--sweep")));
   EXPECT_THAT(refusal("{uniform: [0, 1], wihtin: [0, 1]}"), HasSubstr("within"));
 }
 

@@ -306,7 +306,7 @@ TEST(FieldsPose, RefusesWhatIsNoRotation) {
               AllOf(StartsWith("pipelines/x.yaml:1:11: sensor: rotation"), HasSubstr("non-zero length")));
   EXPECT_THAT(messageOf([] { poseOf("rotation: [1, 0, 0]"); }),
               HasSubstr("a quaternion [w, x, y, z], not a list of 3"));
-  EXPECT_THAT(messageOf([] { poseOf("{rotation: [1, 0, 0, 0], yaw_deg: 0}"); }), HasSubstr("exclude each other"));
+  EXPECT_THAT(messageOf([] { poseOf("{rotation: [1, 0, 0, 0], yaw_deg: 0}"); }), HasSubstr("cannot be given together"));
   EXPECT_THAT(messageOf([] { poseOf("{yaw: 3}"); }), HasSubstr("unknown key 'yaw' (did you mean 'yaw_deg'?)"));
 }
 

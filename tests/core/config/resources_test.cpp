@@ -108,7 +108,7 @@ TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
   folder_.write("share/scenes/town.yaml", "");
   EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }), HasSubstr("did you mean 'town.yaml'?"));
   EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }),
-              HasSubstr("those of the program are materials, semantic_kitti"));
+              HasSubstr("the program comes with materials, semantic_kitti"));
   EXPECT_THAT(messageOf([&] { found("own", "labels"); }), HasSubstr("project/own'"));
 }
 

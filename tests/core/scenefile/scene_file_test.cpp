@@ -323,7 +323,8 @@ TEST_F(SceneReader, AnAnimationPlaysOverAndOverOrStands) {
   refuse("  - {file: rise.gltf, class: car, animation: {clip: rice}}\n", {"scene.yaml", "rise.gltf", "mean 'rise'"});
   refuse("  - {file: rise.gltf, class: car, animation: {time_s: 1}}\n", {"scene.yaml:4", "clip"});
   refuse("  - {file: pair.obj, class: car, animation: {clip: rise}}\n", {"scene.yaml:4", "pair.obj", "convert"});
-  refuse("  - {file: none.gltf, class: car, animation: {clip: rise}}\n", {"scene.yaml:4", "none.gltf", "no such file"});
+  refuse("  - {file: none.gltf, class: car, animation: {clip: rise}}\n",
+         {"scene.yaml:4", "none.gltf", "does not exist"});
 }
 
 TEST_F(SceneReader, brokenTrianglesOfAnAssetAreCounted) {

@@ -48,7 +48,7 @@ TEST_F(BeamPatterns, AFlashIsAnEvenGridInItsPlane) {
     }
   }
   EXPECT_THAT(refusal(std::string(kFlash) + ", firing_time_us: {step_us: 1}"),
-              HasSubstr("firing_time_us says nothing"));
+              HasSubstr("firing_time_us has no effect"));
   std::string wide = kFlash;
   wide.replace(wide.find("field_deg: 80"), 13, "field_deg: 360");
   EXPECT_THAT(refusal(wide), HasSubstr("170 at most"));

@@ -106,7 +106,7 @@ TEST_F(VendorFiles, AWindowOfColumnsIsAPartOfTheRevolution) {
 }
 
 TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
-  EXPECT_THAT(refusedJson("{"), AllOf(HasSubstr("m.json"), HasSubstr("no JSON")));
+  EXPECT_THAT(refusedJson("{"), AllOf(HasSubstr("m.json"), HasSubstr("not JSON")));
   EXPECT_THAT(refusedJson("[]"), HasSubstr("a map"));
   EXPECT_THAT(refusedJson("{}"), HasSubstr("no beam_altitude_angles"));
   const auto with = [&](const std::string& altitude, const std::string& azimuth, const std::string& more) {

@@ -31,7 +31,7 @@ std::uint32_t readWord(std::string_view bytes, std::size_t at) {
 // Returns the glTF in a tile of 3D Tiles 1.0, which consists of header, feature table (JSON, then binary), batch table
 // (likewise) and glTF. The feature table may hold RTC_CENTER, as a list or as an offset into its binary part.
 std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
-  if (tile.size() < kTileHeader) throw Error("is truncated: the header of the tile is not whole");
+  if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;
   for (const std::size_t at : {12, 16, 20, 24}) begin += readWord(tile, at);
   if (begin > tile.size()) throw Error("is damaged: the tables of the tile are longer than the file");
@@ -46,7 +46,7 @@ std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
         const auto offset = found->at("byteOffset").get<std::size_t>();
         const std::size_t binary = readWord(tile, 16);
         if (offset > binary || binary - offset < 12)
-          throw Error("is damaged: RTC_CENTER lies beside the feature table");
+          throw Error("is damaged: RTC_CENTER lies outside the feature table");
         std::array<float, 3> f{};
         std::memcpy(f.data(), tile.data() + kTileHeader + features + offset, sizeof f);
         std::copy(f.begin(), f.end(), c.begin());
@@ -74,10 +74,10 @@ Container readContainer(const std::filesystem::path& file, const std::filesystem
     }
   }
   if (bytes.size() < 4 || readWord(bytes, 0) != kMagic) return {std::move(bytes), {}, center};
-  if (bytes.size() < 20) fail("is truncated: the GLB header is not whole");
+  if (bytes.size() < 20) fail("is truncated within the GLB header");
   if (readWord(bytes, 4) != 2) fail("is glTF 1.0, which is obsolete: export it as glTF 2.0");
   const std::size_t total = readWord(bytes, 8);
-  if (total > bytes.size()) fail(fmt::format("is truncated: {} of {} bytes are here", bytes.size(), total));
+  if (total > bytes.size()) fail(fmt::format("is truncated: has {} of {} bytes", bytes.size(), total));
   Container container;
   container.center = center;
   for (std::size_t at = 12; at + 8 <= total;) {

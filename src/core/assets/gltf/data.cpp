@@ -122,10 +122,8 @@ struct Data::State {
         break;
     }
     if (failed != 0) {
-      model.fail(
-          fmt::format("has {} compressed in a way that is damaged or newer than is known here: export it "
-                      "without compression",
-                      what));
+      model.fail(fmt::format(
+          "has {} with compressed data that is damaged or of an unknown version: export it without compression", what));
     }
     switch (m.filter) {
       case Meshopt::Filter::None:
@@ -199,7 +197,8 @@ std::vector<float> Data::finiteFloats(Index accessor, const std::string& what) c
 std::vector<float> Data::fractions(Index accessor, const std::string& what) const {
   const Accessor& a = state_->model.accessors[accessor];
   if (a.component != Component::Float && !a.normalized) {
-    state_->model.fail(fmt::format("is not valid glTF: {} has whole numbers where there should be others", what));
+    state_->model.fail(
+        fmt::format("is not valid glTF: {} must have floating-point or normalised numbers, not whole numbers", what));
   }
   return finiteFloats(accessor, what);
 }
@@ -207,7 +206,7 @@ std::vector<float> Data::fractions(Index accessor, const std::string& what) cons
 std::vector<std::uint32_t> Data::integers(Index accessor, const std::string& what) const {
   const Component c = state_->model.accessors[accessor].component;
   if (c != Component::UInt8 && c != Component::UInt16 && c != Component::UInt32) {
-    state_->model.fail(fmt::format("is not valid glTF: {} has others where there should be whole numbers", what));
+    state_->model.fail(fmt::format("is not valid glTF: {} must have unsigned whole numbers", what));
   }
   return state_->numbers<std::uint32_t>(accessor, what);
 }

@@ -36,7 +36,7 @@ DracoMesh decodeDraco(std::string_view bytes, const std::map<std::string, std::u
   DracoMesh out;
   for (const auto& [name, id] : ids) {
     const draco::PointAttribute* const attribute = mesh.GetAttributeByUniqueId(id);
-    if (attribute == nullptr) throw Error(fmt::format("Draco: there is no attribute {} ({})", id, name));
+    if (attribute == nullptr) throw Error(fmt::format("Draco: the attribute {} ({}) is missing", id, name));
     out.attributes[name] = valuesOf(mesh, *attribute);
   }
   out.indices.reserve(mesh.num_faces() * std::size_t{3});

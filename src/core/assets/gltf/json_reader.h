@@ -49,7 +49,7 @@ class JsonReader {
   Index index(const Json& value, std::size_t count, const std::string& what) const {
     if (!value.is_number_unsigned()) fail(fmt::format("is not valid glTF: {} is not an index", what));
     const std::uint64_t i = value.get<std::uint64_t>();
-    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but there are {}", what, i, count));
+    if (i >= count) fail(fmt::format("is not valid glTF: {} is {}, but only {} exist", what, i, count));
     return i;
   }
 

@@ -50,11 +50,13 @@ class ModelReader : JsonReader {
     if (asset == json_.end() || !asset->is_object()) fail("is not glTF: 'asset' is missing");
     const std::string version = asset->value("version", std::string());
     if (!version.starts_with("2.")) {
-      fail(fmt::format("is glTF {}: only 2.0 is read, export it again", version.empty() ? "of no version" : version));
+      fail(fmt::format("is glTF {}: only version 2.0 is read, so export it again",
+                       version.empty() ? "of no version" : version));
     }
     for (const Json& name : list("extensionsRequired")) {
       if (isKnown(name.get<std::string>())) continue;
-      fail(fmt::format("requires the extension {}, which is unknown here: export it without", name.get<std::string>()));
+      fail(fmt::format("requires the extension {}, which is not supported: export it without this extension",
+                       name.get<std::string>()));
     }
     if (const auto extensions = json_.find("extensions"); extensions != json_.end() && extensions->is_object()) {
       if (const auto rtc = extensions->find("CESIUM_RTC"); rtc != extensions->end()) {
@@ -170,7 +172,7 @@ class ModelReader : JsonReader {
     const auto position = p.attributes.find("POSITION");
     if (position == p.attributes.end()) return p;
     const Accessor& positions = m_.accessors[position->second];
-    if (positions.width != 3) fail(what + " has positions that are not 3 numbers");
+    if (positions.width != 3) fail(what + " has positions that do not have 3 numbers");
     if (const Json* draco = extensionOf(j, "KHR_draco_mesh_compression")) {
       p.draco = Primitive::Draco{};
       p.draco->view = index(draco->at("bufferView"), m_.views.size(), what + ".bufferView");
@@ -182,7 +184,7 @@ class ModelReader : JsonReader {
       }
     } else if (p.indices) {
       const Accessor& indices = m_.accessors[*p.indices];
-      if (indices.width != 1) fail(what + " has indices that are not scalars");
+      if (indices.width != 1) fail(what + " has indices that are not single numbers");
       if (!indices.view && !indices.sparse && indices.count > 0) fail(what + " has indices without data");
     }
     for (const Json& target : listIn(j, "targets", what + ".targets")) p.targets.push_back(attributes(target, what));
@@ -225,8 +227,8 @@ class ModelReader : JsonReader {
       const auto first = n.instances->begin();
       for (const auto& [name, accessor] : *n.instances) {
         if (m_.accessors[accessor].count != m_.accessors[first->second].count) {
-          fail(fmt::format("is not valid glTF: {} has {} of {}, but {} of {}", place, m_.accessors[first->second].count,
-                           first->first, m_.accessors[accessor].count, name));
+          fail(fmt::format("is not valid glTF: {} has {} values of {}, but {} of {}", place,
+                           m_.accessors[first->second].count, first->first, m_.accessors[accessor].count, name));
         }
       }
     }
@@ -308,7 +310,7 @@ class ModelReader : JsonReader {
       const auto [at, depth] = open.back();
       open.pop_back();
       if (seen[at]) fail(fmt::format("nodes[{}] has two parents, or is its own ancestor", at));
-      if (depth > kMaxDepth) fail(fmt::format("has nodes nested over {} deep", kMaxDepth));
+      if (depth > kMaxDepth) fail(fmt::format("has nodes that are nested more than {} levels deep", kMaxDepth));
       seen[at] = true;
       for (const Index child : m_.nodes[at].children) open.emplace_back(child, depth + 1);
     }

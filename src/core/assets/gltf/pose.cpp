@@ -126,7 +126,8 @@ void apply(const ClipTime& clip, const Data& data, Model& model) {
                                                                : 3;
     if (times.empty() || width == 0 || width != wanted || width * keys != values.size() ||
         !std::is_sorted(times.begin(), times.end())) {
-      model.fail(fmt::format("is not valid glTF: a sampler of {} has times and values that do not fit", what));
+      model.fail(
+          fmt::format("is not valid glTF: a sampler of {} has numbers of times and values that do not match", what));
     }
     const std::vector<double> now =
         sampled(times, values, width, sampler.interpolation, channel.path == Path::Rotation, clip.time);
@@ -199,14 +200,15 @@ bool Poser::isRigid(const PlacedNode& node) const {
 void Poser::pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
                  const std::string& what, std::vector<Vec3d>& points) {
   posed_ += points.size();
-  if (posed_ > kMostPosed) model_.fail(fmt::format("poses over {} vertices", kMostPosed));
+  if (posed_ > kMostPosed)
+    model_.fail(fmt::format("has more than {} vertices to pose, with all copies: split it", kMostPosed));
   const std::vector<double> weights = weightsOf(node);
   for (std::size_t t = 0; t < std::min(primitive.targets.size(), weights.size()); ++t) {
     const auto target = primitive.targets[t].find("POSITION");
     if (weights[t] == 0 || target == primitive.targets[t].end()) continue;
     const std::vector<Vec3d> offsets = toPoints(data_.finiteFloats(target->second, what));
     if (offsets.size() != points.size()) {
-      model_.fail(fmt::format("is not valid glTF: a morph target of {} has not as many vertices as it", what));
+      model_.fail(fmt::format("is not valid glTF: {} and its morph target have different numbers of vertices", what));
     }
     for (std::size_t i = 0; i < points.size(); ++i) points[i] = points[i] + offsets[i] * weights[t];
   }
@@ -221,7 +223,7 @@ std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) c
   for (std::size_t j = 0; j < skin.joints.size(); ++j) {
     const PlacedNode* const placed = placedOf_[skin.joints[j]];
     if (placed == nullptr) {
-      model_.fail(fmt::format("is not valid glTF: a joint of the skin of {} is no node of the scene", what));
+      model_.fail(fmt::format("is not valid glTF: a joint of the skin of {} is not a node of the scene", what));
     }
     joints.push_back(placed->sceneFromNode * (inverses.empty() ? Affine{} : toAffine(&inverses[16 * j])));
   }
@@ -241,14 +243,14 @@ void Poser::skin(const PlacedNode& node, const AttributeNumbers& numbers, const 
     if (which.empty()) break;
     const std::vector<float> weights = numbers(fmt::format("WEIGHTS_{}", set));
     if (which.size() != 4 * points.size() || weights.size() != which.size()) {
-      model_.fail(fmt::format("is not valid glTF: {} has not four joints and weights a vertex", what));
+      model_.fail(fmt::format("is not valid glTF: {} must have four joints and four weights per vertex", what));
     }
     for (std::size_t i = 0; i < which.size(); ++i) {
       const auto joint = static_cast<std::size_t>(which[i]);
       if (firsts[i / 4] == SIZE_MAX && joint < joints.size()) firsts[i / 4] = joint;
       if (weights[i] == 0) continue;
       if (joint >= joints.size()) {
-        model_.fail(fmt::format("is not valid glTF: a vertex of {} hangs on the joint {} of a skin with {}", what,
+        model_.fail(fmt::format("is not valid glTF: a vertex of {} refers to the joint {}, but its skin has {}", what,
                                 joint, joints.size()));
       }
       out[i / 4] = out[i / 4] + (joints[joint] * points[i / 4]) * static_cast<double>(weights[i]);

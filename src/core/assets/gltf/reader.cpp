@@ -113,20 +113,22 @@ class Reader {
       }
     }
     if (primitives > kMostPrimitives) {
-      model_.fail(fmt::format("places {:.0f} primitives: at most {:.0f}, so join those of one material", primitives,
-                              kMostPrimitives));
+      model_.fail(fmt::format(
+          "has {:.0f} primitives, with all copies, but at most {:.0f} are possible: join those of one material",
+          primitives, kMostPrimitives));
     }
     if (triangles > static_cast<double>(kMostTriangles)) {
-      model_.fail(fmt::format("places over {} triangles", kMostTriangles));
+      model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
     }
     if (read > kMostRead) {
-      model_.fail("has many primitives that share one long list of vertices: export them with vertices of their own");
+      model_.fail("has many primitives that share one long list of vertices: export each with separate vertices");
     }
     const double bytes = triangles * sizeof(Triangle) + vertices * (sizeof(Vec3f) + sizeof(Vec2f));
     const auto limit = static_cast<double>(memoryLimitBytes());
     if (bytes > limit) {
-      model_.fail(fmt::format("places {:.0f} triangles, which take {:.1f} GB: this process may take {:.1f} GB",
-                              triangles, bytes * 1e-9, limit * 1e-9));
+      model_.fail(fmt::format(
+          "has {:.0f} triangles, with all copies, which take {:.1f} GB, but this process may take {:.1f} GB", triangles,
+          bytes * 1e-9, limit * 1e-9));
     }
   }
 
@@ -169,7 +171,8 @@ class Reader {
       asset_.dropped.outOfRange += geometry.dropped;
       if (geometry.points.empty()) continue;
       triangles_ += geometry.triangles.size();
-      if (triangles_ > kMostTriangles) model_.fail(fmt::format("places over {} triangles", kMostTriangles));
+      if (triangles_ > kMostTriangles)
+        model_.fail(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
       const auto known = std::find(materials.begin(), materials.end(), material);
       const std::size_t part = first + static_cast<std::size_t>(known - materials.begin());
       if (known == materials.end()) {
@@ -197,7 +200,8 @@ class Reader {
 
   void append(AssetPart& part, const Geometry& geometry, const Affine& assetFromNode) const {
     const std::size_t base = part.positions.size();
-    if (base + geometry.points.size() > UINT32_MAX) model_.fail("has more vertices than 32-bit indices reach");
+    if (base + geometry.points.size() > UINT32_MAX)
+      model_.fail("has more vertices than 32-bit indices allow: split it");
     for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
     if (!geometry.uvs.empty() || !part.uvs.empty()) {
       part.uvs.resize(base);  // zero if a primitive of the part has none
@@ -320,7 +324,7 @@ class Reader {
       if (found == attributes.end()) return fallback;
       std::vector<float> values = data_.fractions(found->second, what);
       if (model_.accessors[found->second].width != width) {
-        model_.fail(fmt::format("is not valid glTF: the {} of {} are not {} numbers each", name, what, width));
+        model_.fail(fmt::format("is not valid glTF: each {} of {} must have {} numbers", name, what, width));
       }
       return values;
     };
@@ -329,7 +333,8 @@ class Reader {
     const std::vector<float> scales = numbers("SCALE", 3, {});
     const std::size_t count = std::max({translations.size() / 3, rotations.size() / 4, scales.size() / 3});
     if (count > kMostInstances)
-      model_.fail(fmt::format("has {} copies of '{}': at most {}", count, placed.name, kMostInstances));
+      model_.fail(
+          fmt::format("has {} copies of '{}', but at most {} are possible", count, placed.name, kMostInstances));
     const auto at = [](const std::vector<float>& values, std::size_t i, double fallback) {
       return i < values.size() ? static_cast<double>(values[i]) : fallback;
     };

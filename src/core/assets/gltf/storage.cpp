@@ -51,7 +51,7 @@ class StorageReader : JsonReader {
       }
     }
     if (b.length > present) {
-      b.problem = fmt::format("{} has {} bytes, but {} holds {}: is it truncated?", what, b.length, place, present);
+      b.problem = fmt::format("{} has {} bytes, but {} has {}: is it truncated?", what, b.length, place, present);
     }
     return b;
   }
@@ -68,7 +68,7 @@ class StorageReader : JsonReader {
       if (const Json* extension = extensionOf(j, name)) {
         v.compressed = meshopt(*extension, fmt::format("{}.{}", what, name));
         if (v.compressed->problem.empty() && v.compressed->count * v.compressed->stride != v.length) {
-          fail(fmt::format("is not valid glTF: {} has another length than its {} elements of {} bytes", what,
+          fail(fmt::format("is not valid glTF: {} has a length that differs from its {} elements of {} bytes", what,
                            v.compressed->count, v.compressed->stride));
         }
       }
@@ -96,9 +96,8 @@ class StorageReader : JsonReader {
     // An unknown mode or filter is an error only if the view is read.
     if (!kModes.contains(mode) || !kFilters.contains(filter)) {
       m.problem = fmt::format(
-          "has {} of the mode '{}' and the filter '{}', which are unknown here: export it without "
-          "compression",
-          what, mode, filter);
+          "has {} with the mode '{}' and the filter '{}', which are not supported: export it without compression", what,
+          mode, filter);
       return m;
     }
     m.mode = kModes.at(mode);
@@ -138,7 +137,7 @@ class StorageReader : JsonReader {
     a.count = length(j, "count", 0, what);
     a.offset = length(j, "byteOffset", 0, what);
     a.normalized = j.value("normalized", false);
-    if (a.count > kMaxCount) fail(what + " has an absurd count");
+    if (a.count > kMaxCount) fail(what + " has a count that is too large");
     a.view = maybe(j, "bufferView", m_.views.size(), what);
     if (a.view) expectInside(*a.view, a.offset, a.count, sizeOf(a.component) * a.width, true, what);
     if (const auto sparse = j.find("sparse"); sparse != j.end()) a.sparse = sparseOf(*sparse, a, what + ".sparse");
@@ -164,7 +163,7 @@ class StorageReader : JsonReader {
     const Json& values = j.at("values");
     s.indices = component(indices, what + ".indices");
     if (s.indices != Component::UInt8 && s.indices != Component::UInt16 && s.indices != Component::UInt32) {
-      fail(fmt::format("is not valid glTF: {}.indices are no whole numbers", what));
+      fail(fmt::format("is not valid glTF: {}.indices are not unsigned whole numbers", what));
     }
     s.indicesView = index(indices.at("bufferView"), m_.views.size(), what + ".indices.bufferView");
     s.indicesOffset = length(indices, "byteOffset", 0, what + ".indices");

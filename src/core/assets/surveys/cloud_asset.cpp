@@ -71,7 +71,7 @@ class CloudAsset {
     thin();
     if (positions_.size() > kMostPoints) {
       throw InputError({file_.string()},
-                       fmt::format("has {} points; at most {} are read: say `spacing` to thin them out",
+                       fmt::format("has {} points, but at most {} can be read: give `spacing` to thin them out",
                                    positions_.size(), kMostPoints));
     }
     asset_.origin = assetFromFile * cloud_.origin;
@@ -94,7 +94,7 @@ class CloudAsset {
       if (noisy && (labels[i] == kLowNoise || labels[i] == kHighNoise)) continue;
       chosen_.push_back(i);
     }
-    if (chosen_.empty()) throw InputError({file_.string()}, "has no point");
+    if (chosen_.empty()) throw InputError({file_.string()}, "has no points");
   }
 
   void thin() {

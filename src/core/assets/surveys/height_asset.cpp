@@ -31,9 +31,10 @@ class HeightAsset {
         heights_(readRaster(file, {1, wanted_.every, true, wanted_.within, kMostSamples})) {}
 
   Asset build() {
-    if (options_.up && *options_.up != 'z') throw InputError({file_.string()}, "heights are up: leave out `up`");
+    if (options_.up && *options_.up != 'z')
+      throw InputError({file_.string()}, "heights are always along z: leave out `up`");
     if (heights_.width < 2 || heights_.height < 2) {
-      throw InputError({file_.string()}, "has less than two samples along an axis: two at least make a surface");
+      throw InputError({file_.string()}, "has fewer than two samples along an axis: a surface needs at least two");
     }
     asset_.up = 'z';
     asset_.upDeclared = true;
@@ -45,7 +46,7 @@ class HeightAsset {
       findPlaces(row + 1);
       for (int column = 0; column + 1 < heights_.width; ++column) addCell(column, row);
     }
-    if (asset_.parts.empty()) throw InputError({file_.string()}, "has no four samples side by side that have heights");
+    if (asset_.parts.empty()) throw InputError({file_.string()}, "has no cell whose four samples all have heights");
     return std::move(asset_);
   }
 
@@ -81,11 +82,11 @@ class HeightAsset {
     }
     const double extent = std::hypot(x2 - x, y2 - y);
     if (!(high - low > kSteepest * extent)) return;
-    throw InputError({file_.string()},
-                     fmt::format("rises by {:.4g} m within {:.4g} and does not say whether that is metres or degrees: "
-                                 "put its coordinate system into a .prj beside it, or into it by gdal_edit.py -a_srs "
-                                 "(degrees are EPSG:4326)",
-                                 high - low, extent));
+    throw InputError(
+        {file_.string()},
+        fmt::format("rises by {:.4g} m within {:.4g} metres or degrees, but has no coordinate system: put this into a "
+                    ".prj file beside it, or into the file by gdal_edit.py -a_srs (degrees are EPSG:4326)",
+                    high - low, extent));
   }
 
   // Computes the positions of a row of samples. Two rows are kept at a time.
@@ -108,9 +109,9 @@ class HeightAsset {
 
   void expectSame(const Raster& other, const std::filesystem::path& name) const {
     if (sameReference(heights_, other)) return;
-    throw InputError({name.string()}, fmt::format("has another coordinate system than {}: bring it into that one, by "
-                                                  "`gdalwarp -t_srs`",
-                                                  file_.string()));
+    throw InputError(
+        {name.string()},
+        fmt::format("has another coordinate system than {}: convert it by `gdalwarp -t_srs`", file_.string()));
   }
 
   void readClasses() {

@@ -59,14 +59,14 @@ std::optional<fs::path> findInModelFolders(const fs::path& file, const std::stri
 fs::path findModel(const XmlNode& from, const fs::path& file, const std::string& uri) {
   if (uri.empty()) from.fail("names no file");
   if (uri.starts_with("http://") || uri.starts_with("https://")) {
-    from.fail(fmt::format("names '{}', which lies elsewhere: download it and name the file", uri));
+    from.fail(fmt::format("names '{}', which is not a local file: download it and name the file", uri));
   }
   for (const std::string_view scheme : {"model://", "package://"}) {
     if (!uri.starts_with(scheme)) continue;
     if (const auto found = findInModelFolders(file, uri.substr(scheme.size()))) return *found;
     from.fail(
-        fmt::format("names '{}', which is neither beside '{}' nor in the folders above it, nor in those that {} "
-                    "name: put it there, or take it out",
+        fmt::format("names '{}', which is neither in '{}', nor in the folders above it, nor in the folders of the "
+                    "variables {}: put it into one of these folders, or remove its name",
                     uri, file.parent_path().string(), fmt::join(kVariables, ", ")));
   }
   const std::string plain = uri.starts_with("file://") ? uri.substr(7) : uri;
@@ -76,7 +76,7 @@ fs::path findModel(const XmlNode& from, const fs::path& file, const std::string&
   }
   // A relative name may also be the name of a model.
   if (const auto found = findInModelFolders(file, plain)) return *found;
-  from.fail(fmt::format("names '{}', and there is no such file", uri));
+  from.fail(fmt::format("names '{}', but this file does not exist", uri));
 }
 
 }  // namespace scanmill

@@ -42,16 +42,18 @@ struct Scope {
                std::set<std::pair<const Scope*, std::string>>& been) const {
     if (name.empty() || name == "__model__" || name == "world" || name == "__root__") return {};
     if (!been.emplace(this, name).second) {
-      from.fail(fmt::format("has a pose relative to '{}', which goes round in a circle", name));
+      from.fail(fmt::format("has a pose relative to '{}', which is relative to itself", name));
     }
-    if (been.size() > kLongest) from.fail(fmt::format("has a pose relative to more than {} others", kLongest));
+    if (been.size() > kLongest)
+      from.fail(fmt::format("has a pose relative to a chain of more than {} frames", kLongest));
     const std::size_t colons = name.find("::");
     const auto found = frames.find(name.substr(0, colons));
-    if (found == frames.end()) from.fail(fmt::format("has a pose relative to '{}', and there is no such frame", name));
+    if (found == frames.end())
+      from.fail(fmt::format("has a pose relative to '{}', but this frame does not exist", name));
     const Frame& frame = found->second;
     const Pose own = resolve(frame.relativeTo, *frame.node, been) * frame.pose;
     if (colons == std::string::npos) return own;
-    if (frame.inside == nullptr) from.fail(fmt::format("has a pose relative to '{}', which is in no model", name));
+    if (frame.inside == nullptr) from.fail(fmt::format("has a pose relative to '{}', which is not in a model", name));
     return own * frame.inside->resolve(name.substr(colons + 2), from, been);
   }
 };
@@ -99,7 +101,7 @@ class SdfReader {
  public:
   World read(const std::filesystem::path& file) {
     const XmlNode root = readXml(file);
-    if (root.name != "sdf" && root.name != "gazebo") root.fail("is no SDF: its first element should be <sdf>");
+    if (root.name != "sdf" && root.name != "gazebo") root.fail("is not an SDF: its first element must be <sdf>");
     std::vector<PlacedModel> models;
     bool any = false;
     for (const XmlNode& child : root.children) {
@@ -123,7 +125,7 @@ class SdfReader {
   // Returns the models of a world, or those nested in a model, and the frames that poses in it may be relative to.
   std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth) {
     if (depth > kDeepestModel)
-      of.fail(fmt::format("is in more than {} models: does one include itself?", kDeepestModel));
+      of.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
     auto scope = std::make_shared<Scope>();
     struct Found {
       PoseElement pose;
@@ -209,7 +211,7 @@ class SdfReader {
       if (child == nullptr) {
         if (root.child("actor") != nullptr) leftOut("actor");
         if (root.child("light") != nullptr || root.child("actor") != nullptr) return std::nullopt;
-        root.fail(fmt::format("has no model, and {} includes it", node.where.text()));
+        root.fail(fmt::format("has no model, but {} includes it", node.where.text()));
       }
       model = readModel(*child, *definition, depth, pose, inside);
       model.definition = *definition;
@@ -252,7 +254,7 @@ class SdfReader {
       }
       found /= best;
       if (!std::filesystem::exists(found, ignored)) {
-        place.fail(fmt::format("names '{}', but there is no {}", uri, found.string()));
+        place.fail(fmt::format("names '{}', but no {} of this name exists", uri, found.string()));
       }
     }
     const std::filesystem::path canonical = std::filesystem::weakly_canonical(found, ignored);
@@ -345,8 +347,7 @@ class SdfReader {
         part.texture = image;
         return;
       }
-      return leftOut(
-          fmt::format("the image '{}' of the material '{}', which is missing", look->second.texture, part.material));
+      return leftOut(fmt::format("the missing image '{}' of the material '{}'", look->second.texture, part.material));
     }
   }
 
@@ -360,7 +361,7 @@ class SdfReader {
       try {
         part.texture = findModel(*map, file, map->text);
       } catch (const InputError&) {
-        leftOut(fmt::format("the albedo_map '{}', which is missing", map->text));
+        leftOut(fmt::format("the missing albedo_map '{}'", map->text));
       }
       return;
     }

@@ -21,7 +21,7 @@ std::string sizeText(const XmlNode& shape, std::string_view key, std::string_vie
 }
 
 double positive(const XmlNode& shape, double size) {
-  if (!(size > 0)) shape.fail(fmt::format("has the size {:g}: sizes are above 0", size));
+  if (!(size > 0)) shape.fail(fmt::format("has the size {:g}, but sizes must be above 0", size));
   return size;
 }
 

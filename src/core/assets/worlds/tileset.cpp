@@ -32,13 +32,13 @@ class TilesetReader {
   explicit TilesetReader(const AssetOptions& options) : options_(options) {}
 
   Asset read(const std::filesystem::path& file) {
-    if (options_.up) fail(file, "says by itself which axis is up: leave out `up`");
+    if (options_.up) fail(file, "states its up axis: leave out `up`");
     asset_.upDeclared = true;
     readFileOf(file, {}, "REPLACE", 0);
     if (!leftOut_.empty()) {
       std::vector<std::string> kinds;
       for (const auto& [kind, count] : leftOut_) kinds.push_back(fmt::format("{} {}", count, kind));
-      warn(fmt::format("{}: left out, only glTF, GLB and b3dm are read: {}", file.string(), fmt::join(kinds, ", ")));
+      warn(fmt::format("{}: left out tiles that are not glTF, GLB or b3dm: {}", file.string(), fmt::join(kinds, ", ")));
     }
     return std::move(asset_);
   }
@@ -55,20 +55,23 @@ class TilesetReader {
 
   void readFileOf(const std::filesystem::path& file, const Affine& earthFromParent, const std::string& refine,
                   int depth) {
-    if (!open_.insert(std::filesystem::weakly_canonical(file)).second) fail(file, "is a tileset that holds itself");
+    if (!open_.insert(std::filesystem::weakly_canonical(file)).second) fail(file, "is a tileset that includes itself");
     try {
       const Json json = Json::parse(readFile(file));
       const auto asset = json.find("asset");
-      if (asset == json.end() || !json.contains("root")) fail(file, "is no tileset: it has no asset and root");
+      if (asset == json.end() || !json.contains("root"))
+        fail(file, "is not a tileset: the keys asset and root are missing");
       const std::string version = asset->value("version", std::string());
-      if (version != "1.0" && version != "1.1") fail(file, fmt::format("is a tileset of the version '{}'", version));
+      if (version != "1.0" && version != "1.1")
+        fail(file, fmt::format("is a tileset of the version '{}': only 1.0 and 1.1 are read", version));
       const std::string up = asset->value("gltfUpAxis", std::string("Y"));
-      if (up != "X" && up != "Y" && up != "Z") fail(file, fmt::format("has the gltfUpAxis '{}'", up));
+      if (up != "X" && up != "Y" && up != "Z")
+        fail(file, fmt::format("has the gltfUpAxis '{}', but it must be X, Y or Z", up));
       const Context context{file, zUpFrom(static_cast<char>(up[0] + 32))};
       if (!assetFromEarth_) assetFromEarth_ = frameOf(json.at("root"));
       readTile(json.at("root"), context, earthFromParent, refine, depth);
     } catch (const Json::exception& e) {
-      fail(file, fmt::format("is no tileset: {}", e.what()));
+      fail(file, fmt::format("is not a tileset: {}", e.what()));
     }
     open_.erase(std::filesystem::weakly_canonical(file));
   }
@@ -92,7 +95,7 @@ class TilesetReader {
       middle = earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, r[4]);
     } else if (volume.contains("box")) {
       const auto b = volume.at("box").get<std::vector<double>>();
-      if (b.size() != 12) throw Error("a bounding box of 3D Tiles has 12 numbers");
+      if (b.size() != 12) throw Error("a bounding box of 3D Tiles must have 12 numbers");
       middle = transformOf(root) * Vec3d{b[0], b[1], b[2]};
     } else {
       const auto s = volume.at("sphere").get<std::array<double, 4>>();
@@ -103,9 +106,11 @@ class TilesetReader {
 
   void readTile(const Json& tile, const Context& context, const Affine& earthFromParent, const std::string& before,
                 int depth) {
-    if (depth > kDeepestTile) fail(context.file, fmt::format("is deeper than {} tiles", kDeepestTile));
+    if (depth > kDeepestTile)
+      fail(context.file, fmt::format("has tiles that are nested more than {} levels deep", kDeepestTile));
     if (tile.contains("implicitTiling")) {
-      fail(context.file, "has implicit tiling, which is not read: write its tiles out, by 3d-tiles-tools for example");
+      fail(context.file,
+           "has implicit tiling, which is not supported: convert it to explicit tiles, for example by 3d-tiles-tools");
     }
     const Affine earthFromTile = earthFromParent * transformOf(tile);
     const std::string refine = tile.value("refine", before);
@@ -131,18 +136,18 @@ class TilesetReader {
   void readContent(const std::string& uri, const Context& context, const Affine& earthFromTile,
                    const std::string& refine, int depth) {
     if (uri.starts_with("http://") || uri.starts_with("https://")) {
-      fail(context.file, fmt::format("names '{}', which lies elsewhere: download the tileset", uri));
+      fail(context.file, fmt::format("names '{}', which is not a local file: download the tileset", uri));
     }
     const std::string plain = decodeUri(uri.substr(0, uri.find('?')));
     const std::filesystem::path file = context.file.parent_path() / plain;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(file, ignored)) {
-      fail(context.file, fmt::format("names '{}', and there is no such file", uri));
+      fail(context.file, fmt::format("names '{}', but this file does not exist", uri));
     }
     const std::string kind = lowerExtension(file);
     if (kind == ".json") return readFileOf(file, earthFromTile, refine, depth + 1);
     if (kind != ".b3dm" && kind != ".glb" && kind != ".gltf") {
-      ++leftOut_[kind.empty() ? "of no kind" : kind];
+      ++leftOut_[kind.empty() ? "of an unknown kind" : kind];
       return;
     }
     add(gltf::readTile(file, *assetFromEarth_ * earthFromTile, context.zUpFromGltf, options_), plain);
@@ -160,7 +165,8 @@ class TilesetReader {
       asset_.parts.push_back(std::move(part));
     }
     nodes_ += nodes;
-    if (triangles_ > kMostTriangles) throw Error(fmt::format("places more than {} triangles", kMostTriangles));
+    if (triangles_ > kMostTriangles)
+      throw Error(fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
   }
 
   const AssetOptions& options_;

@@ -25,7 +25,7 @@ class UrdfReader {
   explicit UrdfReader(const std::filesystem::path& file) : file_(file), root_(readXml(file)) {}
 
   World read() {
-    if (root_.name != "robot") root_.fail("is no URDF: its first element should be <robot>");
+    if (root_.name != "robot") root_.fail("is not a URDF: its first element must be <robot>");
     for (const XmlNode& child : root_.children) {
       if (child.name.starts_with("xacro:")) {
         child.fail("is a macro: expand the file first, by `xacro robot.urdf.xacro > robot.urdf`");
@@ -37,7 +37,7 @@ class UrdfReader {
       for (const std::string& link : {child, joint.parent}) {
         const auto is = [&](const XmlNode& n) { return n.name == "link" && n.attributeOr("name", "link") == link; };
         if (std::none_of(root_.children.begin(), root_.children.end(), is)) {
-          throw InputError(joint.where, fmt::format("<joint> names the link '{}', and there is none", link));
+          throw InputError(joint.where, fmt::format("<joint> names the link '{}', but this link does not exist", link));
         }
       }
     }
@@ -45,7 +45,7 @@ class UrdfReader {
     for (const XmlNode& link : root_.children) {
       if (link.name != "link" || joints_.contains(link.attributeOr("name", "link"))) continue;
       if (first != nullptr) {
-        link.fail(fmt::format("'{}' hangs on no joint, and neither does '{}': one alone may be the root",
+        link.fail(fmt::format("'{}' and '{}' are both the child of no joint, but only one link can be the root",
                               link.attributeOr("name", "link"), first->attributeOr("name", "link")));
       }
       first = &link;
@@ -79,7 +79,7 @@ class UrdfReader {
       return *link;
     };
     if (!joints_.try_emplace(linkOf("child"), Joint{linkOf("parent"), readOrigin(joint), joint.where}).second) {
-      joint.fail(fmt::format("gives the link '{}' a second parent", linkOf("child")));
+      joint.fail(fmt::format("gives the link '{}' a second parent joint", linkOf("child")));
     }
   }
 
@@ -96,8 +96,7 @@ class UrdfReader {
       try {
         look.texture = findModel(*texture, file_, texture->attributeOr("filename", ""));
       } catch (const InputError&) {
-        world_.leftOut.push_back(
-            fmt::format("the texture '{}', which is missing", texture->attributeOr("filename", "")));
+        world_.leftOut.push_back(fmt::format("the missing texture '{}'", texture->attributeOr("filename", "")));
       }
     }
     const std::string name = material.attributeOr("name", "");
@@ -112,8 +111,7 @@ class UrdfReader {
     Affine place;
     std::set<std::string> been;
     for (auto joint = joints_.find(name); joint != joints_.end(); joint = joints_.find(name)) {
-      if (!been.insert(name).second)
-        link.fail(fmt::format("'{}' hangs on itself: the joints go round in a circle", name));
+      if (!been.insert(name).second) link.fail(fmt::format("'{}' is its own ancestor by the joints", name));
       place = joint->second.parentFromChild * place;
       name = joint->second.parent;
     }
@@ -135,7 +133,7 @@ class UrdfReader {
           part.thingFromPart.linear * Mat3::scale(vectorIn(shape, shape.attributeOr("scale", "1 1 1")));
     } else {
       part.solid = solidOf(shape);
-      if (!part.solid) shape.fail("is no shape of URDF: mesh, box, cylinder or sphere");
+      if (!part.solid) shape.fail("is not a shape of URDF (mesh, box, cylinder or sphere)");
     }
     if (const XmlNode* material = visual.child("material")) {
       const Look look = noteMaterial(*material);

@@ -85,7 +85,8 @@ class WorldAsset {
     move(part, place);
     triangles_ += part.triangles.size();
     if (triangles_ > kMostTriangles) {
-      throw InputError({file_.string()}, fmt::format("places more than {} triangles", kMostTriangles));
+      throw InputError({file_.string()},
+                       fmt::format("has more than {} triangles, with all copies: split it", kMostTriangles));
     }
     parts.push_back(std::move(part));
   }
@@ -137,7 +138,7 @@ class WorldAsset {
     if (taken.empty()) {
       std::sort(names.begin(), names.end());
       names.erase(std::unique(names.begin(), names.end()), names.end());
-      throw InputError(from.where, fmt::format("'{}' has no submesh '{}'; it has {}", from.mesh.string(), from.submesh,
+      throw InputError(from.where, fmt::format("'{}' has no submesh '{}', but has {}", from.mesh.string(), from.submesh,
                                                fmt::join(names, ", ")));
     }
     for (AssetPart& part : taken) {
@@ -154,7 +155,7 @@ class WorldAsset {
     options.textures = options_.textures;
     options.allowOutside = options_.allowOutside;
     const std::string suffix = lowerExtension(from.mesh);
-    if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is no mesh", from.mesh.string()));
+    if (isWorld(suffix)) throw InputError(from.where, fmt::format("'{}' is not a mesh", from.mesh.string()));
     // Gazebo and ROS ignore the up axis that a file declares, except for glTF.
     if (suffix != ".gltf" && suffix != ".glb") options.up = 'z';
     try {

@@ -35,10 +35,10 @@ class Reader {
     pugi::xml_document document;
     const pugi::xml_parse_result result = document.load_buffer(bytes_.data(), bytes_.size());
     if (!result) {
-      throw InputError(at(result.offset), fmt::format("is no XML: {}", result.description()));
+      throw InputError(at(result.offset), fmt::format("is not XML: {}", result.description()));
     }
     const pugi::xml_node root = document.document_element();
-    if (!root) throw InputError({file_}, "is no XML: it has no element");
+    if (!root) throw InputError({file_}, "is not XML: it has no element");
     return convert(root, 0);
   }
 
@@ -52,7 +52,8 @@ class Reader {
     XmlNode node;
     node.where = at(from.offset_debug());
     if (depth > kDeepestElement)
-      throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepestElement));
+      throw InputError(node.where,
+                       fmt::format("has elements that are nested more than {} levels deep", kDeepestElement));
     node.name = from.name();
     std::string text;  // in pieces if comments interrupt it
     for (const pugi::xml_node& child : from.children()) {
@@ -118,11 +119,11 @@ std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::s
       error = std::errc();
     }
     if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(number)) {
-      node.fail(fmt::format("has {} where a number should be", quotedForMessage(word)));
+      node.fail(fmt::format("has {}, but must have a number here", quotedForMessage(word)));
     }
     numbers.push_back(number);
   }
-  if (numbers.size() != count) node.fail(fmt::format("has {} numbers where {} are wanted", numbers.size(), count));
+  if (numbers.size() != count) node.fail(fmt::format("has {} numbers, but must have {}", numbers.size(), count));
   return numbers;
 }
 

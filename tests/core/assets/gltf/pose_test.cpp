@@ -161,17 +161,17 @@ TEST_F(GltfPose, WhatDoesNotFitIsRefused) {
     EXPECT_THAT(refusal(b, ClipTime{"bend", 0.5}), AllOf(HasSubstr("arm.gltf"), HasSubstr(words)));
   };
   refuses([](Builder& b) { b.json.erase("animations"); }, "has no animation");
-  refuses([](Builder& b) { b.json["nodes"][2]["skin"] = 1; }, "nodes[2].skin is 1, but there are 1");
-  refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 7}; }, "skins[0].joints is 7, but there are 3");
+  refuses([](Builder& b) { b.json["nodes"][2]["skin"] = 1; }, "nodes[2].skin is 1, but only 1 exist");
+  refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 7}; }, "skins[0].joints is 7, but only 3 exist");
   refuses([](Builder& b) { b.json["scenes"][0]["nodes"] = {2}; },
-          "joint of the skin of the mesh of 'sleeve' is no node of the scene");
-  refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0}; }, "hangs on the joint 1 of a skin with 1");
+          "joint of the skin of the mesh of 'sleeve' is not a node of the scene");
+  refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0}; }, "refers to the joint 1, but its skin has 1");
   refuses([](Builder& b) { b.json["skins"][0]["inverseBindMatrices"] = 99; }, "inverseBindMatrices is 99");
   refuses([](Builder& b) { b.json["skins"][0]["joints"] = {0, 1, 0}; }, "fewer matrices than joints");
   refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["sampler"] = 4; }, "channel's sampler is 4");
-  refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["target"]["path"] = "scale"; }, "do not fit");
+  refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["target"]["path"] = "scale"; }, "do not match");
   refuses([](Builder& b) { b.json["animations"][0]["channels"][0]["target"]["node"] = 9; },
-          "target is 9, but there are 3");
+          "target is 9, but only 3 exist");
   refuses([](Builder& b) { b.json["animations"][0]["channels"] = 3; }, "not valid glTF");
   refuses([](Builder& b) { b.json["animations"][0]["samplers"][0]["input"] = 1; }, "whole numbers");
   refuses([](Builder& b) { b.json["accessors"][2]["normalized"] = false; }, "whole numbers");
@@ -186,7 +186,7 @@ TEST_F(GltfPose, WhatDoesNotFitIsRefused) {
         b.json["meshes"][0]["primitives"][0]["attributes"]["JOINTS_0"] =
             b.numbers<float>({0, 0, 0, 0, 1e30f, 0, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
       },
-      "should be whole numbers");
+      "must have unsigned whole numbers");
   refuses([](Builder& b) { b.json["meshes"][0]["primitives"][0]["attributes"].erase("WEIGHTS_0"); }, "not valid glTF");
   AssetOptions options;
   options.clip = ClipTime{"bend", 0};

@@ -199,8 +199,8 @@ TEST_F(Heights, MistakesAreNamed) {
   EXPECT_THAT(asc("0.01 0.02\n0.03 none\n"), AllOf(HasSubstr("g.asc:8"), HasSubstr("'none' is no number")));
   EXPECT_THAT(asc("1,5 2,5\n3 4\n"), AllOf(HasSubstr("g.asc:7"), HasSubstr("'1,5'")));
   EXPECT_THAT(asc("510 512\n530 521\n"), AllOf(HasSubstr("rises by 20 m within"), HasSubstr("EPSG:4326")));
-  EXPECT_THAT(refused({1, 3, {1, 2, 3}, 0, 0, 1}), HasSubstr("two at least"));
-  EXPECT_THAT(refused({2, 2, {NAN, 2, 3, 4}, 0, 0, 1}), HasSubstr("no four samples"));
+  EXPECT_THAT(refused({1, 3, {1, 2, 3}, 0, 0, 1}), HasSubstr("at least two"));
+  EXPECT_THAT(refused({2, 2, {NAN, 2, 3, 4}, 0, 0, 1}), HasSubstr("no cell whose four samples"));
   std::string unplaced = tilted().bytes();
   for (const std::uint16_t tag :
        {std::uint16_t{33550}, std::uint16_t{33922}}) {  // scale and tie point, under numbers that nobody knows

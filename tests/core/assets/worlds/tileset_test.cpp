@@ -171,21 +171,21 @@ TEST_F(Tileset, MistakesAreNamed) {
     root.update(more);
     return refused(root);
   };
-  EXPECT_THAT(messageOf([&] { read("t.json", "{"); }), AllOf(HasSubstr("t.json"), HasSubstr("no tileset")));
-  EXPECT_THAT(messageOf([&] { read("t.json", "{}"); }), HasSubstr("no asset and root"));
+  EXPECT_THAT(messageOf([&] { read("t.json", "{"); }), AllOf(HasSubstr("t.json"), HasSubstr("not a tileset")));
+  EXPECT_THAT(messageOf([&] { read("t.json", "{}"); }), HasSubstr("the keys asset and root are missing"));
   EXPECT_THAT(messageOf([&] { tileset({{"boundingVolume", local()}}, "0.0"); }), HasSubstr("version '0.0'"));
   EXPECT_THAT(with(Json::object()), HasSubstr("has no triangle"));
   EXPECT_THAT(with({{"content", {{"uri", "gone.glb"}}}}), AllOf(HasSubstr("tileset.json"), HasSubstr("'gone.glb'")));
   EXPECT_THAT(with({{"content", {{"uri", "https://a/b.glb"}}}}), HasSubstr("download"));
-  EXPECT_THAT(with({{"content", {{"uri", "tileset.json"}}}}), HasSubstr("holds itself"));
+  EXPECT_THAT(with({{"content", {{"uri", "tileset.json"}}}}), HasSubstr("includes itself"));
   EXPECT_THAT(with({{"implicitTiling", Json::object()}}), HasSubstr("implicit tiling"));
-  EXPECT_THAT(with({{"transform", {1, 2}}}), HasSubstr("no tileset"));
+  EXPECT_THAT(with({{"transform", {1, 2}}}), HasSubstr("not a tileset"));
   folder_.write("cut.b3dm", "b3dm\1");
   EXPECT_THAT(with({{"content", {{"uri", "cut.b3dm"}}}}), AllOf(HasSubstr("cut.b3dm"), HasSubstr("truncated")));
   folder_.write("cut.b3dm", b3dm("", "{").substr(0, 29));
   EXPECT_THAT(with({{"content", {{"uri", "cut.b3dm"}}}}), HasSubstr("longer than the file"));
   folder_.write("bad.b3dm", b3dm(glb(upright().text()), R"({"RTC_CENTER":{"byteOffset":4}})"));
-  EXPECT_THAT(with({{"content", {{"uri", "bad.b3dm"}}}}), HasSubstr("beside the feature table"));
+  EXPECT_THAT(with({{"content", {{"uri", "bad.b3dm"}}}}), HasSubstr("outside the feature table"));
   // What is not read is left out, and said.
   folder_.write("a.pnts", "pnts");
   testing::internal::CaptureStderr();

@@ -55,13 +55,13 @@ TEST_F(Urdf, SolidsAndMeshesHaveTheirSizesAndColours) {
 }
 
 TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
-  EXPECT_THAT(messageOf([&] { read("r.urdf", "<sdf/>"); }), HasSubstr("no URDF"));
+  EXPECT_THAT(messageOf([&] { read("r.urdf", "<sdf/>"); }), HasSubstr("not a URDF"));
   EXPECT_THAT(refused("<xacro:property name=\"a\" value=\"1\"/>"),
               AllOf(HasSubstr("r.urdf:2"), HasSubstr("xacro robot")));
   EXPECT_THAT(refused("<joint name=\"j\"><parent link=\"a\"/><child link=\"bb\"/></joint><link name=\"a\"/>"),
-              AllOf(HasSubstr("r.urdf:2"), HasSubstr("'bb', and there is none")));
+              AllOf(HasSubstr("r.urdf:2"), HasSubstr("'bb', but this link does not exist")));
   EXPECT_THAT(refused("<link name=\"a\"/>\n<link name=\"b\"/>"),
-              AllOf(HasSubstr("r.urdf:3"), HasSubstr("'b' hangs on no joint, and neither does 'a'")));
+              AllOf(HasSubstr("r.urdf:3"), HasSubstr("'b' and 'a' are both the child of no joint")));
   EXPECT_THAT(refused("<joint name=\"j\"><child link=\"a\"/></joint>"), HasSubstr("<parent link="));
   EXPECT_THAT(
       refused("<joint name=\"j\"><parent link=\"b\"/><child link=\"a\"/></joint><joint name=\"k\"><parent link=\"a\"/>"
@@ -73,7 +73,7 @@ TEST_F(Urdf, MistakesAreNamedWithTheirLine) {
               "<link name=\"a\"/>"),
       HasSubstr("second parent"));
   EXPECT_THAT(refused("<link name=\"a\"><visual><geometry><torus/></geometry></visual></link>"),
-              HasSubstr("no shape of URDF"));
+              HasSubstr("not a shape of URDF"));
   EXPECT_THAT(refused("<link name=\"a\"><visual><geometry><box/></geometry></visual></link>"),
               HasSubstr("has no size"));
   EXPECT_THAT(

@@ -167,7 +167,7 @@ TEST_F(Drawn, RefusesWhatMightNotWork) {
   EXPECT_THAT(refusal({"effects=[{intensity: {output: {choice: [float, u8]}}}]"}),
               HasSubstr("the unit of its intensity"));
   EXPECT_THAT(refusal({"sensors.0.mount.position.2={uniform: [1, 2], per: frame}"}), HasSubstr("per: frame"));
-  EXPECT_THAT(refusal({"sensors.0.columns={choice: [64, 128]}"}), HasSubstr("cannot be drawn at random"));
+  EXPECT_THAT(refusal({"sensors.0.columns={choice: [64, 128]}"}), HasSubstr("cannot be random"));
   EXPECT_THAT(refusal({"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]"}),
               HasSubstr("quantize"));
   GenerateOptions options;

@@ -203,7 +203,7 @@ TEST(WeatherEffect, SeveritiesAreALadder) {
 TEST(WeatherEffect, RefusesWhatIsWrongOrMissing) {
   EXPECT_THAT(refusal("weather: {}"), HasSubstr("kind"));
   EXPECT_THAT(refusal("weather: {kind: hail}"), HasSubstr("rain"));
-  EXPECT_THAT(refusal("weather: {kind: fog, rate_mm_h: 3}"), HasSubstr("says `visibility_m`"));
+  EXPECT_THAT(refusal("weather: {kind: fog, rate_mm_h: 3}"), HasSubstr("by `visibility_m`"));
   EXPECT_THAT(refusal("weather: {kind: fog, severity: heavy, visibility_m: 30}"), HasSubstr("not both"));
   EXPECT_THAT(messageOf([] { makeEffect("weather: {kind: fog}")->check(*makeWorld(1, 4).shot.beams); }),
               HasSubstr("divergence_mrad"));
