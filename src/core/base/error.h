@@ -13,7 +13,7 @@ struct Location {
   int line = 0;
   int column = 0;
 
-  // Returns "file:line:column", "file:line" or "file", as far as the place is known; empty where there is no file.
+  // Returns "file:line:column", "file:line" or "file", as far as the members are known; empty if `file` is empty.
   std::string text() const;
 };
 
@@ -23,8 +23,8 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The input or the usage is wrong, and the user can correct it (exit code 2). The message starts with the place of the
-// fault where that is known.
+// The input or the usage is wrong, and the user can correct it (exit code 2). The message starts with the file and line
+// of the fault if they are known.
 class InputError : public Error {
  public:
   InputError(const Location& where, const std::string& message);

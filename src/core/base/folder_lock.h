@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// The path of a lock file is taken by something that this program did not make: a link, a folder, or a file with a
-// second hard link. That file and the target of a link stay untouched. The message says what to remove.
+// Thrown if the path of a lock file leads to something that this program did not make: a link, a folder, or a file with
+// a second hard link. Nothing is changed there. The message says what to remove.
 class ForeignFile : public InputError {
  public:
   using InputError::InputError;
@@ -22,17 +22,17 @@ enum class LockKind {
   Shared,  // no process holds the lock alone
 };
 
-// Holds a lock file. The destructor removes the file if it is certain that no other process holds the lock. The file
-// states which process took the lock last, on which host, since when. The lock is the operating system's (flock; on
-// network file systems Linux turns it into a lock of the server). A process that dies therefore loses the lock and
-// leaves only a file that nobody holds. On a file system without locks no process can be kept from sharing the folder,
-// and a file that was taken alone counts as held if its process still runs on this host, or if it was written on
-// another host.
+// Holds a lock on a file. The destructor removes the file if no other process can hold the lock. The file's text states
+// which process took the lock last, on which host and when.
+// The lock is the operating system's (flock; Linux turns it into a lock of the server on network file systems). If a
+// process dies, the system therefore releases its lock, and the file that remains locks nobody out.
+// Some file systems have no locks. On these, shared use is always granted, and a lock held alone is judged by the
+// file's text: it counts as held if its process still runs on this host, or if it was taken on another host.
 class FolderLock {
  public:
-  // `folder` must exist; it may be a link, and errors name it. `file` lies in it or in folders below it, none of which
-  // may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the file cannot be
-  // created.
+  // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below
+  // it, none of which may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the
+  // file cannot be created.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
@@ -43,10 +43,10 @@ class FolderLock {
   static std::unique_ptr<FolderLock> tryTake(const std::filesystem::path& folder, const std::filesystem::path& file,
                                              LockKind kind, std::string& holder);
 
-  // Turns a shared lock into one held alone. Returns false and loses the lock if another process shares it, or if the
-  // file system has no locks.
+  // Turns a shared lock into a lock held alone. Returns false and loses the lock if another process shares it, or if
+  // the file system has no locks.
   bool makeAlone();
-  // True if the lock keeps other processes out: false on a file system without locks.
+  // True if the lock keeps other processes out; false on a file system without locks.
   bool isKept() const { return locked_; }
 
  private:

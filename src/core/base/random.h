@@ -9,8 +9,8 @@
 
 namespace scanmill {
 
-// The use of a random number: each use has numbers of its own. A seed's numbers depend on these values: append new
-// ones, never renumber.
+// What a random number is used for. Different purposes get independent numbers. A dataset depends on these values:
+// append new purposes, never renumber.
 enum class Purpose : std::uint16_t {
   RangeNoise = 1,
   AngularJitter = 2,
