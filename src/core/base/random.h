@@ -9,8 +9,8 @@
 
 namespace scanmill {
 
-// What a random number is used for. Different purposes get independent numbers. A dataset depends on these values:
-// append new purposes, never renumber.
+// The purpose of a random number. Different purposes get independent numbers. A dataset depends on these values: append
+// new purposes, never renumber.
 enum class Purpose : std::uint16_t {
   RangeNoise = 1,
   AngularJitter = 2,

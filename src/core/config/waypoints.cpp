@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kFarthest = 1e9;  // m, largest coordinate
 constexpr double kNearest = 1e-6;  // m, smallest distance of two waypoints
-constexpr double kSteepest = 85;   // deg, largest slope: on a steeper path "heading along the path" gives no yaw
-constexpr double kSharpest = 175;  // deg, largest turn at a waypoint: beyond, the path goes straight back
+constexpr double kSteepest = 85;   // deg, largest slope; on a vertical path the heading would have no yaw
+constexpr double kSharpest = 175;  // deg, largest turn at a waypoint; a path must not turn straight back
 
 }  // namespace
 

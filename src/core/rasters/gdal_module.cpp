@@ -22,7 +22,7 @@ namespace {
   throw std::runtime_error(text.empty() ? otherwise : text);
 }
 
-// A coordinate system whose axes are in the order of the raster's x and y.
+// A coordinate system whose first axis is x (east) and whose second is y (north), as in the raster.
 class Reference {
  public:
   explicit Reference(const std::string& definition) : handle_(OSRNewSpatialReference(nullptr)) {

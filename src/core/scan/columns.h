@@ -1,8 +1,8 @@
 #pragma once
 
 // The table of the columns that a point of a scan may have besides its position. Each column is defined only here: all
-// code that writes, reads, checks, plans, describes or colours columns goes over this table. A new column is a row here
-// and the lines of sense/gather.cpp that fill it.
+// code that writes, reads, checks, plans, describes or colours columns iterates over this table. To add a column, add a
+// row here and the lines in sense/gather.cpp that fill it.
 
 #include <array>
 #include <cstddef>
@@ -23,7 +23,7 @@ enum class ColumnType : std::uint8_t { Float32, UInt8, UInt16, UInt32 };
 
 // Says what the values of a column describe.
 enum class ColumnOrigin : std::uint8_t {
-  Beam,    // the beam, whatever it hits
+  Beam,    // the beam, independent of its hit
   Hit,     // the surface that the beam hits, exact and noise-free
   Return,  // what the receiver makes of the hit, after all effects
 };
@@ -31,7 +31,7 @@ enum class ColumnOrigin : std::uint8_t {
 // The error that a format with bounded errors (Draco) may add to a column. Integers are always exact.
 enum class ColumnLoss : std::uint8_t {
   Exact,
-  AsPositions,  // an error as large as that of the format's positions
+  AsPositions,  // at most the error of the format's positions
   Bounded,      // an error of at most Column::lossBound
 };
 
@@ -59,10 +59,11 @@ struct ColumnDisplay {
   int decimals = -1;  // -1: five significant digits
   ColumnColors colors = ColumnColors::Scale;
   double scalePower = 1;         // the colour at the part t of the map stands for low + (high - low) * t^scalePower
-  double scaleClipped = 0;       // share of the values that lie beyond each end of the scale
-  bool scaleOfValidity = false;  // the scale runs from Column::low to Column::high, whatever the values
+  double scaleClipped = 0;       // share of the values that are cut off at each end of the scale
+  bool scaleOfValidity = false;  // the scale runs from Column::low to Column::high; else from the least to the greatest
+                                 // value
   char key = 0;                  // the viewer's key that colours by this column; 0: none
-  bool inReport = false;         // a dataset's report colours its points by this column too
+  bool inReport = false;         // the report of a dataset has an image that is coloured by this column
 };
 
 struct Column {
@@ -70,7 +71,7 @@ struct Column {
   ColumnType type;
   std::string_view unit;     // of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
-  double none;               // stored where a point has no value, such as a miss of an organised scan
+  double none;               // value of a point without a value, such as a miss in an organised scan
   ColumnOrigin origin;
   Channels channels{};    // channels of Hits that the column is computed from
   bool byDefault = true;  // written if a pipeline does not name output.columns
@@ -99,7 +100,7 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
           .display = {.unit = unit, .decimals = 3}};
 }
 
-// The columns in the order in which files hold them, behind x, y and z.
+// The columns in the order in which files store them, after x, y and z.
 inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "intensity",
      .type = ColumnType::Float32,
@@ -300,8 +301,7 @@ struct ColumnTypeOf<ColumnType::UInt32> {
   using Value = std::uint32_t;
 };
 
-// Names a row of the table at compile time, and with it the type of its values: scan[kLabel] is a
-// std::vector<std::uint16_t>.
+// Names a row of the table and the type of its values at compile time: scan[kLabel] is a std::vector<std::uint16_t>.
 template <std::size_t Index>
 struct ColumnKey {
   static_assert(Index < kColumnCount, "the table of columns has no row of this name");
@@ -310,7 +310,7 @@ struct ColumnKey {
   using Value = typename ColumnTypeOf<kColumns[Index].type>::Value;
 };
 
-// Keys of the columns that code names one by one.
+// Keys of the columns that code accesses by name.
 inline constexpr ColumnKey<columnIndex("intensity")> kIntensity;
 inline constexpr ColumnKey<columnIndex("label")> kLabel;
 inline constexpr ColumnKey<columnIndex("instance")> kInstance;
@@ -352,7 +352,7 @@ class ColumnSet {
     for (std::size_t i = 0; i < kColumnCount; ++i) set.add(i);
     return set;
   }
-  // Returns the columns that are written if a pipeline does not name any.
+  // Returns the columns that are written if the pipeline has no key output.columns.
   static constexpr ColumnSet byDefault() {
     ColumnSet set;
     for (std::size_t i = 0; i < kColumnCount; ++i) {
@@ -400,7 +400,7 @@ class ColumnSet {
   std::uint64_t bits_ = 0;
 };
 
-// Selects the columns of a scan, and whether the scan has its misses and its reasons.
+// Selects the columns of a scan, whether it is organised (with misses), and whether it has the reasons of beams.
 struct ScanLayout {
   ColumnSet columns = ColumnSet::byDefault();
   bool organised = false;
@@ -410,10 +410,10 @@ struct ScanLayout {
 // Returns the names of all rows, in their order.
 std::vector<std::string> allColumnNames();
 
-// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and those of the set.
+// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and the names of the set.
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 
-// Returns a text with a unit behind it, such as "time (s)"; the text alone if the unit is empty.
+// Returns a text followed by its unit in brackets, such as "time (s)"; only the text if the unit is empty.
 std::string withUnit(std::string_view text, std::string_view unit);
 
 // Returns a stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".
