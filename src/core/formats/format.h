@@ -29,8 +29,8 @@ class Format {
   virtual std::string_view suffix() const = 0;  // "pcd", "drc", "csv": lower-case, no dot
   // Returns the largest Euclidean error of a position that encode() makes, in metres; 0 for lossless.
   virtual double maxError() const = 0;
-  virtual bool keepsMisses() const = 0;  // whether it can hold an organised scan
-  // Returns an upper bound of the bytes that encode() makes of a scan with this outline.
+  virtual bool keepsMisses() const = 0;  // true if encode() can store an organised scan
+  // Returns an upper bound of the bytes that encode() produces for a scan with this outline.
   virtual double mostBytes(const ScanOutline& outline) const = 0;
   // Turns a scan, also one without points, into the bytes of a file. Several threads may call this at once. Throws
   // Error for an inconsistent scan (see requireConsistent()).

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // largest array
+constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // largest size of an array (bytes)
 
 // Calls visit(name, bytes) for each .npy file of a ZIP archive.
 template <class Visit>

@@ -35,7 +35,7 @@ struct PlyHeader {
   std::vector<PlyElement> elements;
   std::uint64_t size = 0;  // bytes of the header
   int lines = 0;
-  bool isMac = false;  // lines end with a carriage return alone
+  bool isMac = false;  // lines end with "\r" (old Mac OS)
 };
 
 // Reads the header of a PLY file. Throws an InputError that names the file, the line and the fault: there is no

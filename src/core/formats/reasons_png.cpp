@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostReason = 31;  // palette entries above it are not written
+constexpr std::size_t kMostReason = 31;  // largest value with an entry in the palette
 
 std::array<std::uint8_t, 3 * (kMostReason + 1)> palette() {
   std::array<std::uint8_t, 3 * (kMostReason + 1)> colors{};

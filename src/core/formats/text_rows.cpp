@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kBuffer = 1 << 16;
 
-// The characters of a type's longest number and a separator.
+// The most characters that a number of this type takes, with the separator after it.
 template <class T>
 constexpr std::size_t kLongest = std::is_same_v<T, float> ? 16  // "-1.17549435e-38"
                                  : std::is_same_v<T, double>

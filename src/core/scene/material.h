@@ -59,7 +59,7 @@ struct Material {
   std::vector<Variation> variations = {};  // for the effect reflectance_variation; at most kMostVariations
   std::vector<Relief> relief = {};         // for the effect relief; at most kMostReliefs
   bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit, divided by textureMean
-  std::shared_ptr<const Texture> texture;  // base colour; null if none is needed
+  std::shared_ptr<const Texture> texture;  // base colour; null: none
   float textureMean = 1.0f;                // mean linear luminance of the texture
   bool alphaTested = false;                // texels with alpha below alphaCutoff let the beam pass
   float alphaCutoff = 0.5f;

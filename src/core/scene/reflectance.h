@@ -26,8 +26,9 @@ struct CompactMaterial {
 CompactMaterial compact(const Material& material);
 std::vector<CompactMaterial> compactMaterials(const Scene& scene);
 
-// Returns the barycentric coordinates for the second and the third corner of a point in a triangle's plane, clamped to
-// the triangle. The edges ab and ac and the point are relative to the first corner (m, all in one frame).
+// Returns the barycentric coordinates of a point in a triangle's plane, clamped to the triangle: the weights of the
+// second and of the third corner. The edges ab and ac and the point are relative to the first corner (m, all in one
+// frame).
 inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
   const Vec3d n = cross(ab, ac);
   const double square = dot(n, n);

@@ -57,8 +57,8 @@ std::vector<std::uint64_t> Scene::copies() const {
   return counts;
 }
 
-// Transforms the corners of each mesh's box instead of its vertices: a million copies cost a million boxes. The result
-// contains every vertex, and is tight if no mesh is rotated.
+// Uses the corners of each mesh's box and not its vertices, so that a scene with a million copies stays fast. The
+// result contains every vertex, and is tight if no mesh is rotated.
 Box Scene::bounds() const {
   if (whole != nullptr) return whole->bounds;
   std::vector<Box> meshBounds;

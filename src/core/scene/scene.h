@@ -28,8 +28,8 @@ struct Surface {
   std::uint16_t material = 0;  // index into Scene::materials
   std::uint16_t semantic = 0;  // class id
   std::uint32_t object = 0;    // 0: stuff; n > 0: the n-th thing of this mesh (see Instance::firstInstanceId)
-  // For reports: names in the asset, and the location in the scene file of the rule or the key `class` that gave the
-  // class; its file is empty if neither did.
+  // For reports: names in the asset, and the place in the scene file of the rule or of the key `class` that gave the
+  // class. The place has no file if the class comes from neither.
   std::string node, texture;
   Location labelledBy;
 };
@@ -81,8 +81,8 @@ struct Instance {
   std::string name;
   std::shared_ptr<const Movement> movement = nullptr;    // null: does not move
   std::shared_ptr<const Animation> animation = nullptr;  // null: always the same mesh
-  // The direction in which its things face (rad, from the mesh's x axis towards its y axis). Without a value, the thing
-  // of a mesh with a single thing faces along x.
+  // The direction in which the instance's things face (rad, from the mesh's x axis towards its y axis). If it is not
+  // set, the thing of a mesh with a single thing faces along x.
   std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }
@@ -91,7 +91,7 @@ struct Instance {
   std::uint32_t meshAt(double time) const { return animation == nullptr ? mesh : animation->at(time); }
 };
 
-// A part of an asset to which no rule gives a class, by the names that it has in the asset.
+// A part of an asset to which no rule gives a class, identified by names in the asset.
 struct UnlabeledPart {
   std::string file, material, texture, node;
   bool operator==(const UnlabeledPart&) const = default;
@@ -108,14 +108,14 @@ struct RuleUse {
   std::uint64_t decided = 0;  // triangles to which it gave a class or a material, or which it dropped
 };
 
-// Properties that a scene had before objects were taken out of it (scene/without.h). They decide how the remaining
-// scene is traced, so that all other hits stay the same to the last bit.
+// Properties of a scene before objects were taken out of it (scene/without.h). They decide how the remaining scene is
+// traced, so that all other hits stay the same to the last bit.
 struct WholeScene {
   Box bounds;  // m, in the world's frame at time 0
   bool moves = false;
   std::uint64_t placedTriangles = 0;
   std::vector<std::uint64_t> copies;  // by mesh: how many instances place it
-  std::vector<std::string> absent;    // classes that were to be taken out, but of which the scene had nothing
+  std::vector<std::string> absent;    // classes to take out that had no triangles in the scene
 };
 
 struct Scene {
@@ -125,14 +125,14 @@ struct Scene {
   bool procedural = false;         // some part of the scene depends on the seed
   std::string about;               // description of a random place; empty if the scene has none
   std::vector<DrawnValue> draws;   // random values of keys of the scene file
-  std::vector<ShareBound> shares;  // bounds that the scene's town has
+  std::vector<ShareBound> shares;  // bounds on classes' shares of the hits in the scene's town
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   Dropped dropped;
   std::map<UnlabeledPart, std::uint64_t> unlabeled;  // triangles to which no rule gives a class
-  std::vector<RuleUse> rules;                        // in the order of their locations
+  std::vector<RuleUse> rules;                        // ordered by their places
   std::shared_ptr<const WholeScene> whole;           // null: nothing was taken out
 
   bool moves() const;                         // true if some instance moves

@@ -11,7 +11,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kMargin = 1;  // m, by which rays start above and end below all surfaces
+constexpr double kMargin = 1;  // m; rays start this far above and end this far below all surfaces
 
 std::array<Vec3d, 3> cornersOf(const Scene& scene, std::uint32_t instance, std::uint32_t triangle) {
   const Instance& placed = scene.instances[instance];
@@ -45,8 +45,8 @@ void note(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-// Embree's hierarchy, in single precision relative to an anchor. It only finds the triangles: their heights are then
-// computed in double.
+// Embree's hierarchy, in single precision relative to an anchor. It only finds triangles; their heights are computed in
+// double afterwards.
 struct SurfaceHeights::Hierarchy {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene all = rtcNewScene(device);

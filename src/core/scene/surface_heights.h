@@ -13,13 +13,14 @@
 
 namespace scanmill {
 
-constexpr double kAboveGround = 0.5;           // m, ground up to this far above a point still counts as below it
+constexpr double kAboveGround = 0.5;           // m; ground up to this far above a point still counts as ground under it
 constexpr double kSteepestGround = kPi / 3;    // rad, greatest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
-// Returns the ground under a point at the height `z`. `surfaces` are those above and below the point, the highest
-// first; `heightOf` returns a surface's height, and `holds` is true if the surface counts. The result is the highest
-// surface that is at most kAboveGround higher than `z`; if all are higher, the lowest; null if no surface counts.
+// Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
+// highest first; `heightOf` returns the height of a surface, and `holds` is true if the surface counts. The result is
+// the highest surface that is at most kAboveGround higher than `z`; if all are higher, the lowest; null if no surface
+// counts.
 template <class Surface, class HeightOf, class Holds>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
                            const Holds& holds) {
@@ -42,11 +43,11 @@ class SurfaceHeights {
     bool thing = false;
   };
 
-  // The scene must outlive this object. No instance is taken before the first update().
+  // The scene must outlive this object. The object knows no instance before the first update().
   explicit SurfaceHeights(const Scene& scene);
   ~SurfaceHeights();
 
-  // Takes the instances that were added to the scene since the last call, except moving ones.
+  // Adds the instances that were added to the scene since the last call, except moving instances.
   void update();
 
   // Returns all surfaces at a point (m, world frame), the highest first.
@@ -61,8 +62,8 @@ class SurfaceHeights {
     return found == nullptr ? std::nullopt : std::optional(*found);
   }
 
-  // The surfaces of given classes that face up. If none of them faces up, all surfaces of these classes, since files
-  // may have flipped triangles. Valid until the next update().
+  // The surfaces of given classes that face up, as an area to sample. If no surface faces up, the area has all surfaces
+  // of the classes, since files may have flipped triangles. Valid until the next update().
   class Area {
    public:
     double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // as seen from above

@@ -23,10 +23,10 @@ struct VoxelGrid {
     return (std::size_t{x} * counts[1] + y) * counts[2] + z;
   }
 
-  // Returns a point (m) in units of voxels from the low corner: voxel i of an axis is [i, i + 1). Each point is thus in
-  // one voxel, and a point between two voxels is in the upper one. Floors and walls are often at round coordinates,
-  // exactly between two voxels, where rounding would scatter them over both layers. Therefore all voxels are shifted
-  // down along each axis by this part of their edge (0.1 mm of 0.2 m).
+  // Returns a point (m) in units of voxels from the low corner: voxel i of an axis is [i, i + 1). A point on the face
+  // between two voxels is thus in the upper voxel. Floors and walls are often at round coordinates, exactly between two
+  // voxels, where rounding would scatter them over both layers. Therefore the grid is shifted down along each axis by
+  // kLower times the edge of a voxel (0.1 mm for voxels of 0.2 m).
   static constexpr double kLower = 1.0 / 2048;
   Vec3d inVoxels(const Vec3d& place) const {
     const Vec3d p = (place - low) * (1 / size);
