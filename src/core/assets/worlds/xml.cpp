@@ -54,7 +54,7 @@ class Reader {
     if (depth > kDeepestElement)
       throw InputError(node.where, fmt::format("is deeper than {} elements", kDeepestElement));
     node.name = from.name();
-    std::string text;  // in pieces if comments interrupt it
+    std::string text;  // comments may split the text into several pieces
     for (const pugi::xml_node& child : from.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
     }
