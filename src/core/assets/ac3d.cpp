@@ -33,7 +33,7 @@ std::string readAc3d(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::string out;
   out.reserve(text.size());
-  std::string texture;  // of the current object; written after its last texture line
+  std::string texture;  // texture of the current object; written after the object's last texture line
   bool base = false;
   const auto flush = [&] {
     if (!texture.empty()) out += "texture " + texture + "\n";

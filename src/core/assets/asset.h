@@ -21,10 +21,9 @@ namespace scanmill {
 struct AssetPart {
   std::string node;             // name of its node, or of the nearest ancestor with a name; "" if no ancestor has one
   std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
-  std::string material;         // name in the file
-  std::string texture;  // base colour file as the file names it (decoded, such as "textures/leaf.png"), or empty
-  Material
-      fileMaterial;  // from the file: name, texture, roughness, metallic, alpha; reflectance from base colour luminance
+  std::string material;         // name of the material in the file
+  std::string texture;    // base colour file as the file names it (decoded, such as "textures/leaf.png"), or empty
+  Material fileMaterial;  // from the file; reflectance from the luminance of the base colour
   std::array<float, 3> color{1, 1, 1};  // linear; the base colour, or the factor on the texture
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
@@ -40,8 +39,8 @@ enum class AlphaUse {
   // (leaves) or something else (for example which parts of a car are painted). Such an alpha is used if it is
   // distributed like cut-outs: see isCutOut() in assets/asset_alpha.h.
   Auto,
-  Ignore,  // beams never pass
-  Test,    // beams pass below 0.5, or below the cutoff that the file states
+  Ignore,  // beams never pass, whatever the alpha
+  Test,    // beams pass where alpha is below 0.5, or below the cutoff in the file
 };
 
 // A time of an animation of a glTF file.
@@ -53,16 +52,16 @@ struct ClipTime {
 // How the points of a cloud are turned into discs: see assets/surveys/surfels.h.
 struct SurfelOptions {
   int neighbors = 12;  // number of points from which normal and radius are estimated, 3 to 100
-  double cover = 1.5;  // factor on the radius of a disc whose area is the point's share of the surface
+  double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface
   std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
 };
 
 // How a point cloud is turned into surfaces.
 struct PointOptions {
   enum class Reflectance { Auto, Intensity, Color, None };
-  double spacing = 0;  // m, edge of grid cubes that keep one point each; 0: all points
+  double spacing = 0;  // m, edge of the grid cubes in which one point each is kept; 0: all points are kept
   SurfelOptions surfels = {};
-  Reflectance reflectance = Reflectance::Auto;       // Auto: from intensities if there are any, else colours
+  Reflectance reflectance = Reflectance::Auto;       // Auto: from intensities if the file has them, else from colours
   double full = 0;                                   // intensity that means a reflectance of 1; 0: guessed from the
                                                      // greatest intensity
   std::map<std::uint32_t, std::string> labels = {};  // class names by label; empty: names from the file format, if it
@@ -88,8 +87,8 @@ struct AssetOptions {
   // kinds, which cannot declare an axis, count as z-up.
   std::optional<char> up = std::nullopt;
   AlphaUse alpha = AlphaUse::Auto;
-  bool textures = true;                         // false: only textures with alpha are loaded
-  std::optional<ClipTime> clip = std::nullopt;  // glTF and GLB only: the animation time to load
+  bool textures = true;                         // false: only textures with alpha are loaded, for alpha tests
+  std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
   // True: files that an asset names may be outside of its folder. False: such names are refused.
   bool allowOutside = false;
   PointOptions points = {};    // for point clouds
@@ -104,11 +103,10 @@ struct InstancedParts {
 
 struct Asset {
   std::filesystem::path file;
-  char up = 'z';            // the up axis of the file's coordinates: AssetOptions::up if set, else the file's
+  char up = 'z';            // up axis of the file's coordinates: AssetOptions::up if set, else the file's axis
   bool upDeclared = false;  // true if the file or its kind states the up axis
   std::vector<AssetPart> parts;
-  Vec3d origin;  // m, asset frame; the positions of `parts` are relative to it; not zero only for coordinates too large
-                 // for float32
+  Vec3d origin;  // m, asset frame; `parts` are relative to it; zero unless coordinates are too large for float32
   std::vector<InstancedParts> instanced;
   Dropped dropped;  // triangles with indices out of range; clean() drops other broken triangles
 };

@@ -12,9 +12,9 @@ struct Texture;
 
 // Fractions of the area of all triangles with one material; 0 if the material has no texture coordinates.
 struct AlphaShares {
-  double low = 0;     // alpha below 0.5
-  double graded = 0;  // alpha from 0.1 to 0.9
-  double gone = 0;    // triangles on which alpha is below 0.5 everywhere
+  double low = 0;     // area with alpha below 0.5
+  double graded = 0;  // area with alpha from 0.1 to 0.9
+  double gone = 0;    // area of triangles on which alpha is below 0.5 everywhere
 };
 
 // Measures the fractions for a material's texture at 36 points of each triangle, or of every n-th triangle if there are

@@ -14,7 +14,7 @@ namespace scanmill {
 
 struct AssetMaterial {
   Material material;
-  std::array<float, 3> color{1, 1, 1};  // AssetPart::color
+  std::array<float, 3> color{1, 1, 1};  // see AssetPart::color
   std::string texture;                  // base colour file as the asset names it, or empty
 };
 

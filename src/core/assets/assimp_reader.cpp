@@ -248,7 +248,7 @@ class Importer {
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
     const std::size_t first = read.parts.size();
-    std::vector<unsigned> materials;  // materials of the parts that this node has so far
+    std::vector<unsigned> materials;  // materials of this node's parts so far
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
@@ -294,7 +294,7 @@ class Importer {
     if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
-    part.uvs.resize(base + mesh.mNumVertices);  // zero for meshes of the part without coordinates
+    part.uvs.resize(base + mesh.mNumVertices);  // zero for meshes without coordinates
     for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
       part.uvs[base + i] = {mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y};
     }
@@ -306,7 +306,7 @@ class Importer {
   MissedFiles missed_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;         // owned by importer_
-  std::vector<std::uint32_t> uvChannels_;  // texture coordinate set, by material
+  std::vector<std::uint32_t> uvChannels_;  // index of the set of texture coordinates, by material
   std::uint64_t triangles_ = 0;
 };
 

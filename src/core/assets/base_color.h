@@ -18,7 +18,7 @@
 namespace scanmill {
 
 struct AlphaTest {
-  bool wanted = false;  // beams pass where the image's alpha is below `cutoff`
+  bool wanted = false;  // true: beams pass where the image's alpha is below `cutoff`
   float cutoff = 0.5f;
 };
 
@@ -27,7 +27,7 @@ struct BaseColor {
   bool tints = false;                    // true: the factor multiplies the image
   bool stated = true;                    // false: the file states no material, and this one is a substitute
   bool textured = false;                 // true: the material names an image, which may be absent
-  std::shared_ptr<const Texture> image;  // including alpha; null: absent or not loaded
+  std::shared_ptr<const Texture> image;  // null: absent, or not loaded
   bool colored = false;                  // true: the image has colours, not only alpha
   AlphaTest alpha;
 };

@@ -99,7 +99,7 @@ BlenderAnswer BlenderJob::answer() {
   try {
     while (const std::optional<std::string> line = process_.readLine(patience_)) {
       const nlohmann::json fields = nlohmann::json::parse(*line, nullptr, false);
-      if (!fields.is_object()) continue;  // printed by Blender itself before the script started
+      if (!fields.is_object()) continue;  // Blender itself printed this line before the script started
       BlenderAnswer answer{fields.value("what", ""), fields.value("text", ""), fields.value("seconds", 0.0)};
       if (answer.what == "error" && fields.value("input", false)) throw InputError(answer.text);
       return answer;

@@ -15,9 +15,9 @@ namespace scanmill {
 std::filesystem::path blenderProgram();
 
 struct BlenderAnswer {
-  std::string what;  // "ready", "scene", "image" or "exported": see the script
+  std::string what;  // kind of answer: "ready", "scene", "image" or "exported" (see the script)
   std::string text;
-  double seconds = 0;  // since the request
+  double seconds = 0;  // s since the request
 };
 
 // A running script. The destructor ends it. Blender starts with its factory settings, ignores the user's configuration,

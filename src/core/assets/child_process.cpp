@@ -86,7 +86,7 @@ std::string readAll(int descriptor) {
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds) {
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) throw Error(fmt::format("no pipe: {}", std::strerror(errno)));
-  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // may fail: a smaller pipe is only slower
+  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);  // failure is harmless: a smaller pipe is only slower
   const std::uint64_t space = addressSpace();
   const pid_t child = ::fork();
   if (child < 0) {

@@ -16,7 +16,7 @@ namespace scanmill {
 // A reference of a material to an image.
 struct ImportedMap {
   std::string name;             // name of the image in the file; empty: none
-  std::string label;            // the name for reports and rules
+  std::string label;            // name of the image for reports and rules
   std::uint32_t uvChannel = 0;  // index of the set of texture coordinates
   bool inverted = false;
   std::int64_t embedded = -1;  // index into ImportedFile::images; -1: not embedded
@@ -53,10 +53,10 @@ struct ImportedPart {
 };
 
 struct ImportedFile {
-  char up = 'z';  // see Asset
+  char up = 'z';  // see Asset::up
   bool upDeclared = false;
-  Vec3d origin;                  // m, origin of the positions: see Asset
-  std::uint64_t outOfRange = 0;  // number of triangles dropped because indices were out of range
+  Vec3d origin;                  // m; the positions of the parts are relative to it: see Asset::origin
+  std::uint64_t outOfRange = 0;  // number of triangles that were dropped because of indices out of range
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedImage> images;
   std::vector<ImportedPart> parts;

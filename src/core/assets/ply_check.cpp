@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMaxList = 4294967296.0;  // entries of a list; greater than any 32-bit count
+constexpr double kMaxList = 4294967296.0;  // limit of a list's length, above any 32-bit count
 
 [[noreturn]] void failTruncated(const Location& where, const PlyElement& element, std::uint64_t row) {
   throw InputError(where, fmt::format("is truncated or damaged: it ends within '{}' {} of {}", element.name, row + 1,

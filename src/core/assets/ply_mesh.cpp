@@ -30,7 +30,7 @@ struct Axis {
 struct Layout {
   std::array<Axis, 3> axes;
   std::uint64_t vertexBytes = 0;
-  std::uint64_t faceBytes = 0;  // bytes of a triangle with its other properties
+  std::uint64_t faceBytes = 0;  // bytes of a face, with all its properties
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
 

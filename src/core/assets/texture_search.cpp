@@ -22,7 +22,7 @@ bool isFile(const std::filesystem::path& path) {
 // Returns the file of this name in a folder, ignoring case; empty if there is none.
 std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
   std::error_code error;
-  std::filesystem::path best;  // first in order of names, since a folder's entries have no stable order
+  std::filesystem::path best;  // the first match by name, since a folder's entries have no stable order
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
     if (best.empty() || entry.path() < best) best = entry.path();
@@ -46,7 +46,7 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
     }
   }
   for (const std::string& spelling : {plain, decodeUri(plain)}) {
-    const std::filesystem::path path = folder / spelling;  // an absolute spelling replaces the folder
+    const std::filesystem::path path = folder / spelling;  // if the spelling is absolute, `folder` is ignored
     if (allowOutside || !leadsOutside(spelling)) {
       candidates.push_back(path);
     } else if (isFile(path)) {

@@ -24,16 +24,15 @@ namespace scanmill {
 struct ModuleFile {
   std::string_view name;     // "libscanmill_images.so"
   std::string_view without;  // what fails without it: "rasters of heights cannot be read"
-  std::string_view install;  // how to get the libraries that it links: "install OpenImageIO (on Debian the package
-                             // ...)"
+  std::string_view install;  // how to get missing libraries: "install OpenImageIO (on Debian the package ...)"
 };
 
 // A module exports this struct through its only symbol, the function scanmillModule(). Never change it: each version
 // must be able to refuse the modules of every other version.
 struct ModuleEntry {
   std::string_view build;  // kModuleBuild when the module was built
-  std::string_view file;   // ModuleFile::name of its interface
-  const void* object;      // points to an object of its interface
+  std::string_view file;   // ModuleFile::name of the module's interface
+  const void* object;      // points to an object of the module's interface
 };
 
 // Returns the folders in which the program looks for its libraries: the RUNPATH, to which the build and the

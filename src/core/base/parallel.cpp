@@ -55,7 +55,7 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
   // Isolates the loop: a thread that waits for the loop must not start an unrelated outer task, whose buffers would
   // take memory meanwhile.
   if (withOthers) {
-    const WithOthers no(false);  // for loops within this one
+    const WithOthers no(false);  // loops within this loop are isolated again
     loop();
   } else {
     tbb::this_task_arena::isolate(loop);

@@ -22,7 +22,7 @@ class Path {
   // is less. At a right angle the nearest point of the parabola is 0.35 times that distance from the corner.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
-  double length() const { return travelled_.back(); }  // m
+  double length() const { return travelled_.back(); }  // length of the path (m)
   // Returns the pose at a distance along the path (m): x heads along the path, without roll. A distance before the
   // start or beyond the end gives the pose at that end.
   Pose pose(double distance) const;
@@ -47,8 +47,7 @@ class Path {
   void add(const Segment& segment);
 
   std::vector<Segment> segments_;
-  std::vector<double> travelled_{0};      // m travelled at the start of each part and at the path's end; a segment has
-                                          // kParts
+  std::vector<double> travelled_{0};      // m from the path's start to each part (kParts per segment), and to the end
   std::vector<std::size_t> partOfPoint_;  // for each waypoint, its index into travelled_
 };
 

@@ -28,8 +28,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kKeptLines = 12;
 constexpr std::size_t kKeptLength = 400;  // bytes that are kept of a line of the child's standard error
 constexpr std::size_t kMaxLine = std::size_t{16} << 20;
-constexpr double kSlice = 0.05;  // s between checks whether a child has ended, since other processes may hold its pipes
-                                 // open
+constexpr double kSlice = 0.05;  // s between checks whether a child has ended, even if others hold its pipes open
 
 std::string reason(int code) {
   return std::strerror(code);
@@ -112,7 +111,7 @@ struct SpawnActions {
     ::sigfillset(&all);
     ::posix_spawnattr_setsigmask(&attributes, &none);
     ::posix_spawnattr_setsigdefault(&attributes, &all);
-    ::posix_spawnattr_setpgroup(&attributes, 0);  // a group of its own, so that the child's children are killed with it
+    ::posix_spawnattr_setpgroup(&attributes, 0);  // a new process group, so that the child's children are killed too
     ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
   ~SpawnActions() {
@@ -163,7 +162,7 @@ std::filesystem::path findProgram(const std::string& name) {
 
 struct Process::State {
   std::string name;
-  pid_t pid = -1;  // -1: the child has ended and was waited for
+  pid_t pid = -1;  // -1: waitpid() has returned the child's status
   int status = 0;
   Descriptor input;
   Descriptor output;
@@ -202,7 +201,7 @@ struct Process::State {
       result = ::waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOWAIT | (block ? 0 : WNOHANG));
     } while (result != 0 && errno == EINTR);
     if (result == 0 && ended.si_pid == 0) return false;
-    if (result == 0) ::kill(-pid, SIGKILL);  // before waitpid() frees the number
+    if (result == 0) ::kill(-pid, SIGKILL);  // kills the group before waitpid() frees its number
     while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
     }
     pid = -1;

@@ -203,7 +203,7 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
       own.frame = isPerFrame(fields) ? address.frame : 0;
       one = draw(fields, randomOf(key, own));
     }
-    std::vector<DrawnValue> within;  // not listed in `draws`: `value` of the item's own entry shows them
+    std::vector<DrawnValue> within;  // not reported: the entry in `draws` shows the complete item
     one = withDraws(one, key, address, within);
     draws.push_back({key, flowText(one)});
     return one;

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNodes = 1'000'000;
-constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // for all scalars of a file, with aliases and variables
+constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // of all scalars together, with aliases and variables
                                                           // expanded
 
 struct Extent {
@@ -168,7 +168,7 @@ class TreeBuilder : public YAML::EventHandler {
     bool hasKey = false;
     std::string key;
     Location keyWhere;
-    std::unordered_map<std::string, std::pair<int, int>> seen;  // line and column of each key
+    std::unordered_map<std::string, std::pair<int, int>> seen;  // line and column of each key, to report duplicates
   };
 
   bool awaitsKey() const {

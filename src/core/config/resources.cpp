@@ -46,7 +46,7 @@ std::vector<std::string> yamlNames(const fs::path& folder) {
 
 fs::path ownPath(const Value& value, const fs::path& name) {
   if (name.is_absolute()) return name;
-  if (value.folder == ".") return name;  // --set changes a file of the current folder
+  if (value.folder == ".") return name;  // the value comes from --set on a file of the current folder
   return (value.folder.empty() ? fs::path(value.where.file).parent_path() : fs::path(value.folder)) / name;
 }
 

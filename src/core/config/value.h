@@ -17,16 +17,16 @@ struct Value {
 
   Kind kind = Kind::Null;
   Location where;
-  std::string text;            // Scalar: as written, variables expanded
-  bool quoted = false;         // Scalar: "..." or '...', hence text even if it looks like a number
-  std::vector<Value> items;    // Sequence
-  std::vector<Entry> entries;  // Map, in the file's order, keys unique
+  std::string text;            // Scalar: the text as written, with variables expanded
+  bool quoted = false;         // Scalar: true if "..." or '...', hence text even if it looks like a number
+  std::vector<Value> items;    // Sequence: its items
+  std::vector<Entry> entries;  // Map: its entries in the file's order; keys are unique
   int keyLine = 0;             // line of the key, for a map's entry; 0 if the entry comes from --set
   int keyColumn = 0;
   std::string folder;  // folder in which relative paths start, if --set made the value; empty: the folder of where.file
 
-  const Value* find(std::string_view key) const;     // Map: null if absent
-  const Value& valueOf(std::string_view key) const;  // Map: a value of kind Null if absent
+  const Value* find(std::string_view key) const;     // Map: the value of a key; null if absent
+  const Value& valueOf(std::string_view key) const;  // Map: the same, but a value of kind Null if absent
 };
 
 struct Value::Entry {

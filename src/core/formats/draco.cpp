@@ -64,7 +64,7 @@ double symbolBits(int bits, int components) {
 }
 
 struct DracoOptions {
-  double maxError = 0;  // m
+  double maxError = 0;  // m, largest error of a position
   int speed = 0;
   int intensityBits = 0;
   bool time = false;
@@ -123,7 +123,7 @@ class DracoFormat : public Format {
       if (key.row.loss == ColumnLoss::AsPositions) {
         bits += symbolBits(mostIndexBits(outline.reach, 1, options_.maxError), 1);
       } else if (key.row.type == ColumnType::Float32) {
-        bits += 32;  // more than integers and quantised values take
+        bits += 32;  // an upper bound: integers and quantised values take fewer bits
       } else {
         const std::uint32_t largest = key.row.validity == ColumnValidity::Rings     ? outline.rings
                                       : key.row.validity == ColumnValidity::Columns ? outline.columns

@@ -16,16 +16,16 @@ namespace {
 
 using Counts = std::vector<std::uint32_t>;
 
-constexpr int kMaxRawBits = 18;  // bits of the largest symbol that can have its own entry in the table of probabilities
+constexpr int kMaxRawBits = 18;  // largest number of bits of a symbol that is coded by its own probability
 constexpr std::uint8_t kTagged = 0;
 constexpr std::uint8_t kRaw = 1;
 constexpr int kTagPrecisionBits = 12;
 
 struct Histogram {
-  Counts counts;  // by symbol, up to the largest
+  Counts counts;  // number of occurrences, by symbol, up to the largest symbol
   std::uint64_t total = 0;
   std::uint32_t unique = 0;
-  double bits = 0;  // Shannon's bound for the coded symbols, without the table
+  double bits = 0;  // Shannon's bound for all coded symbols, without the table
 };
 
 // Counts the symbols. Long sequences of one symbol (labels, columns) are common. Four tables are filled in turn, so
@@ -128,7 +128,7 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
 // and unpredictable branches.
 struct Step {
   std::uint32_t reciprocal;  // 2^(shift - bits) / p, rounded up
-  std::uint32_t limit;       // for states from this one on, 8 more bits are written
+  std::uint32_t limit;       // least state from which 8 more bits are written
   std::uint32_t rest;        // 2^precision - p
   std::uint32_t start;       // sum of the probabilities of all earlier symbols
   std::uint16_t bits;

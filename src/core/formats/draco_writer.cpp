@@ -40,7 +40,7 @@ struct Symbols {
   std::span<std::uint32_t> values;  // valid until the thread's next call of correct()
   std::int32_t low = 0;
   std::int32_t high = 0;
-  bool predicted = true;  // `values` are differences to the previous point; else the values themselves
+  bool predicted = true;  // true: `values` are differences to the previous point; false: the values themselves
 };
 
 // Returns the differences to the previous point, wrapped around the range of the values ("wrap transform" of the

@@ -15,8 +15,8 @@ namespace scanmill {
 
 // A column of values on a regular grid. A component of a value is low + index * step.
 struct QuantisedColumn {
-  std::span<const std::int32_t> indices;  // 0 or more; point by point, a point's components in succession
-  std::span<const float> low;             // one per component
+  std::span<const std::int32_t> indices;  // all 0 or more; point by point, with a point's components in succession
+  std::span<const float> low;             // one number per component
   float step = 0;
 };
 

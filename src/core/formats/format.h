@@ -16,11 +16,11 @@ namespace scanmill {
 
 // Properties of a scan that are known before it is made, for an estimate of its size.
 struct ScanOutline {
-  std::uint64_t points = 0;   // at most
-  std::uint32_t rings = 0;    // of the sensor
-  std::uint32_t columns = 0;  // of the sensor
-  double reach = 0;           // m, largest absolute coordinate
-  ColumnSet held;             // columns besides the position
+  std::uint64_t points = 0;   // largest number of points
+  std::uint32_t rings = 0;    // number of the sensor's rings
+  std::uint32_t columns = 0;  // number of the sensor's columns
+  double reach = 0;           // m, largest absolute value of a coordinate
+  ColumnSet held;             // columns of the scan, besides the position
 };
 
 class Format {
@@ -44,7 +44,7 @@ struct FormatEntry {
   std::string_view name;  // "pcd", "draco", "csv"
   std::string_view suffix;
   std::string_view summary;
-  std::string_view keys;  // its options, as "name: default, what it is; ..."
+  std::string_view keys;  // description of its options: "name: default, what it is; ..."
   std::unique_ptr<Format> (*make)(Fields& options);
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::ptrdiff_t kLeastMatch = 3;
 constexpr std::size_t kMostMatch = 264;
-constexpr std::size_t kFarthest = 8192;    // bytes back to an earlier occurrence
+constexpr std::size_t kFarthest = 8192;    // largest distance (bytes) back to an earlier occurrence
 constexpr std::size_t kMostLiterals = 32;  // the most literals after one control byte
 constexpr unsigned kTableBits = 16;
 
@@ -46,9 +46,9 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
   const auto* const begin = reinterpret_cast<const unsigned char*>(in);
   const unsigned char* const end = begin + size;
   const char* const start = out;
-  thread_local std::vector<std::uint32_t> latest;  // by hash: the last position with it, counted from 1; 0: none
+  thread_local std::vector<std::uint32_t> latest;  // position + 1 of the last occurrence, by hash; 0: none
   latest.assign(std::size_t{1} << kTableBits, 0);
-  const unsigned char* literals = begin;  // start of the literals not written yet
+  const unsigned char* literals = begin;  // start of the literals that are not written yet
   const unsigned char* p = begin;
   while (end - p >= kLeastMatch) {
     std::uint32_t& slot = latest[hashAt(p)];

@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // bytes
+constexpr std::size_t kAlignment = 64;  // the elements begin at a multiple of this (bytes)
 constexpr std::size_t kBeforeHeader = 10;
 
 // Returns the bytes of an element from a NumPy type such as "<f4": the number after byte order and kind, times four for

@@ -48,7 +48,7 @@ std::size_t rowSize(const Scan& scan) {
 }
 
 double mostHeaderBytes(ColumnSet columns) {
-  std::size_t bytes = 350;  // header without columns, with all numbers at their greatest length
+  std::size_t bytes = 350;  // upper bound for the header without columns
   for (const std::string& name : columns.names()) bytes += name.size() + std::string_view(" , 4 F 1").size();
   return static_cast<double>(bytes);
 }

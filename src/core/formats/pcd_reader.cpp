@@ -23,9 +23,9 @@ using Words = std::vector<std::string_view>;
 
 struct PcdField {
   std::string_view name;
-  std::uint64_t size = 0;   // bytes of one element
+  std::uint64_t size = 0;   // bytes per element
   char type = 0;            // F, U or I
-  std::uint64_t count = 1;  // elements
+  std::uint64_t count = 1;  // elements per point
   std::uint64_t offset = 0;
 };
 
@@ -35,7 +35,7 @@ struct PcdHeader {
   std::uint64_t height = 0;
   std::uint64_t points = 0;
   std::uint64_t rowBytes = 0;
-  std::uint64_t rowWords = 0;  // elements in a row
+  std::uint64_t rowWords = 0;  // elements per row, over all fields
   std::string_view data;
   std::string_view body;
   int bodyLine = 0;                                    // line where the body starts

@@ -77,7 +77,7 @@ ReasonsImage decodeReasons(std::string_view bytes, const std::string& what) {
 
 std::uint64_t mostReasonsBytes(std::uint32_t rings, std::uint32_t columns) {
   const std::uint64_t plain = std::uint64_t{rings} * (columns + 1);
-  return plain + plain / 100 + 4096;  // deflate stores incompressible data as it is
+  return plain + plain / 100 + 4096;  // deflate adds little to data that it cannot compress
 }
 
 }  // namespace scanmill

@@ -27,7 +27,7 @@ namespace {
 
 constexpr int kMaxSize = 16384;
 constexpr int kMostSide = 4096;
-constexpr int kBand = 64;  // rows decoded at a time
+constexpr int kBand = 64;  // number of rows that are decoded at a time
 
 // Returns the kind of an image ("png", "jpg", ...) by its first bytes; empty if they do not show the kind.
 std::string kindOf(std::string_view bytes) {
@@ -156,7 +156,7 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
   const ImageHeader info = image.header();
   const int channels = info.channels;
   const int alpha = info.alphaChannel;
-  const int colors = alpha >= 0 ? alpha : channels;  // alpha comes after the colours
+  const int colors = alpha >= 0 ? alpha : channels;  // number of colour channels; alpha follows them
   const std::array<int, 3> from = colors >= 3 ? std::array{0, 1, 2} : std::array{0, 0, 0};
   const bool multiplied = info.alphaGamma > 0;
   const auto gain = divisionByAlpha(multiplied ? info.alphaGamma : 1.0);

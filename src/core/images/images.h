@@ -17,7 +17,7 @@ namespace scanmill {
 struct DecodedImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  bool hasAlpha = false;           // true if a pixel has an alpha below 255
+  bool hasAlpha = false;           // true: a pixel has an alpha below 255
   std::vector<std::uint8_t> rgba;  // width * height * 4
 };
 

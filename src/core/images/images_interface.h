@@ -15,7 +15,7 @@ struct ImageHeader {
   int width = 0;   // px
   int height = 0;  // px
   int channels = 0;
-  int alphaChannel = -1;  // -1: none
+  int alphaChannel = -1;  // index of the alpha channel; -1: none
   double alphaGamma = 0;  // if above 0, colours^gamma were multiplied by alpha
 };
 

@@ -70,7 +70,7 @@ class OpenImageIoReader final : public ImageReader {
 
  private:
   OIIO::Filesystem::IOMemReader memory_;
-  std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, so must be destroyed first
+  std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
   std::vector<std::uint8_t> whole_;          // all rows of an image that is stored in tiles
   int next_ = 0;                             // index of the next row
 };

@@ -76,8 +76,8 @@ class PngReader final : public ImageReader {
 
   void readHeader() {
     png_set_read_fn(png_, this, take);
-    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // chunks that the pixels do not need
-    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() limits the size
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
+    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() checks the size later
     png_read_info(png_, info_);
     png_set_expand(png_);
     png_set_scale_16(png_);

@@ -13,7 +13,7 @@ struct AnimalForm {
   double length;    // from chest to rump
   double height;    // height of the back above the ground
   double depth;     // from the back to the underside of the chest
-  double width;     // half width of the chest
+  double width;     // half of the chest's width
   double neck;      // length of the neck
   double head;      // length of the head
   double leg;       // radius of a leg

@@ -79,7 +79,7 @@ class HouseMaker {
   // Adapts the house to the given height of its top (m). The storeys get the height that fits, at least kLeastStorey.
   // If that is too high, the slope of the roof is reduced as well, to no less than 6 degrees.
   void reach(double top) {
-    constexpr double kLeastStorey = 2.3;  // m
+    constexpr double kLeastStorey = 2.3;  // m, least height of a storey
     const double shorter = std::min(h_.width, h_.depth);
     const bool flat = h_.roof == Roof::Flat;
     const double span = flat                          ? 0
@@ -87,7 +87,7 @@ class HouseMaker {
                         : h_.roof == Roof::CrossGable ? h_.width / 2
                                                       : shorter / 2 + kHipEaves;
     const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
-    const double above = flat ? 0.5 : 0.1;  // m from the top floor's ceiling to the top of the walls
+    const double above = flat ? 0.5 : 0.1;  // m between the ceiling of the top floor and the top of the walls
     const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
     if (!flat) pitch_ = std::clamp(room / span, std::tan(radians(6.0)), pitch_);
     storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);

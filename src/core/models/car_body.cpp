@@ -187,7 +187,7 @@ class BodyMaker {
     const double width = halfWidth(end);
     std::vector<std::vector<Vec3d>> rows;
     for (std::size_t i = 1; i < half.size(); ++i) {
-      if (i == 2) continue;  // at the same height as the next point
+      if (i == 2) continue;  // this point is as high as the next one
       std::vector<Vec3d> row;
       for (int c = 0; c <= kAcross; ++c) {
         const double y = lerp(half[i].y, -half[i].y, double(c) / kAcross) * (rear ? 1 : -1);

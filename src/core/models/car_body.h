@@ -14,7 +14,7 @@ struct BodyForm {
   double length = 4.3, width = 1.78;
   double floor = 0.2;
   double belt = 0.92, beltRise = 0.02;       // lower edge of the windows amidships; its rise per metre to the rear
-  double roofHalf = 0.56;                    // half width of the roof
+  double roofHalf = 0.56;                    // half of the roof's width
   double noseTaper = 0.13, tailTaper = 0.1;  // fraction of the width lost at the nose and at the tail
   double bulge = 0.09;                       // how far the bumpers protrude
   std::vector<Point2> profile;               // (x, z) of the upper edge, from the tail to the nose
@@ -22,8 +22,8 @@ struct BodyForm {
   std::vector<Span> sideWindows;             // extents along x
   std::vector<double> axles;                 // positions along x
   double wheelRadius = 0.31, wheelWidth = 0.2;
-  Span bed;                         // of a pickup's covered bed, along x
-  bool mirrors = true;              // with mirrors and door handles
+  Span bed;                         // extent along x of a pickup's covered bed
+  bool mirrors = true;              // true: the body has mirrors and door handles
   const char* paint = "car_paint";  // material of the body
 };
 

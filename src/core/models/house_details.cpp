@@ -274,7 +274,7 @@ class Details {
       s_.box(m_.wall, {x, y0 + 0.1, (2.1 + kWallFoot) / 2}, {0.35, 0.2, 2.1 - kWallFoot});
     }
     s_.box(m_.wall, {(x0 + x1) / 2, y0 + 0.1, (2.1 + top) / 2}, {x1 - x0, 0.2, top - 2.1});
-    const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // m, lower edge of the gate: closed or nearly open
+    const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // m, lower edge of the gate; 1.9: almost open
     s_.quad(m_.metal, {x0 + 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, 2.12},
             {x0 + 0.3, y0 + 0.15, 2.12});
     for (int k = 1; k < 6 && gate == 0; ++k) {

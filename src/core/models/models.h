@@ -68,7 +68,7 @@ enum class Kind : std::uint32_t {
 class Draw {
  public:
   Draw(std::uint64_t seed, Kind kind, std::uint32_t object = 0);
-  double next();  // in (0, 1)
+  double next();  // uniform in (0, 1)
   double in(double low, double high) { return low + (high - low) * next(); }
   double around(double mean, double share) { return mean * in(1 - share, 1 + share); }
   int below(int count) { return static_cast<int>(next() * count); }
@@ -215,7 +215,7 @@ struct TreeModel {
   double crownRadius = 2;
 };
 constexpr int kTreeForms = 8;
-constexpr int kBroadleafForms = 6;  // the first of the tree forms
+constexpr int kBroadleafForms = 6;  // these come first among the tree forms
 // `detail`: factor on the number of leaves; their total area stays the same. `foliage`: share of its leaves that a
 // broadleaf has kept, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round) to 1:
 // heavier on one side, with limbs that protrude and gaps between them.
@@ -255,7 +255,7 @@ Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
 
 constexpr int kAnimalForms = 6;
-constexpr int kPetForms = 3;  // the first of the animal forms: dogs and cats; the others are grazing animals
+constexpr int kPetForms = 3;  // dogs and cats, which come first among the forms; the others are grazing animals
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
 
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };

@@ -37,7 +37,7 @@ class Occupancy {
 
  private:
   std::vector<Footprint> taken_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // rectangles that may overlap a cell
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices of rectangles near a cell
 };
 
 }  // namespace scanmill::models

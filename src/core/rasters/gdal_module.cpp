@@ -104,7 +104,7 @@ class Gdal final : public RastersModule {
  public:
   Gdal() {
     GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);  // fail() fetches the messages
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // prints nothing; fail() gets the messages
     // GDAL must not write files of statistics beside the user's files.
     CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
   }

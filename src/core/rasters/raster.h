@@ -18,8 +18,8 @@ using RasterBounds = std::array<double, 4>;
 struct Raster {
   int width = 0, height = 0;
   std::vector<float> values;        // row by row; NaN for a sample without a value
-  std::array<double, 6> transform;  // geotransform as in GDAL, with column and row 0 at the raster's outer edges
-  bool geographic = false;          // x and y are longitude and latitude in degrees
+  std::array<double, 6> transform;  // GDAL's geotransform; column and row are 0 at the raster's outer edges
+  bool geographic = false;          // true: x and y are longitude and latitude in degrees
   double metresPerUnit = 1;         // metres per unit of x and y, if not geographic
   std::string reference;            // definition of the coordinate system (WKT); empty: unknown
 
@@ -34,7 +34,7 @@ struct Raster {
 struct RasterRequest {
   int band = 1;
   int every = 1;     // reduces squares of this many samples a side to one
-  bool mean = true;  // to the mean of the samples; else to the middle sample, as class numbers need
+  bool mean = true;  // to their mean; false: to the middle sample, for class numbers
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;
 };

@@ -51,19 +51,19 @@ struct ChannelRow {
   Channel channel;
   std::string_view name;  // in messages and plans
   std::string_view exr;   // name in EXR files of hits; for a vector the name of its x component
-  bool drawn;             // renderers render it as an image of its own
-  bool kept;              // `generate --keep-hits` stores it
+  bool drawn;             // true: renderers render it as an image
+  bool kept;              // true: `generate --keep-hits` stores it
 };
 
 inline constexpr std::array<ChannelRow, 8> kChannels{{
-    {Channel::Range, "range", "range", true, true},  // rendered as depth
+    {Channel::Range, "range", "range", true, true},  // rendered as a depth image
     {Channel::Normal, "normal", "N.X", true, false},
     {Channel::Instance, "instance", "instance", true, true},
     {Channel::Semantic, "semantic", "semantic", true, true},
     {Channel::Material, "material", "material", true, true},
     {Channel::Primitive, "primitive", "primitive", true, false},
     {Channel::Reflectance, "reflectance", "reflectance", true, true},
-    {Channel::Incidence, "incidence", "incidence", false, true},  // follows from the normal
+    {Channel::Incidence, "incidence", "incidence", false, true},  // computed from the normal
 }};
 
 // Returns the row of a channel.

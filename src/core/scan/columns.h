@@ -39,15 +39,15 @@ enum class ColumnLoss : std::uint8_t {
 enum class ColumnValidity : std::uint8_t {
   Any,
   Finite,
-  Rings,        // below the sensor's number of rings
-  Columns,      // below the sensor's number of columns
-  SensorRange,  // within the sensor's range limits
+  Rings,        // integers below the sensor's number of rings
+  Columns,      // integers below the sensor's number of columns
+  SensorRange,  // metres within the sensor's range limits
   Interval,     // from Column::low to Column::high, or NaN
 };
 
 enum class ColumnColors : std::uint8_t {
   Classes,    // each value is a class of the ontology
-  Instances,  // each value has a colour of its own, 0 is grey
+  Instances,  // each value has its own colour; 0 is grey
   Scale,      // a colour map from the least to the greatest value
 };
 
@@ -58,27 +58,27 @@ struct ColumnDisplay {
   double factor = 1;
   int decimals = -1;  // -1: five significant digits
   ColumnColors colors = ColumnColors::Scale;
-  double scalePower = 1;         // the colour at the part t of the map stands for low + (high - low) * t^scalePower
-  double scaleClipped = 0;       // share of the values that are cut off at each end of the scale
-  bool scaleOfValidity = false;  // the scale runs from Column::low to Column::high; else from the least to the greatest
+  double scalePower = 1;         // the colour map's position t shows the value low + (high - low) * t^scalePower
+  double scaleClipped = 0;       // fraction of the values that are cut off at each end of the scale
+  bool scaleOfValidity = false;  // true: the scale is Column::low to Column::high; false: the least to the greatest
                                  // value
   char key = 0;                  // the viewer's key that colours by this column; 0: none
-  bool inReport = false;         // the report of a dataset has an image that is coloured by this column
+  bool inReport = false;         // true: a dataset's report has an image coloured by this column
 };
 
 struct Column {
-  std::string_view name;  // in files and in output.columns
+  std::string_view name;  // name in files and in the key output.columns
   ColumnType type;
-  std::string_view unit;     // of the stored values; empty: no unit
+  std::string_view unit;     // unit of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
-  double none;               // value of a point without a value, such as a miss in an organised scan
+  double none;               // stored for a point without a value, such as a miss in an organised scan
   ColumnOrigin origin;
   Channels channels{};    // channels of Hits that the column is computed from
-  bool byDefault = true;  // written if a pipeline does not name output.columns
+  bool byDefault = true;  // true: written if the pipeline does not name output.columns
   ColumnLoss loss = ColumnLoss::Exact;
-  double lossBound = 0;  // in `unit`
+  double lossBound = 0;  // largest error of a lossy format, in `unit`
   ColumnValidity validity = ColumnValidity::Any;
-  double low = 0;  // bounds of ColumnValidity::Interval
+  double low = 0;  // bounds for ColumnValidity::Interval
   double high = 0;
   ColumnDisplay display{};
 };
@@ -404,7 +404,7 @@ class ColumnSet {
 struct ScanLayout {
   ColumnSet columns = ColumnSet::byDefault();
   bool organised = false;
-  bool reasons = false;  // whether Scan::reasonOfBeam is filled
+  bool reasons = false;  // true: Scan::reasonOfBeam is filled
 };
 
 // Returns the names of all rows, in their order.

@@ -22,7 +22,7 @@ constexpr std::uint16_t kNoMaterial = 0xFFFF;
 enum class RayPath : std::uint8_t {
   Direct,
   ThroughGlass,
-  Mirrored,    // reflected by a mirror at least once
+  Mirrored,    // a mirror reflected the ray at least once
   OwnVehicle,  // the ray ends at the vehicle that carries the sensor
 };
 
@@ -30,8 +30,8 @@ enum class RayPath : std::uint8_t {
 // i, and each array is an image of rings x columns, indexed by ring * columns + column. An array is empty if its
 // channel was not asked for. A ray that misses has the range kMiss and zero in all other arrays.
 struct Hits {
-  std::uint32_t rings = 0;    // of the sensor
-  std::uint32_t columns = 0;  // of the sensor
+  std::uint32_t rings = 0;    // number of the sensor's rings
+  std::uint32_t columns = 0;  // number of the sensor's columns
   Channels channels;
 
   // If beams fire several rays: the beam of each ray, and the fraction of the beam's power that the ray carries. Both
@@ -39,15 +39,15 @@ struct Hits {
   std::vector<std::uint32_t> beamOfRay;
   std::vector<float> weightOfRay;
   std::vector<RayPath> pathOfRay;  // empty: all rays are direct
-  bool glassIsClear = false;       // rays pass through panes, which reflect nothing diffusely
+  bool glassIsClear = false;       // true: rays pass through panes, which reflect nothing diffusely
 
-  std::vector<float> range;              // m, from the ray's own origin along the ray
+  std::vector<float> range;              // m, from the ray's origin along the ray
   std::vector<Vec3f> normal;             // unit normal of the triangle, world axes, turned towards the sensor
   std::vector<std::uint32_t> instance;   // id of the object instance; 0: none (stuff)
   std::vector<std::uint16_t> semantic;   // class id of the ontology; 0: unlabeled
   std::vector<std::uint16_t> material;   // index into Scene::materials
-  std::vector<std::uint32_t> primitive;  // triangle index in its mesh
-  std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
+  std::vector<std::uint32_t> primitive;  // index of the triangle in its mesh
+  std::vector<float> reflectance;        // near-infrared, 0 to 1, with the texture applied
   std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
 
   // How the material reflects at the hit. A method fills these three arrays only if it has a value for each ray, for

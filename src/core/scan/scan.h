@@ -36,13 +36,13 @@ struct ForeignColumn {
 // are numbered anew, the nearest first. Columns that were not asked for are empty.
 class Scan {
  public:
-  std::uint32_t rings = 0;    // of the sensor
-  std::uint32_t columns = 0;  // of the sensor
+  std::uint32_t rings = 0;    // number of the sensor's rings
+  std::uint32_t columns = 0;  // number of the sensor's columns
   bool organised = false;
-  std::uint32_t planes = 1;  // 1 in a dense scan
+  std::uint32_t planes = 1;  // number of images of the sensor's beams, one per return; 1 in a dense scan
 
   std::vector<Vec3f> position;         // m, sensor frame
-  std::vector<ForeignColumn> foreign;  // each as long as the scan
+  std::vector<ForeignColumn> foreign;  // each has one value per point
 
   // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column; empty
   // if it was not asked for. It is not a column, since beams without a return have a reason too.

@@ -29,7 +29,7 @@ class Movement {
 
  private:
   Vec3d velocity_;
-  std::shared_ptr<const Path> path_;  // null: a straight line
+  std::shared_ptr<const Path> path_;  // null: the object moves in a straight line
   std::vector<double> travelled_;
   double interval_ = 1;
 };

@@ -18,9 +18,9 @@ struct SemanticClass {
   std::uint16_t id = 0;
   std::string name;
   std::array<std::uint8_t, 3> color{};      // RGB
-  bool thing = false;                       // countable: its objects get instance ids
+  bool thing = false;                       // true: its objects can be counted and get instance ids
   std::vector<std::string> aliases;         // names that scenes may use for this class
-  std::optional<std::uint16_t> movingOf{};  // for a class of moving things: the class of the same things at rest
+  std::optional<std::uint16_t> movingOf{};  // for a class of moving objects: the class of the same objects at rest
 };
 
 // Class 0 is always "unlabeled".

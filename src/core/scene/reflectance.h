@@ -15,12 +15,12 @@ namespace scanmill {
 struct CompactMaterial {
   float reflectance = 0;
   float textureGain = 0;             // reflectance / mean luminance of the texture; 0 if not textured
-  const Texture* texture = nullptr;  // null if no texture scales the reflectance
+  const Texture* texture = nullptr;  // null: no texture scales the reflectance
 
   // Returns the reflectance at these texture coordinates: the texture's luminance at that point, scaled so that the
   // texture's mean luminance gives the material's reflectance, and at most 1. The material must be textured.
   float texturedAt(const Vec2f& uv) const;
-  float ofTexel(const std::uint8_t* texel) const;  // returns the same for a texel (RGBA)
+  float ofTexel(const std::uint8_t* texel) const;  // returns the same for a texel (RGBA) of the texture
 };
 
 CompactMaterial compact(const Material& material);

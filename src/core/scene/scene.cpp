@@ -43,7 +43,7 @@ std::uint64_t Scene::placedTriangles() const {
 }
 
 std::uint32_t Scene::things() const {
-  std::uint32_t last = 0;  // ids count from 1, and instances may share an id
+  std::uint32_t last = 0;  // largest id so far; several instances may share an id
   for (const Instance& instance : instances) {
     const std::uint32_t objects = meshes[instance.mesh].objects;
     if (objects > 0) last = std::max(last, instance.firstInstanceId + objects - 1);

@@ -43,18 +43,18 @@ struct Mesh {
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position
   std::vector<Triangle> triangles;
-  std::vector<std::uint16_t> surfaceOf;  // per triangle: index into surfaces
+  std::vector<std::uint16_t> surfaceOf;  // index into `surfaces`, by triangle
   std::vector<Surface> surfaces;
-  std::uint32_t objects = 0;  // how many things the mesh holds
+  std::uint32_t objects = 0;  // number of things in the mesh
 
   Box bounds() const;
 };
 
 // How many triangles clean() has dropped, by reason.
 struct Dropped {
-  std::uint64_t nonFinite = 0;   // a vertex was NaN or infinite
-  std::uint64_t degenerate = 0;  // zero area, as with a repeated corner
-  std::uint64_t outOfRange = 0;  // an index was not below the number of vertices
+  std::uint64_t nonFinite = 0;   // triangles with a vertex that was NaN or infinite
+  std::uint64_t degenerate = 0;  // triangles with zero area, for example with a repeated corner
+  std::uint64_t outOfRange = 0;  // triangles with an index that was not below the number of vertices
   std::uint64_t total() const { return nonFinite + degenerate + outOfRange; }
   Dropped& operator+=(const Dropped& o);
 };
@@ -67,8 +67,8 @@ Dropped clean(Mesh& mesh);
 // of the period, and is shown at the times that are nearest to it. All meshes have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
-  double period = 1;  // s, in which each mesh is shown once
-  double until = 0;   // s, when the animation stops
+  double period = 1;  // s, in which all meshes are shown once
+  double until = 0;   // s, time at which the animation stops
 
   std::uint32_t at(double time) const;
 };
@@ -76,11 +76,11 @@ struct Animation {
 // A mesh placed in the world.
 struct Instance {
   std::uint32_t mesh = 0;
-  Affine worldFromMesh;               // at time 0; the determinant may be negative (mirrored), but not zero
-  std::uint32_t firstInstanceId = 0;  // object n of the mesh has the id firstInstanceId + n - 1
+  Affine worldFromMesh;               // transform at time 0; mirrored if the determinant is negative; not singular
+  std::uint32_t firstInstanceId = 0;  // thing n of the mesh has the id firstInstanceId + n - 1
   std::string name;
-  std::shared_ptr<const Movement> movement = nullptr;    // null: does not move
-  std::shared_ptr<const Animation> animation = nullptr;  // null: always the same mesh
+  std::shared_ptr<const Movement> movement = nullptr;    // null: the instance does not move
+  std::shared_ptr<const Animation> animation = nullptr;  // null: the instance always shows the same mesh
   // The direction in which the instance's things face (rad, from the mesh's x axis towards its y axis). If it is not
   // set, the thing of a mesh with a single thing faces along x.
   std::optional<double> facing = {};
@@ -104,8 +104,8 @@ struct UnlabeledPart {
 struct RuleUse {
   Location where;
   std::string match, gives;   // the conditions and the result of the rule, in words
-  std::uint64_t matched = 0;  // triangles that satisfy its conditions
-  std::uint64_t decided = 0;  // triangles to which it gave a class or a material, or which it dropped
+  std::uint64_t matched = 0;  // number of triangles that satisfy the conditions
+  std::uint64_t decided = 0;  // number of triangles that got a class or a material from the rule, or were dropped by it
 };
 
 // Properties of a scene before objects were taken out of it (scene/without.h). They decide how the remaining scene is
@@ -114,15 +114,15 @@ struct WholeScene {
   Box bounds;  // m, in the world's frame at time 0
   bool moves = false;
   std::uint64_t placedTriangles = 0;
-  std::vector<std::uint64_t> copies;  // by mesh: how many instances place it
-  std::vector<std::string> absent;    // classes to take out that had no triangles in the scene
+  std::vector<std::uint64_t> copies;  // number of instances, by mesh
+  std::vector<std::string> absent;    // classes to take out of which the scene had no triangle
 };
 
 struct Scene {
   std::string name;
   std::uint64_t seed = 0;
   std::filesystem::path file;
-  bool procedural = false;         // some part of the scene depends on the seed
+  bool procedural = false;         // true: some part of the scene depends on the seed
   std::string about;               // description of a random place; empty if the scene has none
   std::vector<DrawnValue> draws;   // random values of keys of the scene file
   std::vector<ShareBound> shares;  // bounds on classes' shares of the hits in the scene's town
@@ -131,16 +131,16 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   Dropped dropped;
-  std::map<UnlabeledPart, std::uint64_t> unlabeled;  // triangles to which no rule gives a class
-  std::vector<RuleUse> rules;                        // ordered by their places
+  std::map<UnlabeledPart, std::uint64_t> unlabeled;  // number of triangles without a class, by part
+  std::vector<RuleUse> rules;                        // in the order of their places in files
   std::shared_ptr<const WholeScene> whole;           // null: nothing was taken out
 
-  bool moves() const;                         // true if some instance moves
-  std::uint64_t triangles() const;            // of all meshes, each counted once
-  std::uint64_t placedTriangles() const;      // of all instances
+  bool moves() const;                         // true if an instance moves
+  std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once
+  std::uint64_t placedTriangles() const;      // number of triangles of all instances
   std::uint32_t things() const;               // the largest instance id
   Box bounds() const;                         // m, in the world's frame at time 0; WholeScene::bounds if set
-  std::vector<std::uint64_t> copies() const;  // by mesh: how many instances place it
+  std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };
 
 // Returns the instance id of an object (see Surface::object) of a mesh in an instance with this first id; 0 for stuff.

@@ -23,8 +23,8 @@ using SupplyFactors = std::array<double, kSupplies>;
 // Bounds on the share of some classes in the hits of a sensor above the lane.
 struct ShareBound {
   std::string name;                    // name of a class or of a supply
-  std::vector<std::uint16_t> classes;  // ids; for a supply, of all its classes
-  Supply supply = Supply::Vehicles;    // the supply whose objects change the share
+  std::vector<std::uint16_t> classes;  // ids of the class, or of all classes of the supply
+  Supply supply = Supply::Vehicles;    // the supply that influences the share
   double least = 0, most = 1;
   double found = 0;  // the measured share; 0 before the measurement
 

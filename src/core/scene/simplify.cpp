@@ -28,7 +28,7 @@ constexpr float kAnyError = 1e6f;
 // equal positions together.
 struct Weld {
   Vec3f position;
-  Vec2f uv;  // zero if no texture needs it
+  Vec2f uv;  // zero if the surface has no texture
   std::uint16_t surface;
   bool operator==(const Weld&) const = default;
 };

@@ -26,7 +26,7 @@ class SurfaceDistance {
   std::array<std::size_t, 2> cellOf(double x, double y) const;
 
   std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame); only x and y are used
-  std::vector<std::vector<std::uint32_t>> cells_;  // by cell: indices of the triangles whose boxes overlap it
+  std::vector<std::vector<std::uint32_t>> cells_;  // indices of the triangles whose boxes overlap a cell, by cell
   Vec3d low_;
   double side_ = 1;  // m, edge of a cell, at least the reach
   double reach_ = 0;

@@ -150,7 +150,7 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
     if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
     const auto [a, b, c] = cornersOf(scene_, found[i].instance, found[i].triangle);
     const Vec3d normal = cross(b - a, c - a);
-    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // vertical
+    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // skips vertical triangles
     const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
     const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[found[i].triangle]].semantic;
     const SemanticClass* const own = scene_.ontology.find(semantic);

@@ -14,7 +14,7 @@
 namespace scanmill {
 
 constexpr double kAboveGround = 0.5;           // m; ground up to this far above a point still counts as ground under it
-constexpr double kSteepestGround = kPi / 3;    // rad, greatest slope of ground
+constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
 // Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
@@ -66,7 +66,7 @@ class SurfaceHeights {
   // of the classes, since files may have flipped triangles. Valid until the next update().
   class Area {
    public:
-    double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // as seen from above
+    double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // area as seen from above
     // Samples a point on the surfaces (m, world frame), uniformly by their area as seen from above, which must not be
     // 0. `u`: three random numbers from 0 to 1.
     Vec3d place(const std::array<double, 3>& u) const;
@@ -85,7 +85,7 @@ class SurfaceHeights {
  private:
   struct Hierarchy;
   const Scene& scene_;
-  std::size_t taken_ = 0;  // number of the scene's instances that update() has seen
+  std::size_t taken_ = 0;  // number of the scene's instances that update() has processed
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 

@@ -94,8 +94,9 @@ class ObjectTriangles {
 
  private:
   const Mesh& mesh_;
-  std::vector<std::uint32_t> firstOf_;    // by object (0: stuff): first index into triangles_; last entry: their number
-  std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by object
+  std::vector<std::uint32_t> firstOf_;    // first index into triangles_, by object (0: stuff); last entry: size of
+                                          // triangles_
+  std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by their objects
 };
 
 // Caches the ObjectTriangles of meshes.

@@ -13,7 +13,7 @@ namespace scanmill {
 
 // The smallest box with given axes that encloses a thing.
 struct OrientedBox {
-  Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up, as seen by the thing
+  Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up for the thing
   Vec3d size;         // m: length along x, width along y, height along z
 
   // Returns the eight corners in the world's frame (m).
@@ -22,9 +22,9 @@ struct OrientedBox {
 
 struct Thing {
   std::uint32_t id = 0;            // instance id, 1 or more
-  std::uint16_t semantic = 0;      // the class of most of its triangles
-  std::string name;                // name of the instance with most of its triangles
-  std::vector<std::string> parts;  // names of its nodes, sorted, each once; "": a node without a name
+  std::uint16_t semantic = 0;      // class of most of the thing's triangles
+  std::string name;                // name of the instance with most of the thing's triangles
+  std::vector<std::string> parts;  // names of the thing's nodes, sorted, without duplicates; "": a node without a name
   // True: the box has the axes of the placed object, turned so that x is the direction in which the object faces
   // (Instance::facing). False if the mesh has several things and `facing` is not set: then the box is the one with the
   // smallest footprint, its length is the longer side, and front and back are unknown.
@@ -55,8 +55,8 @@ class ThingBoxes {
     std::vector<Box> ofShape{};  // m, in the thing's frame at time 0; one per mesh of an animation, else one
   };
   struct Place {
-    Pose worldFromThing;      // at time 0
-    std::vector<Part> parts;  // the axes are those of the first part
+    Pose worldFromThing;      // pose at time 0
+    std::vector<Part> parts;  // the first part gives the axes
   };
 
   Pose motion(const Instance& instance, double time) const;

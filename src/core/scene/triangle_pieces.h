@@ -22,7 +22,7 @@ struct VoxelRange {
 class TrianglePiece {
  public:
   // Creates a polygon without corners.
-  TrianglePiece() {}  // does not initialize corners_, since many pieces are created
+  TrianglePiece() {}  // leaves corners_ uninitialised for speed
   explicit TrianglePiece(const std::array<Vec3d, 3>& corners) {
     for (const Vec3d& corner : corners) add({corner.x, corner.y, corner.z});
   }

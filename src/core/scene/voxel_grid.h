@@ -16,7 +16,7 @@ namespace scanmill {
 struct VoxelGrid {
   double size = 0.2;                                  // m, edge of a voxel
   Vec3d low{0, -25.6, -2};                            // m, the corner with the smallest coordinates
-  std::array<std::uint32_t, 3> counts{256, 256, 32};  // voxels along x, y and z; together fewer than 2^32
+  std::array<std::uint32_t, 3> counts{256, 256, 32};  // number of voxels along x, y and z; their product is below 2^32
 
   std::size_t voxels() const { return std::size_t{counts[0]} * counts[1] * counts[2]; }
   std::size_t index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {

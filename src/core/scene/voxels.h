@@ -45,9 +45,9 @@ class SceneVoxels {
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;
 
   const Scene& scene_;
-  std::vector<std::vector<Box>> blocks_;                  // by mesh: a box for every kBlock consecutive triangles
-  std::vector<Box> bounds_;                               // by mesh
-  std::unordered_set<std::uint32_t> moving_;              // instance ids of objects that ever move
+  std::vector<std::vector<Box>> blocks_;                  // boxes of kBlock consecutive triangles, by mesh
+  std::vector<Box> bounds_;                               // box of all triangles, by mesh
+  std::unordered_set<std::uint32_t> moving_;              // instance ids of objects that move at some time
   std::map<std::uint16_t, std::uint16_t> movingClasses_;  // class of objects at rest -> class of moving objects
 };
 

@@ -28,7 +28,7 @@ class Areas {
  private:
   struct Extent {
     Point2 low, high;
-    double size = 0;  // m^2
+    double size = 0;  // m^2, area
   };
   const std::vector<std::uint32_t>* near(const Point2& p) const;
 

@@ -19,11 +19,11 @@ enum class Season { Summer, Autumn, Winter };
 
 // The keys of `town:` in a scene file. The numbers from `slope` to `detail` are factors.
 struct Parameters {
-  std::string district = "any";   // or rural, suburban, dense
-  std::string season = "summer";  // or any, autumn, winter
+  std::string district = "any";   // rural, suburban, dense, or any: random
+  std::string season = "summer";  // summer, autumn, winter, or any: random
   std::filesystem::path map;      // an OpenStreetMap extract; empty: roads and buildings are random
   std::string road;               // name of the main road on the map; empty: random
-  bool keepsLeft = false;         // left-hand traffic: the town is laid out and then mirrored
+  bool keepsLeft = false;         // true: left-hand traffic; the town is laid out for right-hand traffic and mirrored
   double length = 300;            // m, length of the main road from its first to its last plot
   double slope = 1;               // factor on the heights of hills and banks
   double greenery = 1;
@@ -39,17 +39,17 @@ Parameters readParameters(Fields& fields);
 struct Character {
   Character(const Parameters& parameters, std::uint64_t seed);
 
-  std::string inWords() const;  // "dense, winter"
+  std::string inWords() const;  // describes the town: "dense, winter"
 
   District district = District::Suburban;
   Season season = Season::Summer;
-  double foliage = 1;    // share of their leaves that trees have kept
+  double foliage = 1;    // fraction of their leaves that trees still have
   double snow = 0;       // m, depth of snow where it is not cleared
   double snowBanks = 0;  // m, height of the snow banks that ploughs leave beside roads
   double wear = 0;       // wear of the roads, 0 to 1: the number of potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
-  double bend = 0.4;                      // rad, how far the main road's heading varies
+  double bend = 0.4;                      // rad, amplitude of the variation of the main road's heading
   double hills = 3;                       // m, amplitude of hills about 260 m wide
   double banks = 3;                       // m, amplitude of banks about 45 m wide, away from roads
   double undulation = 0.2;                // m, amplitude of the unevenness of lawns
@@ -63,7 +63,7 @@ struct Character {
   double gardenBushes = 3;            // bushes per garden
   double woods = 0.3;                 // fraction of the free land that is wooded
   double parked = 0.3;                // fraction of the parking bays and curbside places that are occupied
-  double traffic = 1;                 // vehicles on the lanes, per 100 m
+  double traffic = 1;                 // vehicles on the lanes, per 100 m of road
   double people = 4;                  // people per 100 m of road
   double clutter = 6;                 // benches, bins, boxes, bollards, ... per 100 m of road
 };

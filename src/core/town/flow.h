@@ -11,13 +11,13 @@ namespace scanmill::town {
 // d + shift along the lane (m).
 struct Leg {
   std::uint32_t lane = 0;
-  double from = 0, to = 0;  // along the route, m
+  double from = 0, to = 0;  // m along the route
   double shift = 0;
 };
 
 // A line where vehicles stop while it is closed.
 struct StopLine {
-  double at = 0;  // along the route, m
+  double at = 0;  // m along the route
   // For a traffic light: red for the first `red` of every `period` seconds, counted from the time `offset`. If `period`
   // is 0, the line is always closed, unless `givesWay` is set.
   double period = 0, red = 0, offset = 0;
@@ -51,7 +51,7 @@ struct DriverModel {
   double acceleration = 1.4;  // m/s^2
   double braking = 2;         // m/s^2, comfortable deceleration
   double headway = 1.4;       // s, time gap to the vehicle in front
-  double gap = 2;             // m, between stationary vehicles
+  double gap = 2;             // m between stationary vehicles
 };
 
 // Returns speeds (m/s) at 0, kLimitStep, ... m along a route. They are at most `fastest`, and keep the lateral

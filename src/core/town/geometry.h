@@ -9,7 +9,7 @@
 namespace scanmill::town {
 
 using models::Point2;
-using Line = std::vector<Point2>;     // two points or more
+using Line = std::vector<Point2>;     // at least two points
 using Polygon = std::vector<Point2>;  // counter-clockwise; the first point is not repeated
 
 double distance(const Point2& a, const Point2& b);

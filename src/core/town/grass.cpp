@@ -14,7 +14,7 @@ namespace {
 using models::Kind;
 
 constexpr int kForms = 6;
-constexpr double kReach = 5;  // m beyond the pavement, largest distance of a tuft
+constexpr double kReach = 5;  // m; tufts are placed up to this far beyond the pavement
 constexpr int kMost = 2500;
 
 // Builds a tuft of blades that bend outwards, the longest 0.12 to 0.4 m.

@@ -16,7 +16,7 @@ using models::Kind;
 using models::Shape;
 
 constexpr double kPanel = 2;        // m, length of a panel
-constexpr double kPlinthDepth = 3;  // m; plinths extend so far below the door, which fills slopes
+constexpr double kPlinthDepth = 3;  // m that plinths extend below the door, to fill slopes
 
 Model makePlinth(SceneBuilder& builder, const models::House& house) {
   Shape s(builder, "plinth");

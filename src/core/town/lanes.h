@@ -16,7 +16,7 @@ struct Way {
     double from, to;  // m along the road; vehicles drive from `from` to `to`
   };
   std::vector<Stretch> stretches;
-  double before = 0, after = 0;  // m of way before the first and after the last stretch, below ground
+  double before = 0, after = 0;  // m of hidden way below ground, before the first and after the last stretch
 };
 
 struct LaidOut {
@@ -37,7 +37,7 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 // Returns the distance along a side road at which its lanes begin (m); all side roads have the same.
 double mouthOf(const Layout& l);
 double stopAtMouth(const Layout& l);                    // m along a side road where vehicles stop that leave it
-double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road where its lanes end
+double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road, end of its lanes
 // Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
 double cornerOf(const Layout& l, std::uint32_t sideRoad);
 

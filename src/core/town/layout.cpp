@@ -177,7 +177,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
     // Water is level except at its banks.
-    constexpr double kBanks = 2;  // m
+    constexpr double kBanks = 2;  // m, width of the banks of water
     const std::optional<std::uint32_t> area = areas_.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
@@ -188,8 +188,8 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
 // leave a bank of snow on verges, and beside roads that have no pavement.
 double Layout::snowOn(const Beside& b, const Point2& p) const {
   if (character_.snow <= 0) return 0;
-  constexpr double kSlope = 0.3;  // m
-  constexpr double kBank = 1.3;   // m wide
+  constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
+  constexpr double kBank = 1.3;   // m, width of the banks
   const CrossSection& s = b.section;
   const double edge = b.known ? b.edge : 1e3;
   const double outer = b.known ? s.outer() : 0;

@@ -24,7 +24,7 @@ enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway
 struct Patch {
   models::Footprint place;
   GroundKind kind = GroundKind::Driveway;
-  bool parks = false;  // a car may park here
+  bool parks = false;  // true: a car may park here
 };
 
 struct Plot {
@@ -33,7 +33,7 @@ struct Plot {
   int side = 1;             // 1: at the left of the road's line; -1: at its right
   double from = 0, to = 0;  // m along the road
   bool built = false;
-  bool bare = false;  // open land, with only a hedge or fence along the road
+  bool bare = false;  // true: open land, with only a hedge or fence along the road
   double depth = 9;   // m, depth of the building
   models::Fencing fencing = models::Fencing::None;
   double setback = 0;

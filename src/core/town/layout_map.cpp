@@ -50,7 +50,7 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
 // Narrows a cross section so that the carriageway ends before the walls beside the road, and the pavement before most
 // of the walls. `walls` has the walls' distances from the centre line (m).
 void makeRoom(CrossSection& s, std::vector<double>& walls) {
-  constexpr double kGap = 0.4;      // m
+  constexpr double kGap = 0.4;      // m between the carriageway and the nearest wall
   constexpr double kLeast = 1.6;    // m, half of the width of the narrowest road
   constexpr double kBehind = 0.15;  // fraction of the walls that may be on the pavement
   constexpr double kIgnored = 0.02;
@@ -103,7 +103,7 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
 }
 
 void Layout::findWaterLevels() {
-  constexpr double kBelow = 0.3;  // m
+  constexpr double kBelow = 0.3;  // m between the water and the lowest point of its shore
   for (const MapArea& area : areas_.all()) {
     double level = 0;
     if (area.land == Land::Water) {

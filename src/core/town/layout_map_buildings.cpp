@@ -39,7 +39,7 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
 
 // True if the building is on a carriageway: a road may pass through it, or the map may be wrong.
 bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
-  constexpr double kSlip = 0.3;  // m
+  constexpr double kSlip = 0.3;  // m that a building may extend onto a carriageway
   for (const Point2& p : pointsAlong(b.outline, 1)) {
     const Beside beside = roads.at(p.x, p.y);
     if (beside.known && beside.edge < -kSlip) return true;
@@ -104,7 +104,7 @@ void Layout::takeBuildings(const MapPlace& map) {
       blocks_.push_back(blockOf(b, frontage, floors, number));
       cover(b, about);
     }
-    constexpr double kFacing = 30;  // m
+    constexpr double kFacing = 30;  // m; a building that is nearer to a pavement faces the road
     if (b.shed || frontage.gap > kFacing) continue;
     const Beside& before = frontage.before;
     Plot plot;
@@ -126,7 +126,7 @@ void Layout::takeBuildings(const MapPlace& map) {
 
 // Covers a building and its walls with small rectangles.
 void Layout::cover(const MapBuilding& b, const Footprint& about) {
-  constexpr double kCell = 1.6;  // m
+  constexpr double kCell = 1.6;  // m, side of the small rectangles
   std::vector<const Polygon*> rings{&b.outline};
   for (const Polygon& court : b.courts) rings.push_back(&court);
   for (const double v : models::steps(-about.halfY + kCell / 2, about.halfY + kCell / 2, kCell)) {

@@ -37,7 +37,7 @@ void Layout::drawRoads() {
   mainTo_ = middle + parameters_.length / 2;
 
   // Side roads end at the main road or cross it. Two side roads at the same side are far enough apart for plots.
-  constexpr double kApart = 45;  // m
+  constexpr double kApart = 45;  // m, least distance between two side roads at the same side
   std::vector<std::pair<double, int>> taken;
   for (int i = 0; i < character_.sideRoads; ++i) {
     Draw draw(seed_, Kind::SideRoad, static_cast<std::uint32_t>(i));

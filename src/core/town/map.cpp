@@ -82,7 +82,7 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
       {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
   road.width = metresOf(way.tags["width"]);
   if (const auto lanes = metresOf(way.tags["lanes"]); !road.width && lanes) road.width = kLane * *lanes;
-  constexpr double kNarrowest = 2, kWidest = 24;  // m
+  constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
   if (road.width && (*road.width < kNarrowest || *road.width > kWidest)) road.width.reset();
   return road;
 }
@@ -153,7 +153,7 @@ std::optional<models::Roof> roofOf(const std::string& shape) {
 // Returns the usual height (m) of a pitched roof over a rectangle. Returns 0 for other outlines, which have flat roofs.
 double usualRise(const Polygon& outline, const std::optional<models::Roof>& roof) {
   constexpr double kSlope = 0.75;
-  constexpr double kWidest = 18;  // m, widest building with a pitched roof
+  constexpr double kWidest = 18;  // m, width of the widest building with a pitched roof
   const models::Footprint about = rectangleAbout(outline);
   const double narrow = std::min(about.halfX, about.halfY);
   const bool pitched = roof != models::Roof::Flat && sizeOf(outline) > 0.9 * 4 * about.halfX * about.halfY;
@@ -189,7 +189,7 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
 }  // namespace
 
 std::optional<int> MapBuilding::floorsSaid() const {
-  constexpr double kStorey = 2.9;  // m
+  constexpr double kStorey = 2.9;  // m, usual height of a storey
   constexpr double kLeast = 2.4;
   if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
   if (floors) return floors;

@@ -26,10 +26,10 @@ struct MapRoad {
   // OpenStreetMap's id of each point of `line`. Roads join where they share a node.
   std::vector<std::int64_t> nodes;
   bool oneWay = false;   // true: vehicles drive in only one direction
-  bool against = false;  // true: that direction is against the line
-  bool ring = false;     // a roundabout
+  bool against = false;  // true: one-way traffic is against the line
+  bool ring = false;     // true: the road is a roundabout
   // Not set if the map does not give the value.
-  std::optional<double> width;  // m, of the carriageway without parking lanes
+  std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
 
@@ -42,9 +42,9 @@ struct MapBuilding {
   std::optional<double> top;         // m, top of the roof
   std::optional<double> height;      // m, height of the eaves
   std::optional<int> floors;         // number of floors above the ground
-  std::optional<models::Roof> roof;  // not set: the map gives no shape, or a shape that houses do not have
+  std::optional<models::Roof> roof;  // not set: the map has no shape, or one that houses do not have
   bool shop = false;
-  bool shed = false;  // a garage, shed or similar building without windows
+  bool shed = false;  // true: a garage, shed or similar building without windows
 
   // Returns the number of floors: the map's number, limited to what fits into the height, or else the number that fits
   // the height; nullopt if the map gives neither floors nor height.
@@ -67,8 +67,8 @@ struct MapBarrier {
 struct Map {
   std::filesystem::path file;
   double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
-  bool mirrored = false;               // y points south: see TangentPlane
-  std::vector<MapRoad> roads;          // as joinRoads() returns them
+  bool mirrored = false;               // true: y points south (see TangentPlane)
+  std::vector<MapRoad> roads;          // joined by joinRoads()
   std::vector<std::vector<Point2>> paths;
   std::vector<MapBuilding> buildings;
   std::vector<MapArea> areas;

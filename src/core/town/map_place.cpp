@@ -16,7 +16,7 @@ namespace {
 using models::Kind;
 
 constexpr double kLeastLength = 100;  // m, least length of a main road
-constexpr double kAroundLand = 30;    // m; areas of land are cut off so far outside of the square of the roads
+constexpr double kAroundLand = 30;    // m that areas of land may extend beyond the square of the roads
 
 std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> fit;
@@ -58,7 +58,7 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
 // Returns the district: it follows from how much of the land beside the main road is built on, and from the number of
 // floors.
 District districtAbout(const MapPlace& place) {
-  constexpr double kBeside = 40;  // m
+  constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().road.line;
   double built = 0;
   double floors = 0;
@@ -135,7 +135,7 @@ class Cutter {
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
     const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;
-    constexpr double kEnd = 8;  // m
+    constexpr double kEnd = 8;  // m between an end of the road and the built-up part
     place_.mainFrom = std::max(kEnd, at - half);
     place_.mainTo = std::min(length - kEnd, at + half);
   }

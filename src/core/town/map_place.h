@@ -12,7 +12,7 @@ namespace scanmill::town {
 
 struct MapPlace {
   struct PlacedRoad {
-    MapRoad road;                 // its line is smoothed, in steps of about kRoadStep, and has no nodes
+    MapRoad road;                 // with a smoothed line in steps of about kRoadStep, and without nodes
     std::optional<double> joins;  // m along the main road where this road begins; not set: it begins elsewhere
     bool joinsLeft = false;
   };
@@ -20,7 +20,7 @@ struct MapPlace {
   OsmNode origin;                   // origin of the place's frame, on the main road
   std::vector<PlacedRoad> roads;    // the main road comes first
   std::vector<Point2> joints;       // points where roads meet
-  double mainFrom = 0, mainTo = 0;  // m along the main road: ends of its built-up part
+  double mainFrom = 0, mainTo = 0;  // m along the main road, the ends of its built-up part
   District district = District::Suburban;
   // The contents of the square, in the place's frame (m; x east, y north).
   std::vector<std::vector<Point2>> paths;

@@ -55,7 +55,7 @@ std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
 
 // Returns the direction (rad) in which a road leaves one of its ends, averaged over its first metres.
 double headingFrom(const MapRoad& road, int end) {
-  constexpr double kReach = 12;  // m
+  constexpr double kReach = 12;  // m, length over which the direction is averaged
   const std::size_t count = road.line.size();
   const auto at = [&](std::size_t i) { return road.line[end == 0 ? i : count - 1 - i]; };
   const Point2 start = at(0);

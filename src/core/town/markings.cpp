@@ -18,7 +18,7 @@ constexpr double kPaint = 0.004;  // m, height of markings above the road
 // `whole`, else a dashed line. Returns the number of its pieces.
 std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                        bool whole) {
-  constexpr double kGap = 0.15;  // m from the lane's edges
+  constexpr double kGap = 0.15;  // m between the line and the lane's edges
   const double left = road.section.half - road.section.parking - kGap;
   const double right = road.oneWay() ? -left : kGap;
   const double from = along - (whole ? 0.6 : 0.4);
@@ -108,7 +108,7 @@ void placeCovers(Placer& placer) {
   };
   // Adds a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
   const auto cover = [&](const Road& road, double from, double to, double right, double left) {
-    constexpr double kAbove = 0.005;  // m
+    constexpr double kAbove = 0.005;  // m, height of covers above the road
     const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
     const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
     std::vector<std::vector<Vec3d>> grid;
@@ -131,7 +131,7 @@ void placeCovers(Placer& placer) {
       const double along = draw.in(4, road.length() - 4);
       const double lateral = draw.in(-half + 0.3, half - 0.3);
       constexpr int kCorners = 16;
-      constexpr double kRadius = 0.31;  // m
+      constexpr double kRadius = 0.31;  // m, radius of a manhole cover
       const Vec3d middle = corner(road, along, lateral, 0.004);
       if (l.nearPothole({middle.x, middle.y}, kRadius)) continue;
       const auto rim = [&](int i) {

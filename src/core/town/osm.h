@@ -34,7 +34,7 @@ struct OsmPoint {
 
 struct OsmWay {
   OsmTags tags;
-  std::vector<OsmNode> nodes;  // without nodes that are not in the extract
+  std::vector<OsmNode> nodes;  // nodes that are missing in the extract are left out
 };
 
 // A closed way or a multipolygon relation, cut into parts with one outer ring each. The first node of a ring is not

@@ -27,7 +27,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
     for (const int side : {-1, 1}) {
-      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // the sensor's lanes stay clear
+      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // keeps the sensor's lanes clear
       std::uint32_t bay = 0;
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
@@ -67,7 +67,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
   constexpr double kWide = 2.6;  // m, width of a bay
   constexpr double kLong = 5;
   constexpr double kAisle = 6.2;
-  constexpr double kLine = 0.06;  // half of a line's width
+  constexpr double kLine = 0.06;  // m, half of a line's width
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");

@@ -60,10 +60,10 @@ double freeWay(const Placer& placer, Place place, double most) {
 
 // Places a pedestrian who walks along a road. Returns false if the free way is too short.
 bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const std::string& name) {
-  constexpr double kLeast = 12;  // m
+  constexpr double kLeast = 12;  // m, least length of the free way
   constexpr double kMost = 110;
   constexpr double kPiece = 3;
-  constexpr double kDuration = 120;  // s
+  constexpr double kDuration = 120;  // s, time that the path must last
   const std::optional<Place> place = besidePeople(placer, draw);
   const double speed = draw.in(1.0, 1.6);
   if (!place) return false;

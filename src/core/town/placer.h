@@ -18,7 +18,7 @@ struct Spot {
   Point2 at;
   double yaw = 0;
   double scale = 1;
-  double lean = 0;  // roll about x, rad
+  double lean = 0;  // rad, roll about x
 };
 
 class Placer {
@@ -45,7 +45,7 @@ class Placer {
   const Affine& worldFromTown;
   // True if a rectangle is within the town's ground and does not overlap a driveway, a path or a placed object.
   bool isFree(const Footprint& f) const {
-    constexpr double kEdge = 3;  // m
+    constexpr double kEdge = 3;  // m, least distance from the edge of the ground
     const double reach = layout.half() - kEdge;
     return std::abs(f.center.x) < reach && std::abs(f.center.y) < reach && driveways.isFree(f) && occupancy.isFree(f);
   }
@@ -55,11 +55,11 @@ class Placer {
   models::Occupancy noParking;  // rectangles where nothing on wheels may be placed
   // A traffic light at the main road, for vehicles that drive against the road's line.
   struct Light {
-    static constexpr double kPeriod = 44;  // s
+    static constexpr double kPeriod = 44;  // s, period of the light
     static constexpr double kRed = 16;     // s of red in each period
     double along;                          // m along the road, where vehicles stop
     double offset;                         // s, time at which a period begins
-    bool marked;                           // there is a stop line on the road
+    bool marked;                           // true: there is a stop line on the road
   };
   std::vector<Light> lights;
 

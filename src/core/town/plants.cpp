@@ -19,7 +19,7 @@ constexpr int kTreesOfAForm = 2;
 constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // irregularity of the crowns: see makeTree()
 constexpr double kOverhang = 0.5;                             // m that crowns may reach over a road
 constexpr double kFar = 25;         // m from the nearest road, beyond which trees have fewer and larger leaves
-constexpr double kFarDetail = 0.3;  // factor on the number of leaves of such trees
+constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees beyond kFar
 constexpr int kBushForms = 6;
 constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods
 
@@ -86,7 +86,7 @@ void placeTrees(Placer& placer) {
   for (const Point2& tree : l.trees()) {
     Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
     const Beside b = l.roads().at(tree.x, tree.y);
-    if (b.known && b.edge < 0.4) continue;  // the road here is wider than on the map
+    if (b.known && b.edge < 0.4) continue;  // the road is wider here than on the map
     if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
       ++number;
     }

@@ -32,8 +32,8 @@ struct Road {
   std::vector<double> at;    // m along `line`, for each of its points
   CrossSection section;
   bool main = false;
-  bool minor = false;  // a service road or track, without lamps and without parked or waiting vehicles
-  bool ring = false;   // a roundabout
+  bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
+  bool ring = false;   // true: a roundabout
   // For side roads of the main road: the distance along the main road at which this road begins (m), and whether this
   // road is at the left of the main road's line.
   std::optional<double> joins;
@@ -59,12 +59,12 @@ struct Beside {
   std::uint32_t road = 0;
   double along = 0;      // m along the road's centre line
   double lateral = 0;    // m to the left of the centre line
-  CrossSection section;  // at a crossing a mixture of the roads' cross sections
+  CrossSection section;  // at a crossing, a mixture of the roads' cross sections
 };
 
 class RoadNetwork {
  public:
-  static constexpr double kReach = 48;  // m from a road's centre line: see Beside::known
+  static constexpr double kReach = 48;  // m, largest distance of a road's centre line from a point: see Beside::known
 
   void add(Road road);
   // Adds a joint, a point where roads meet. Corners are rounded only near joints; elsewhere roads that touch are

@@ -36,7 +36,7 @@ Point2 TangentPlane::operator()(const OsmNode& n) const {
 // Solves by Newton's method with an approximate derivative: anywhere in the plane, a metre to the north or east is
 // about the same number of degrees.
 OsmNode TangentPlane::degreesAt(const Point2& p) const {
-  constexpr double kDegree = 111300;  // m
+  constexpr double kDegree = 111300;  // m, length of a degree of latitude
   OsmNode node{0, degrees(latitude_), degrees(longitude_)};
   for (int i = 0; i < 12; ++i) {
     const Point2 now = (*this)(node);

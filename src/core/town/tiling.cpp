@@ -112,7 +112,7 @@ void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& 
     const double v = field(p);
     value.push_back(std::abs(v) < kOnLine ? 0 : v);
   }
-  std::unordered_map<std::uint64_t, std::uint32_t> middles;  // by edge
+  std::unordered_map<std::uint64_t, std::uint32_t> middles;  // index of the new point, by edge
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
     const auto [found, made] =

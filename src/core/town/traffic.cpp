@@ -21,7 +21,7 @@ constexpr double kUpstream = 1000;  // m before the town; vehicles that arrive l
 constexpr double kBeyond = 300;     // m beyond the town; vehicles disappear there, out of sight
 constexpr double kWarmUp = 20;      // s of simulation before the drive begins
 constexpr double kDuration = 120;   // s; all vehicles stand still after this time
-constexpr double kInterval = 0.25;  // s
+constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle
 constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
 
 // A way as a path, with marks where the path passes known positions on roads.
@@ -29,7 +29,7 @@ struct Course {
   std::shared_ptr<const Path> path;
   struct Mark {
     std::uint32_t road;
-    double along;     // m along that road
+    double along;     // m along the road
     double distance;  // m along the path
   };
   std::vector<Mark> marks;
@@ -275,7 +275,7 @@ class Traffic {
   Fleet& fleet_;
   const Layout& l_;
   const Road& main_;
-  double fastest_ = 12;  // m/s
+  double fastest_ = 12;  // m/s, speed limit in the town
   std::vector<Way> ways_;
   std::vector<Course> courses_;
   std::vector<Route> routes_;

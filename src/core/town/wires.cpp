@@ -39,7 +39,7 @@ struct Standing {
 
 // True if lorries can pass under the wire from a to b wherever it crosses a road.
 bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
-  constexpr double kClear = 5;  // m
+  constexpr double kClear = 5;  // m, least height of a wire above a road
   constexpr int kPlaces = 24;
   for (int k = 0; k <= kPlaces; ++k) {
     const Vec3d p = a + (b - a) * (static_cast<double>(k) / kPlaces);

@@ -60,7 +60,7 @@ Number readNumber(const char* at, Component component, bool normalized) {
 struct Data::State {
   const Model& model;
   std::vector<std::optional<std::string>> buffers;
-  std::vector<std::optional<std::string>> decoded;  // bytes of compressed views
+  std::vector<std::optional<std::string>> decoded;  // decoded bytes of compressed views, by view
   std::uint64_t decodedBytes = 0;
 
   std::string_view buffer(Index index) {

@@ -13,7 +13,7 @@ namespace scanmill::gltf {
 struct DracoMesh {
   struct Values {
     std::size_t width = 0;
-    bool normalized = false;     // integers were converted to the interval 0 to 1, or -1 to 1
+    bool normalized = false;     // true: integers were converted to the interval 0 to 1, or -1 to 1
     std::vector<float> numbers;  // vertex by vertex
   };
   std::map<std::string, Values> attributes;  // by the names in `ids`

@@ -153,7 +153,7 @@ class ModelReader : JsonReader {
       const std::string place = fmt::format("{}.primitives[{}]", what, i);
       const std::uint64_t mode = length(primitives[i], "mode", 4, place);
       if (mode > 6) fail(place + " has an unknown mode");
-      if (mode < 4) continue;  // points and lines
+      if (mode < 4) continue;  // skips points and lines
       Primitive p = primitive(primitives[i], place);
       p.mode = static_cast<Primitive::Mode>(mode);
       if (p.attributes.contains("POSITION")) m.primitives.push_back(std::move(p));
@@ -260,7 +260,7 @@ class ModelReader : JsonReader {
         if (!pointerOf(target, channel, kPaths, what)) continue;
       } else {
         const auto known = kPaths.find(path);
-        if (known == kPaths.end() || !target.contains("node")) continue;  // channels of other extensions
+        if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels of other extensions
         channel.path = known->second;
         channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
       }

@@ -21,7 +21,7 @@ using MaybeIndex = std::optional<Index>;
 struct Buffer {
   std::string uri;  // a file's name, with escapes decoded, or a data: URI; empty: the GLB's binary chunk
   std::uint64_t length = 0;
-  std::string problem;  // why the buffer cannot be read, or empty; only an error if the buffer is used
+  std::string problem;  // why the buffer cannot be read; empty: it can. Reported only if the buffer is used
 };
 
 // Location and encoding of a view's compressed bytes (EXT_meshopt_compression or KHR_meshopt_compression).
@@ -52,7 +52,7 @@ struct Accessor {
     std::uint64_t indicesOffset = 0, valuesOffset = 0;
     Component indices = Component::UInt32;
   };
-  MaybeIndex view;  // not set: the data are zeroes or Draco-compressed
+  MaybeIndex view;  // not set: all elements are zero, or the data are Draco-compressed
   std::uint64_t offset = 0, count = 0;
   Component component = Component::Float;
   std::size_t width = 1;  // components per element
@@ -60,13 +60,13 @@ struct Accessor {
   std::optional<Sparse> sparse;
 };
 
-using Attributes = std::map<std::string, Index>;  // accessor by attribute name, such as POSITION
+using Attributes = std::map<std::string, Index>;  // index of an accessor, by attribute name such as POSITION
 
 struct Primitive {
   enum class Mode { Triangles = 4, Strip = 5, Fan = 6 };
   struct Draco {
     Index view = 0;
-    std::map<std::string, std::uint32_t> attributes;  // attribute name -> id in the compressed data
+    std::map<std::string, std::uint32_t> attributes;  // id in the compressed data, by attribute name
   };
   Mode mode = Mode::Triangles;
   Attributes attributes;
@@ -88,8 +88,8 @@ struct Node {
   std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
   std::array<double, 4> rotation{0, 0, 0, 1};    // x, y, z, w
   std::optional<std::array<double, 16>> matrix;  // column by column; if set, replaces translation, rotation and scale
-  std::optional<Attributes> instances;           // EXT_mesh_gpu_instancing
-  bool visible = true;                           // KHR_node_visibility; false hides its descendants too
+  std::optional<Attributes> instances;           // accessors of EXT_mesh_gpu_instancing
+  bool visible = true;                           // KHR_node_visibility; false also hides all descendants
 };
 
 struct Skin {

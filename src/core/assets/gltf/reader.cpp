@@ -26,16 +26,17 @@ namespace {
 // Limits, since a small file can require any amount of memory and time.
 constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes; 256 bytes are added for every compressed byte
 constexpr unsigned kTrialSeconds = 300;
-constexpr double kMostPrimitives = 1 << 22;                   // primitives of all nodes together
-constexpr double kMostRead = 4e9;                             // vertices that are read for all primitives together
-constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // instances of one node
+constexpr double kMostPrimitives = 1 << 22;                   // largest number of primitives of all nodes together
+constexpr double kMostRead = 4e9;                             // largest number of vertices that are read for all
+                                                              // primitives together
+constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // largest number of instances of one node
 
 // The vertices and triangles of a primitive, in the mesh's frame.
 struct Geometry {
   std::vector<Vec3d> points;
-  std::vector<Vec2f> uvs;  // v points down, as in the file; empty, or one per point
+  std::vector<Vec2f> uvs;  // empty, or one per point; v points down, as in the file
   std::vector<Triangle> triangles;
-  std::uint64_t dropped = 0;  // triangles with indices out of range
+  std::uint64_t dropped = 0;  // number of triangles with indices out of range
 };
 
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
@@ -161,7 +162,7 @@ class Reader {
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
-    std::vector<std::size_t> materials;  // materials of the parts that this node has so far
+    std::vector<std::size_t> materials;  // materials of this node's parts so far
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
       const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
@@ -200,7 +201,7 @@ class Reader {
     if (base + geometry.points.size() > UINT32_MAX) model_.fail("has more vertices than 32-bit indices reach");
     for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
     if (!geometry.uvs.empty() || !part.uvs.empty()) {
-      part.uvs.resize(base);  // zero for primitives of the part without coordinates
+      part.uvs.resize(base);  // zero for primitives without coordinates
       for (const Vec2f& uv : geometry.uvs) part.uvs.push_back({uv.x, 1 - uv.y});
       part.uvs.resize(part.positions.size());
     }
@@ -372,8 +373,8 @@ class Reader {
   std::vector<PlacedNode> placed_;
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
-  std::vector<std::size_t> uses_;  // number of nodes that place it, by mesh
-  bool copies_ = false;            // append() is being called for several copies of a node
+  std::vector<std::size_t> uses_;  // number of nodes that place a mesh, by mesh
+  bool copies_ = false;            // true while append() is called for several copies of a node
   std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
   Asset asset_;
   std::uint64_t triangles_ = 0;

@@ -24,7 +24,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostPoints = 100'000'000;
-constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // labels of noise in LAS
+constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // LAS classes of noise
 
 // Returns the name of a class from table 17 of the specification of LAS 1.4; its number if it has no name.
 std::string lasClass(std::uint32_t label) {
@@ -238,7 +238,7 @@ class CloudAsset {
     const std::vector<Surfel> surfels = surfelsOf(positions_, normals_, options_.points.surfels);
     const auto& labels = scan_[kLabel];
     const auto& instances = scan_[kInstance];
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // index of the part, by instance and label
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // index of a part, by instance and label
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const std::uint32_t label = labels.empty() ? 0 : labels[chosen_[k]];
       const std::uint32_t instance = instances.empty() ? 0 : instances[chosen_[k]];
@@ -295,8 +295,8 @@ class CloudAsset {
   std::vector<Vec3f> positions_;     // m; positions of the chosen points in the asset's axes, relative to its origin
   std::vector<Vec3f> normals_;
   std::shared_ptr<const Texture> image_;
-  bool measured_ = false;                         // image_ shows intensities
-  std::map<std::uint32_t, std::uint32_t> nodes_;  // node index, by instance
+  bool measured_ = false;                         // true: image_ shows intensities; false: colours
+  std::map<std::uint32_t, std::uint32_t> nodes_;  // index of the node, by instance
   Asset asset_;
 };
 

@@ -68,7 +68,7 @@ class HeightAsset {
   // Throws InputError if a raster without a coordinate system seems to be in degrees: if degrees were read as metres,
   // hills would become needles.
   void refuseDegrees() const {
-    constexpr double kSteepest = 3;  // ratio of the total height range to the horizontal extent
+    constexpr double kSteepest = 3;  // largest ratio of height range to horizontal extent of a raster in metres
     if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
     const auto [x, y] = heights_.place(0, 0);
     const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);

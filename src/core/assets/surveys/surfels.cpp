@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLine = 0.02;  // points lie on a line if their second-largest spread is below this fraction of the
                                 // largest
-constexpr int kMostTimes = 8;   // the most that the number of neighbours is multiplied by
+constexpr int kMostTimes = 8;   // largest factor on the number of neighbours
 
 // An adapter with the interface that nanoflann requires of a set of points.
 struct Points {
@@ -43,7 +43,7 @@ class Estimator {
       : positions_(positions), normals_(normals), options_(options), points_{positions}, tree_(3, points_) {}
 
   Surfel at(std::size_t i, Neighborhood& near) const {
-    const auto wanted = static_cast<std::size_t>(options_.neighbors) + 1;  // including the point
+    const auto wanted = static_cast<std::size_t>(options_.neighbors) + 1;  // neighbours and the point itself
     Surfel surfel{{0, 0, 1}, static_cast<float>(options_.radius[1])};
     std::size_t found = search(i, wanted, near);
     if (found < 2) return surfel;

@@ -14,7 +14,7 @@ namespace scanmill {
 struct OgreMaterial {
   std::string texture;  // as the script names it, or empty
   std::optional<std::array<float, 3>> color;
-  std::optional<float> alphaCutoff;  // beams pass below this alpha
+  std::optional<float> alphaCutoff;  // beams pass where alpha is below this
 };
 
 // Returns the materials of a script, or of all scripts (*.material) in a folder, by name. Empty if there are none;

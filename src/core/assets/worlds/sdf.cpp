@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepestModel = 24;       // levels of nested models
+constexpr int kDeepestModel = 24;       // largest number of nested models
 constexpr std::size_t kLongest = 1000;  // longest chain of frames, each relative to the next
 
 // The named frames of a world or a model, to which poses may be relative.
@@ -27,7 +27,7 @@ struct Scope {
     const XmlNode* node = nullptr;
     Pose pose;
     std::string relativeTo;               // empty: the scope's own frame
-    std::shared_ptr<const Scope> inside;  // the frames in a model; null: this frame is not a model
+    std::shared_ptr<const Scope> inside;  // frames inside a model; null: this frame is not a model
   };
   std::map<std::string, Frame> frames;
 
@@ -196,7 +196,7 @@ class SdfReader {
     try {
       definition = definitionOf(node, file, plain);
     } catch (const InputError&) {                       // models that belong to Gazebo may not be installed
-      if (plain == "model://sun") return std::nullopt;  // a light
+      if (plain == "model://sun") return std::nullopt;  // sun is a light
       if (plain != "model://ground_plane") throw;
     }
     Model model;
@@ -399,8 +399,7 @@ class SdfReader {
 
   World world_;
   std::map<std::filesystem::path, XmlNode> definitions_;
-  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // materials by the path of their script
-                                                                                // or folder of scripts
+  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder of scripts
 };
 
 }  // namespace

@@ -25,7 +25,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kDeepestTile = 64;  // levels of nested tiles, with those of nested tilesets
+constexpr int kDeepestTile = 64;  // largest number of nested tiles, nested tilesets included
 
 class TilesetReader {
  public:

@@ -18,12 +18,12 @@ struct WorldPart {
   std::string node;            // path within the thing, such as "link/visual"
   std::filesystem::path mesh;  // empty: the part is a solid
   std::string submesh;         // the only node of the mesh to use; empty: all nodes
-  bool centred = false;        // the submesh is moved so that its middle is the origin
+  bool centred = false;        // true: the submesh is moved so that its middle is the origin
   std::optional<Mesh> solid;
   Affine thingFromPart;  // includes the part's scale
-  std::string material;  // material name, for solids and meshes that have none
+  std::string material;  // name of the material, for solids and for meshes without one
   std::optional<std::array<float, 3>> color;
-  std::filesystem::path texture;     // replaces the mesh's own texture; empty: nothing replaces it
+  std::filesystem::path texture;     // replaces the mesh's texture; empty: the mesh keeps its texture
   std::optional<float> alphaCutoff;  // beams pass where the alpha of `texture` is below this
   Location where;
 };
@@ -31,7 +31,7 @@ struct WorldPart {
 // A model or a robot: its parts move together.
 struct WorldThing {
   std::string name;
-  std::filesystem::path definition;  // file of an included model, which all its copies share; else empty
+  std::filesystem::path definition;  // file of an included model, shared by all its copies; else empty
   Affine worldFromThing;             // translation in m, z up
   std::vector<WorldPart> parts;
 };

@@ -22,7 +22,7 @@ struct XmlNode {
 
   const XmlNode* child(std::string_view childName) const;          // the first child with this name; null if there is
                                                                    // none
-  const std::string* attribute(std::string_view attribute) const;  // null if it is absent
+  const std::string* attribute(std::string_view attribute) const;  // returns null if the attribute is absent
   std::string attributeOr(std::string_view attribute, std::string_view fallback) const;
   std::string textOf(std::string_view childName, std::string_view fallback) const;
 

@@ -95,7 +95,7 @@ class GroundMaker {
 
   struct Cell {
     Ground kind = Ground::Terrain;
-    bool patch = false;  // the cell is part of a rounded corner of the crossing
+    bool patch = false;  // true: the cell is part of a rounded corner of the crossing
   };
 
   Cell cell(std::size_t i, std::size_t j) const {

@@ -107,7 +107,7 @@ Layout::Layout(const Parameters& parameters, std::uint64_t streetSeed)
 }
 
 void Layout::addLots(int side, Span x) {
-  constexpr double kNarrowest = 9;  // m
+  constexpr double kNarrowest = 9;  // m, least width of a lot
   double start = x.low;
   while (x.high - start > kNarrowest) {
     Lot lot;

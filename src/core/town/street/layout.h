@@ -22,7 +22,7 @@ struct Parameters {
   double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
   double terrain = 80, beyond = 150;
   bool crossStreet = true;
-  double buildings = 0.9, boundaries = 0.6;  // fractions of the lots
+  double buildings = 0.9, boundaries = 0.6;  // fractions of the lots that have a house, and a hedge or fence
   double trees = 22, bushes = 20, cars = 14, traffic = 2, trucks = 1, buses = 0.5, motorcycles = 2, bicycles = 6;
   double cyclists = 1, pedestrians = 10, signs = 6, lamps = 5, furniture = 10, shelters = 1;
 
@@ -37,7 +37,7 @@ struct Lot {
   Span x;
   Fencing fencing = Fencing::None;
   Span driveway;         // empty (low == high): no driveway
-  bool lowered = false;  // the curb is lowered at the driveway
+  bool lowered = false;  // true: the curb is lowered at the driveway
   Span walkway;
   std::uint32_t number = 0;
 };
@@ -51,10 +51,10 @@ struct Layout {
 
   static constexpr double kCurb = 0.15;            // m, width of a curb stone
   static constexpr double kRamp = 0.45;            // m, width of the slope in the sidewalk at a driveway
-  static constexpr double kLoweredCurb = 0.03;     // m, height of the curb at a driveway
+  static constexpr double kLoweredCurb = 0.03;     // m that driveways extend beyond the front line
   static constexpr double kDrivewayDepth = 7;      // m beyond the front line
   static constexpr double kPathDepth = 1.5;        // m beyond the front line: the greatest setback of a house
-  static constexpr double kCrossSidewalkEnd = 18;  // m beyond the back of the gardens
+  static constexpr double kCrossSidewalkEnd = 18;  // m that the cross street's sidewalks extend beyond the gardens
 
   Ground kindAt(double x, double y) const;
   // Returns the height (m) of ground of this kind at a point inside its border or on its border.
@@ -65,7 +65,7 @@ struct Layout {
 
   Parameters p;
   std::uint64_t seed;
-  double roadEdge, parkingEdge, walkInner, walkOuter, front;  // m from the centre line
+  double roadEdge, parkingEdge, walkInner, walkOuter, front;  // distances from the centre line, m
   double halfLength, halfX, halfY;
   bool cross;
   double crossX = 0, crossEdge = 0, crossWalk = 0, cornerRadius = 0;

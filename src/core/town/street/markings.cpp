@@ -8,7 +8,7 @@
 namespace scanmill::street {
 namespace {
 
-constexpr double kThickness = 3e-3;  // m
+constexpr double kThickness = 3e-3;  // m, thickness of markings
 constexpr double kLine = 0.12;       // m, width of a line
 
 class Painter {
@@ -59,7 +59,7 @@ class Painter {
   }
 
   void parkingBays() {
-    constexpr double kBay = 6.0;  // m
+    constexpr double kBay = 6.0;  // m, length of a parking bay
     for (const Span& s : l_.parking) {
       for (const double side : {-1.0, 1.0}) {
         const double edge = side * (l_.roadEdge + 0.03);

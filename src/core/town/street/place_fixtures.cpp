@@ -37,7 +37,7 @@ void placeTrafficLights(Placer& placer) {
   const Layout& l = placer.layout;
   if (!l.cross || l.p.signs == 0) return;
   const Model m = makeTrafficLight(placer.builder, l.seed);
-  const double out = l.cornerRadius * 0.38;  // behind the rounded curb
+  const double out = l.cornerRadius * 0.38;  // m from the edges of both roads: behind the rounded curb
   int number = 0;
   for (const int sx : {-1, 1}) {
     for (const int sy : {-1, 1}) {

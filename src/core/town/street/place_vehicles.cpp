@@ -37,12 +37,12 @@ class Fleet {
 struct Bay {
   double x;
   int side;
-  double key;  // random; bays are filled in the order of their keys
+  double key;  // random number; bays are filled in the order of these numbers
 };
 
 std::vector<Bay> bays(const Placer& placer) {
   const Layout& l = placer.layout;
-  constexpr double kBay = 6.0;  // m
+  constexpr double kBay = 6.0;  // m, length of a parking bay
   std::vector<Bay> found;
   for (const Span& s : l.parking) {
     for (const int side : {-1, 1}) {
@@ -198,7 +198,7 @@ void placeBicycles(Placer& placer) {
                   fmt::format("bicycle {}", i + 1), [&] {
                     Spot s = placer.onSidewalk(draw, -0.45, 0.8);
                     s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.15, 0.15);
-                    s.lean = radians(draw.in(-9, -5));  // on its stand
+                    s.lean = radians(draw.in(-9, -5));  // the bicycle leans on its stand
                     return s;
                   });
   }
