@@ -7,8 +7,8 @@
 
 namespace scanmill {
 
-// True if a name leads out of the folder of the asset that contains it: the name is absolute, or climbs by "..".
-// Symbolic links inside of the folder are not checked: its owner is responsible for them.
+// True if a name leads out of the folder of the asset that contains the name: the name is absolute, or climbs by "..".
+// Symbolic links inside of the folder are not checked: the folder's owner is responsible for them.
 bool leadsOutside(const std::string& name);
 
 // Returns the message about a name that leads outside: it contains the name, and says how to allow it by allow_outside.

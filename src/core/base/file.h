@@ -12,7 +12,7 @@ namespace scanmill {
 // Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder or unreadable.
 std::string readFile(const std::filesystem::path& path);
 
-// Reads a file in the same way, but block by block, and passes each block to `take`.
+// Reads a file as readFile() does, but block by block, and passes each block to `take`.
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take);
 
 // A file that is written under a temporary name in its folder. commit() flushes it to the disk and gives it its final

@@ -46,7 +46,7 @@ std::string readWords(int descriptor) {
   return text.substr(0, text.find('\n'));
 }
 
-// True if the process that the text of a lock file names may still run. A process on another host always may.
+// True if the process that the text of a lock file names may still run. A process on another host counts as running.
 bool mayBeHeld(const std::string& words) {
   const std::string process = "process ";
   if (!words.starts_with(process)) return false;

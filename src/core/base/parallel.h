@@ -12,7 +12,7 @@ namespace scanmill {
 // body() does for an index must not depend on the range, and body() may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-// Runs work() of a library that contains loops of oneTBB. While this thread waits for such a loop, it starts no
+// Calls work(), in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no
 // unrelated task, which could wait for a lock that this thread holds. parallelFor() needs no such call.
 void isolated(const std::function<void()>& work);
 

@@ -10,8 +10,9 @@
 namespace scanmill {
 
 // A path is either a centripetal Catmull-Rom spline, or straight lines from point to point with rounded corners. The
-// a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and applications of
-// Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
+// spline passes every point and never has a loop or cusp between two points. Its heading is continuous, since the
+// tangent at a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and
+// applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
 class Path {
  public:
   // Creates the spline through at least two points (m). Consecutive points must differ, and the path must not turn

@@ -214,7 +214,7 @@ struct Process::State {
     reap(true);
   }
 
-  // Reads what is available, without waiting.
+  // Appends to `into` all bytes that `from` has, without waiting for more.
   void take(Descriptor& from, std::string& into) const {
     std::array<char, 1 << 16> block;
     while (from.open() && into.size() <= kMaxLine) {

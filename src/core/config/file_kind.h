@@ -9,7 +9,7 @@ namespace scanmill {
 
 enum class FileKind { Unknown, Pipeline, Scene, Sensor, Ontology, Materials };
 
-// Returns the kind of a file; `root` is the whole file.
+// Returns the kind of a file; `root` is the value of the complete file.
 FileKind fileKind(const Value& root);
 
 // Throws an InputError that says what the file is and where it belongs, if it is of another kind than expected. A file

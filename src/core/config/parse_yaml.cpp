@@ -102,7 +102,7 @@ class TreeBuilder : public YAML::EventHandler {
     return {file_, mark.line + 1, mark.column + 1};
   }
 
-  // Returns where the innermost unclosed list or map begins, since the mark of yaml-cpp's error does not help.
+  // Returns where the innermost unclosed list or map begins, since yaml-cpp's error does not say it.
   const Location& innermost() const { return open_.empty() ? root_.where : open_.back().value.where; }
 
   void OnDocumentStart(const YAML::Mark& mark) override {

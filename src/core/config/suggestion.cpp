@@ -1,4 +1,4 @@
-// Finds the known word that was probably meant by an unknown one.
+// Finds the known word that an unknown word probably means.
 
 #include <fmt/format.h>
 
@@ -41,7 +41,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-// True if one word begins with the other, of at least three letters: `yaw` and `yaw_deg`.
+// True if one of the words begins with the other, such as `yaw` and `yaw_deg`, and both have at least three letters.
 bool isPrefix(std::string_view a, std::string_view b) {
   return std::min(a.size(), b.size()) >= 3 && (a.starts_with(b) || b.starts_with(a));
 }

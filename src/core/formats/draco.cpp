@@ -221,7 +221,8 @@ class DracoFormat : public Format {
     if (options_.intensityBits > 0 && allFinite(values)) {
       const auto [low, high] = std::minmax_element(values.begin(), values.end());
       const double bound = (double{*high} - double{*low}) / (std::exp2(options_.intensityBits) - 1) / 2;
-      // Over a narrow range far from zero float32 has hardly more than these bits: the values are stored exactly.
+      // If all values are in a narrow range far from zero, float32 has hardly more than these bits, so they are stored
+      // exactly.
       if (bound > std::max(std::fabs(*low), std::fabs(*high)) * 0x1p-21) {
         const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: intensity");
         return writer.addQuantised(name, onGrid(values, grid));

@@ -1,7 +1,7 @@
 // pcd: PCD 0.7, the Point Cloud Library's own format, lossless.
 //
 //   format: pcd
-//   encoding: binary_compressed   # LZF over whole columns; or binary, rows as they are; or ascii
+//   encoding: binary_compressed   # columns compressed by LZF; or binary: uncompressed rows; or ascii
 //
 // Fields: x y z F 4, then the scan's columns in the types of the table of columns (scan/columns.h), except the label,
 // which is U 4 as in PCL's PointXYZL. An organised scan keeps WIDTH and HEIGHT, and its misses are NaN. A comment in

@@ -25,8 +25,8 @@ struct DecodedImage {
 // in messages; its ending gives the kind if the bytes do not show it. An image of more than 4096 pixels in a row or
 // column is reduced to at most 4096: each pixel becomes the mean of a square of pixels. On a wall of 40 m a pixel is
 // then 1 cm wide, about as wide as a beam. Throws an InputError that starts with the name if the bytes are no image,
-// damaged or truncated; if the image is wider or higher than 16384 pixels; and if its bytes are too few for its size,
-// or this process's memory too small.
+// damaged or truncated, if they are too few for the size in the header, if the image is wider or higher than 16384
+// pixels, or if it needs too much memory.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 
 // Reads and decodes a file as decodeImage() does. Throws InputError also if the file does not exist.

@@ -73,7 +73,7 @@ class JpegReader final : public ImageReader {
     std::longjmp(self.jump_, 1);
   }
 
-  // A negative level is a warning; other levels trace what libjpeg does.
+  // libjpeg calls this function with a negative level for a warning, and with other levels for traces of its work.
   static void failWhereDamaged(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
     if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR && code != JWRN_NOT_SEQUENTIAL) {

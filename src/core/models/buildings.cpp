@@ -77,7 +77,7 @@ class HouseMaker {
 
  private:
   // Adapts the house to the given height of its top (m). The storeys get the height that fits, at least kLeastStorey.
-  // If that is too high, the slope of the roof is reduced as well, to no less than 6 degrees.
+  // If the house is still too high, the slope of the roof is reduced, to no less than 6 degrees.
   void reach(double top) {
     constexpr double kLeastStorey = 2.3;  // m, least height of a storey
     const double shorter = std::min(h_.width, h_.depth);
@@ -174,7 +174,7 @@ class HouseMaker {
   void flatRoof() {
     const double z = wallTop_ - 0.35;
     s_.quad(trim_, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
-    // The inner side of the parapet, and the coping on top.
+    // Adds the inner side of the parapet and its coping.
     const double t = 0.2;
     const double w = h_.width;
     const double d = h_.depth;

@@ -216,9 +216,9 @@ struct TreeModel {
 };
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // these come first among the tree forms
-// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: share of its leaves that a
-// broadleaf has kept, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round) to 1:
-// heavier on one side, with limbs that protrude and gaps between them.
+// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of its leaves that a
+// broadleaf tree still has, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round)
+// to 1: heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
                    double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);

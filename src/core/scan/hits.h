@@ -52,7 +52,7 @@ struct Hits {
 
   // How the material reflects at the hit. A method fills these three arrays only if it has a value for each ray, for
   // example from images that another program rendered. If they are empty, the values of Scene::materials apply. Either
-  // all
+  // all three are filled or none.
   std::vector<float> roughness;         // 0 mirror to 1 matt
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // in units of a white Lambertian target

@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Values below 16 are also values of the column `cause`, of the beam's nearest return.
+// A value below 16 is also the value of the column `cause` for the beam's nearest return.
 enum class Reason : std::uint8_t {
   None = 0,  // not determined yet
   Surface = 1,

@@ -64,7 +64,7 @@ struct Dropped {
 Dropped clean(Mesh& mesh);
 
 // Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n is the object's shape at k/n
-// of the period, and is shown at the times that are nearest to it. All meshes have the same things.
+// of the period, and is shown while it is the nearest in time. All meshes have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
   double period = 1;  // s, in which all meshes are shown once

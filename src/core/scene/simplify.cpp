@@ -105,8 +105,9 @@ std::vector<std::size_t> trianglesPerSurface(const Mesh& mesh) {
   return count;
 }
 
-// Restores surfaces that vanished when the mesh was simplified. A surface with more than kFewTriangles triangles is
-// simplified by itself. If it vanishes again, or has fewer triangles, all its original triangles are restored.
+// Restores surfaces that vanished when the mesh was simplified. A surface of more than kFewTriangles triangles is
+// simplified again by itself. If it vanishes again, or has at most kFewTriangles triangles, all its original triangles
+// are restored.
 void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to) {
   const std::vector<std::size_t> before = trianglesPerSurface(from);
   const std::vector<std::size_t> after = trianglesPerSurface(to);

@@ -33,7 +33,8 @@ struct VoxelGrid {
     return {p.x + kLower, p.y + kLower, p.z + kLower};
   }
 
-  // Returns the index of the voxel that contains a point (m); none outside of the grid or if the point is not finite.
+  // Returns the index of the voxel that contains a point (m); nullopt outside of the grid or if the point is not
+  // finite.
   std::optional<std::size_t> at(const Vec3d& place) const {
     const Vec3d p = inVoxels(place);
     const auto inside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };

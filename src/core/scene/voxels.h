@@ -14,7 +14,7 @@
 namespace scanmill {
 
 struct VoxelLabels {
-  // The class of each voxel, as points on its surfaces have it; 0: the voxel is empty or unlabeled.
+  // The class id of each voxel, as in the column `label` of points; 0: the voxel is empty or unlabeled.
   std::vector<std::uint16_t> label;
   // Indices, ascending, of the voxels that are not empty but whose class is 0.
   std::vector<std::uint32_t> unlabeled;

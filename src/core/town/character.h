@@ -1,6 +1,7 @@
 #pragma once
 
-// The character of a town: the keys of a scene file, and the properties that are sampled by the seed within these keys.
+// The character of a town: the keys of a scene file, and the properties that the seed selects within the limits of
+// these keys.
 
 #include <cstdint>
 #include <filesystem>
@@ -35,7 +36,7 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
-// The properties of a town, which are sampled by the seed so that no two towns are alike.
+// The properties of a town. They depend on the seed, so that no two towns are alike.
 struct Character {
   Character(const Parameters& parameters, std::uint64_t seed);
 

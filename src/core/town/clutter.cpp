@@ -32,8 +32,8 @@ class Store {
   std::vector<std::optional<Model>> made_;
 };
 
-// Returns where a part of the main road with the given length (m) and without a crossing begins, at random (m along the
-// road); nullopt if no attempt finds such a part.
+// Returns a random position on the main road (m along it) from which `length` metres of the road have no crossing;
+// nullopt if no attempt finds such a position.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   const Road& road = l.roads().roads().front();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {

@@ -34,7 +34,7 @@ struct LaidOut {
 // metres to the right of the centre line.
 LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
-// Returns the distance along a side road at which its lanes begin (m); all side roads have the same.
+// Returns the distance along a side road (m) at which its lanes begin, which is the same for all side roads.
 double mouthOf(const Layout& l);
 double stopAtMouth(const Layout& l);                    // m along a side road where vehicles stop that leave it
 double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road, end of its lanes

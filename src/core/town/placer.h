@@ -32,8 +32,8 @@ class Placer {
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
   // Places the model if the place is free. Otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // Does the same for a model on wheels, which tilts with the ground. Also returns false if noParking is occupied
-  // there.
+  // Places a model on wheels, which tilts with the ground, if the place is free and not in noParking. Otherwise returns
+  // false.
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
   // Places a model on wheels even if the place is not free.
   void park(const Model& m, const Spot& s, const std::string& name);

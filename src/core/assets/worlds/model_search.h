@@ -16,7 +16,8 @@ namespace scanmill {
 // IGN_GAZEBO_RESOURCE_PATH, GAZEBO_MODEL_PATH and ROS_PACKAGE_PATH. If nothing is found, throws InputError at `from`.
 std::filesystem::path findModel(const XmlNode& from, const std::filesystem::path& file, const std::string& uri);
 
-// Returns the file or folder `name` in the first of these folders that has it; nullopt if none has it.
+// Returns the file or folder `name` in the first of the folders that findModel() searches for models of `file`; nullopt
+// if none of the folders has it.
 std::optional<std::filesystem::path> findInModelFolders(const std::filesystem::path& file, const std::string& name);
 
 }  // namespace scanmill

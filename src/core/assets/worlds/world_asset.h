@@ -1,6 +1,6 @@
 #pragma once
 
-// World descriptions as assets: an object of a scene can name one like any other 3D file.
+// World descriptions as assets: an object of a scene can name a world description like any other 3D file.
 
 #include <filesystem>
 #include <string_view>
