@@ -24,8 +24,8 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Thrown if the input or the usage is wrong, so that the user can correct it (exit code 2). The message starts with the
-// file and line of the fault if they are known.
+// Thrown if the input or the usage is wrong, which the user can correct (exit code 2). The message starts with the file
+// and line of the fault if they are known.
 class InputError : public Error {
  public:
   InputError(const Location& where, const std::string& message);

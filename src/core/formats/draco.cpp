@@ -57,8 +57,8 @@ constexpr double kMostHeaderBytes = 100;
 constexpr double kMostColumnBytes = 200;
 
 // Returns an upper bound of the bits that an entry of `components` symbols of `bits` bits takes: the code of its
-// length, the symbols themselves, and less than one bit for rounded probabilities. (Coding each symbol by its own
-// probability is only chosen where it is shorter.)
+// length, the symbols themselves, and less than one bit for rounded probabilities. appendSymbols() codes symbols by
+// their own probabilities only if that is shorter.
 double symbolBits(int bits, int components) {
   return bits * components + std::log2(bits + 1.0) + 1;
 }
@@ -221,8 +221,8 @@ class DracoFormat : public Format {
     if (options_.intensityBits > 0 && allFinite(values)) {
       const auto [low, high] = std::minmax_element(values.begin(), values.end());
       const double bound = (double{*high} - double{*low}) / (std::exp2(options_.intensityBits) - 1) / 2;
-      // If all values are in a narrow range far from zero, float32 has hardly more than these bits, so they are stored
-      // exactly.
+      // If all values are in a narrow range far from zero, float32 has hardly more bits than intensity_bits, so the
+      // values are stored exactly.
       if (bound > std::max(std::fabs(*low), std::fabs(*high)) * 0x1p-21) {
         const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: intensity");
         return writer.addQuantised(name, onGrid(values, grid));

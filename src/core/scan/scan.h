@@ -39,7 +39,7 @@ class Scan {
   std::uint32_t rings = 0;    // number of the sensor's rings
   std::uint32_t columns = 0;  // number of the sensor's columns
   bool organised = false;
-  std::uint32_t planes = 1;  // number of images of the sensor's beams, one per return; 1 in a dense scan
+  std::uint32_t planes = 1;  // number of images in an organised scan, one per return; 1 in a dense scan
 
   std::vector<Vec3f> position;         // m, sensor frame
   std::vector<ForeignColumn> foreign;  // each has one value per point

@@ -15,7 +15,7 @@
 
 namespace scanmill {
 
-// An image in memory, 8 bit per channel. Red, green and blue are sRGB values as they are stored; alpha is linear.
+// An image in memory, 8 bit per channel. Red, green and blue are stored sRGB values; alpha is linear.
 struct Texture {
   std::string file;
   std::uint32_t width = 0;

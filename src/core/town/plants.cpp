@@ -81,7 +81,7 @@ void placeTrees(Placer& placer) {
   const Character& c = l.character();
   Nursery nursery(placer);
   int number = 0;
-  // Plants the trees of the map. If it has any, no random trees are added along the roads.
+  // Plants the trees of the map. If the map has trees, no random trees are added along the roads.
   std::uint32_t mapped = 0;
   for (const Point2& tree : l.trees()) {
     Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);

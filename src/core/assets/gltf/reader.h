@@ -18,8 +18,9 @@ namespace scanmill::gltf {
 Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& name, const Affine& assetFromFile,
                 const AssetOptions& options);
 
-// Reads the content of a tile of 3D Tiles in the same way. `assetFromTile` transforms the tile's coordinates (m, z up,
-// with RTC_CENTER added) to the asset's frame; `zUpFromGltf` rotates the up axis of the tile's glTF to z.
+// Reads the content of a tile of 3D Tiles as readAsset() reads a file. `assetFromTile` transforms the tile's
+// coordinates (m, z up, with RTC_CENTER added) to the asset's frame; `zUpFromGltf` rotates the up axis of the tile's
+// glTF to z.
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
                const AssetOptions& options);
 

@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepestModel = 24;       // largest number of nested models
+constexpr int kDeepestModel = 24;       // largest depth of nested models
 constexpr std::size_t kLongest = 1000;  // longest chain of frames, each relative to the next
 
 // The named frames of a world or a model, to which poses may be relative.

@@ -25,7 +25,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kDeepestTile = 64;  // largest number of nested tiles, nested tilesets included
+constexpr int kDeepestTile = 64;  // largest depth of nested tiles, through nested tilesets too
 
 class TilesetReader {
  public:
