@@ -107,7 +107,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
   if (!sporty) {
     appendMudguard(s, paint, rear, r + 0.025, 0.05, radians(-5), radians(175));
     appendMudguard(s, paint, front, r + 0.025, 0.05, radians(25), radians(190));
-    const double rack = r * 2 + 0.06;  // luggage rack
+    const double rack = r * 2 + 0.06;  // height of the luggage rack
     for (const double y : {-0.055, 0.055}) {
       s.tube(metal, {rear.x - 0.2, y, rack}, {seatTop.x - 0.05, y, rack}, 0.006, 0.006, 5);
       s.tube(metal, {rear.x - 0.1, y, rack}, {rear.x, y, r}, 0.005, 0.005, 5);

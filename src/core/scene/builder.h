@@ -54,7 +54,7 @@ class SceneBuilder {
   // Adds the counts of a rule to Scene::rules. RuleUse::where identifies the rule.
   void countRule(const RuleUse& more);
 
-  // Sets Scene::about, the description of the place.
+  // Sets Scene::about, the description of a random place.
   void describe(const std::string& about) { scene_.about = about; }
 
   // Sets Scene::shares, the bounds on classes' shares of the hits in the scene's town.

@@ -13,7 +13,7 @@
 namespace scanmill::gltf {
 
 // Reads accessors. Buffers are loaded, and compressed views decoded, when they are first needed. If that fails, throws
-// an InputError that names the file and `what`, the owner of the numbers.
+// an InputError that names the file. `what` says in the message to which part of the file the numbers belong.
 class Data {
  public:
   explicit Data(const Model& model);  // stores a reference to the model
