@@ -8,7 +8,7 @@
 namespace scanmill {
 namespace {
 
-// The parts of a line such as `texture "tree.png" base`: the name with its quotes, and the role.
+// The parts of a line such as `texture "tree.png" base`: the texture's name with its quotes, and its role.
 struct Layer {
   std::string_view name, role;
 };
@@ -33,7 +33,7 @@ std::string readAc3d(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::string out;
   out.reserve(text.size());
-  std::string texture;  // texture of the current object, written when its texture lines end
+  std::string texture;  // texture of the current object; written after the object's last texture line
   bool base = false;
   const auto flush = [&] {
     if (!texture.empty()) out += "texture " + texture + "\n";

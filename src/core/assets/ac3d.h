@@ -6,7 +6,8 @@
 namespace scanmill {
 
 // Returns the text of an AC3D file with at most one texture per object, as assimp requires. Racing games write several
-// textures: the one with the role `base`, or else the first, is the colour; the others are shading and skid marks.
+// textures per object: the texture with the role `base`, or else the first texture, is the colour; the others are
+// shading and skid marks.
 std::string readAc3d(const std::filesystem::path& file);
 
 }  // namespace scanmill

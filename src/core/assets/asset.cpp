@@ -53,9 +53,9 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
   return asset;
 }
 
-// Warns of coordinates far from the origin, where single precision is coarse.
+// Warns if an asset is so far from the origin that its coordinates are coarse in single precision.
 void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
-  constexpr double kFar = 16384;  // m, where float32 has steps of 2 mm
+  constexpr double kFar = 16384;  // m; beyond this, steps of float32 are 2 mm or more
   Box box;
   for (const AssetPart& part : asset.parts) {
     for (const Vec3f& p : part.positions) {
@@ -102,7 +102,8 @@ Asset readAsset(const std::filesystem::path& file, const AssetOptions& options) 
                     asset.dropped.outOfRange > 0 ? " whose indices are in range: the file is damaged" : ""));
   }
   warnOfSteps(asset, file);
-  // Returns the importer's memory to the system: it allocates every face separately, 60 MiB for a million triangles.
+  // Returns the importer's freed memory to the system. The importer allocates every face separately, 60 MiB for a
+  // million triangles.
   ::malloc_trim(0);
   return withFile(std::move(asset), file);
 }

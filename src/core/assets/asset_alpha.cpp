@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kSteps = 8;  // sample points along an edge of a triangle
+constexpr int kSteps = 8;  // sample points along each edge of a triangle
 constexpr int kPoints = kSteps * (kSteps + 1) / 2;
 constexpr std::uint64_t kMaxTriangles = 1 << 14;
 
@@ -17,7 +17,7 @@ constexpr double kLeastLow = 0.01;
 constexpr double kMostGraded = 0.3;
 constexpr double kMostGone = 0.15;
 
-// Sums over triangles of area times number of sample points.
+// Sums over triangles of area times number of sample points: all points, and points of each kind.
 struct Sum {
   double all = 0;
   AlphaShares parts;

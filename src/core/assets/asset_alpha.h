@@ -10,21 +10,21 @@ namespace scanmill {
 
 struct Texture;
 
-// Shares of the area of the triangles of one material; 0 if the material has no texture coordinates.
+// Fractions of the area of all triangles with one material; 0 if the material has no texture coordinates.
 struct AlphaShares {
-  double low = 0;     // alpha below 0.5
-  double graded = 0;  // alpha from 0.1 to 0.9
-  double gone = 0;    // triangles on which no alpha reaches 0.5
+  double low = 0;     // area with alpha below 0.5
+  double graded = 0;  // area with alpha from 0.1 to 0.9
+  double gone = 0;    // area of triangles on which alpha is below 0.5 everywhere
 };
 
-// Measures the shares for a material's texture at 36 points of each triangle, or of every n-th triangle if there are
-// many.
+// Measures the fractions for a material's texture at 36 points of each triangle, or of every n-th triangle if there are
+// more than 16384.
 AlphaShares measureAlpha(const ImportedFile& imported, std::uint32_t material, const Texture& texture);
 
-// True if these are the shares of cut-outs: some of the surface is cut away, the alpha is mostly 0 or 1, and hardly any
-// triangle would vanish completely, since nobody models what is never seen. If alpha instead says which parts of a
-// car's body take the paint, whole panels have a low alpha. In measurements on Gazebo's models, 0 and 8 % of the area
-// would vanish from the branches of oak and pine, and 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
+// True if these are the fractions of cut-outs: some of the surface is cut away, the alpha is mostly 0 or 1, and hardly
+// any triangle would vanish completely, since nobody models triangles that are never seen. If alpha instead marks the
+// painted parts of a car's body, complete panels have a low alpha. In measurements on Gazebo's models, 0 and 8 % of the
+// area would vanish from the branches of oak and pine, and 24, 35 and 53 % from the bodies of bus, hatchback and SUV.
 bool isCutOut(const AlphaShares& shares);
 
 }  // namespace scanmill

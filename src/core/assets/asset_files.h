@@ -7,9 +7,9 @@
 
 namespace scanmill {
 
-// Returns the 3D files in a folder and its subfolders, sorted by path: the usual kinds that readAsset() reads, without
-// those that are seldom assets (.json, .csv). Of a folder with a model.sdf, such as one of Gazebo's models, only that
-// file is returned, since it names its meshes and their scale. Empty if there are none.
+// Returns the 3D files in a folder and its subfolders, sorted by path; empty if there are none. These are the usual
+// kinds that readAsset() reads, without kinds that are seldom assets (.json, .csv). If a folder has a model.sdf, as
+// Gazebo's models have, only model.sdf is returned, since it names the folder's meshes and their scale.
 std::vector<std::filesystem::path> assetsIn(const std::filesystem::path& folder);
 
 }  // namespace scanmill

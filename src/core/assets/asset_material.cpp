@@ -42,7 +42,7 @@ class MaterialReader {
     color.colored = color.image != nullptr;
     // If there is a texture, the colour factor is ignored: exporters leave arbitrary values in it, often black.
     if (!color.colored) read.color = color.factor;
-    // An opacity map with the colour's own file means that file's alpha, which the image already has.
+    // An opacity map that is the colour's own file means that file's alpha, which the image already has.
     const ImportedMap& opacity = from.opacityMap;
     if (color.alpha.wanted && !opacity.name.empty() && opacity.name != from.base.name) {
       if (const auto mask = load(opacity, false, true))
@@ -56,7 +56,8 @@ class MaterialReader {
   // Returns the alpha test. `declared` becomes true if the test applies without a check by isCutOut().
   AlphaTest alphaTest(const ImportedMaterial& from, bool& declared) const {
     if (options_.alpha == AlphaUse::Ignore) return {};
-    // An opacity of 0 would hide the material. It comes from exporters that confuse opacity and transparency.
+    // An opacity of 0 would hide the material. It comes from exporters that confuse opacity with transparency, and is
+    // ignored.
     declared =
         options_.alpha == AlphaUse::Test || !from.opacityMap.name.empty() || (from.opacity > 0 && from.opacity < 1);
     return {true, 0.5f};

@@ -14,12 +14,12 @@ namespace scanmill {
 
 struct AssetMaterial {
   Material material;
-  std::array<float, 3> color{1, 1, 1};  // AssetPart::color
+  std::array<float, 3> color{1, 1, 1};  // see AssetPart::color
   std::string texture;                  // base colour file as the asset names it, or empty
 };
 
-// Returns the materials of the imported file. A missing or broken texture is a warning. Throws InputError for a texture
-// outside of the file's folder, unless AssetOptions::allowOutside.
+// Returns the materials of the imported file, in its order. Warns of missing and broken textures. Throws InputError for
+// a texture outside of the file's folder, unless AssetOptions::allowOutside is set.
 std::vector<AssetMaterial> readMaterials(const ImportedFile& imported, const std::filesystem::path& file,
                                          const AssetOptions& options);
 

@@ -9,10 +9,11 @@
 
 namespace scanmill {
 
-// Limit of an asset: a file may place its meshes any number of times, so a small file can require any amount of memory.
+// The most triangles of an asset: a small file may place its meshes any number of times and so require any amount of
+// memory.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 
-// Returns the rotation of an up axis to z. x-up follows COLLADA: y becomes -x, z becomes -y.
+// Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.
 Mat3 zUpFrom(char up);
 
 // Merges bit-identical vertices, since some kinds of files have three separate vertices for every triangle.
@@ -24,7 +25,7 @@ void move(AssetPart& part, const Affine& place);
 // Returns the bounds of all finite vertices in the asset's frame (m), including those of Asset::instanced.
 Box boundsOf(const Asset& asset);
 
-// Replaces Asset::instanced by copies of its parts in Asset::parts. Each copy becomes a node of its own.
+// Replaces Asset::instanced by copies of its parts in Asset::parts. Each copy becomes a separate node.
 void flatten(Asset& asset);
 
 }  // namespace scanmill

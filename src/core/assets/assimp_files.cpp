@@ -56,7 +56,7 @@ class AssimpFiles final : public Assimp::DefaultIOSystem {
   }
 
   fs::path folder_;
-  std::string ownLibrary_;  // library with the asset's name, which the importer tries if another one is missing
+  std::string ownLibrary_;  // library with the asset's name, which the importer tries if another library is missing
   bool allowOutside_;
   MissedFiles& missed_;
 };

@@ -17,8 +17,8 @@ struct MissedFiles {
   std::vector<std::string> libraries;  // material libraries (.mtl) that are missing
 };
 
-// Returns the file access for the importer: it opens regular files only, no pipes or devices, and without
-// `allowOutside` only files in the asset's folder and below. `missed` must outlive the result.
+// Returns the file access for the importer. It opens only regular files, no pipes or devices, and without
+// `allowOutside` only files in the asset's folder and its subfolders. `missed` must outlive the result.
 std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, bool allowOutside, MissedFiles& missed);
 
 }  // namespace scanmill

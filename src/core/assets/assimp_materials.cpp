@@ -71,7 +71,7 @@ std::vector<ImportedImage> imagesOf(const aiScene& scene) {
   for (unsigned i = 0; i < scene.mNumTextures; ++i) {
     const aiTexture& from = *scene.mTextures[i];
     ImportedImage& to = images.emplace_back();
-    if (from.mHeight == 0) {  // an image file, whose number of bytes is mWidth
+    if (from.mHeight == 0) {  // an image file of mWidth bytes
       to.bytes.assign(reinterpret_cast<const char*>(from.pcData), from.mWidth);
       continue;
     }

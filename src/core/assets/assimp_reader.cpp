@@ -28,7 +28,8 @@ namespace scanmill {
 
 namespace {
 
-// The importer's time to triangulate a polygon grows with the square of its corners: a second for 40,000 corners.
+// Largest sum of squared corner counts over all polygons. The importer's time to triangulate a polygon grows with the
+// square of its corners: a second for 40,000 corners.
 constexpr double kMostCornersSquared = 4e9;
 
 constexpr std::string_view kCollada = "Collada Importer";
@@ -117,7 +118,7 @@ class Importer {
   }
 
   // Empties faces with an index out of range, since triangulation would read beyond the vertices. Returns the number of
-  // triangles lost.
+  // lost triangles.
   std::uint64_t dropBadFaces() const {
     std::uint64_t dropped = 0;
     for (unsigned m = 0; m < scene_->mNumMeshes; ++m) {
@@ -135,9 +136,9 @@ class Importer {
     return dropped;
   }
 
-  // Resets the root transform of FBX files, in which assimp 5.4 puts the rotation to the declared axes. For all
-  // versions of assimp, assetFromImported() rotates by the up axis and scales by the unit; both together would rotate
-  // twice.
+  // Resets the root transform of FBX files, in which assimp 5.4 stores the rotation to the declared axes. For all
+  // versions of assimp, assetFromImported() rotates by the up axis and scales by the unit, so the root transform would
+  // rotate a second time.
   void undoTurnOfFbx() const {
     if (importedAs() == kFbx && scene_->mRootNode != nullptr) scene_->mRootNode->mTransformation = aiMatrix4x4();
   }
@@ -183,7 +184,7 @@ class Importer {
     return {zUpFrom(up) * fileFromImported * Mat3::scale({scale, scale, scale}), {}};
   }
 
-  // Returns the up axis that the file states or its kind prescribes; nothing if neither does.
+  // Returns the up axis that the file states or its kind prescribes; nullopt if neither does.
   std::optional<char> declaredUp() const {
     const std::string format = importedAs();
     if (format == kFbx) {
@@ -195,7 +196,8 @@ class Importer {
     return std::nullopt;
   }
 
-  // Reads up_axis from the file's first bytes, since the importer does not report it. The schema puts `asset` first.
+  // Returns the up_axis of a COLLADA file from its first bytes, since the importer does not report it. By the schema,
+  // the element `asset` comes first.
   char colladaUp() const {
     std::string head(1 << 16, '\0');
     std::ifstream in(file_, std::ios::binary);
@@ -214,7 +216,7 @@ class Importer {
   static std::string nodeName(const aiNode& node) {
     std::string name = node.mName.C_Str();
     if (const auto pivot = name.find("_$AssimpFbx$_"); pivot != std::string::npos) name.resize(pivot);
-    // The importer makes up this name for COLLADA nodes without a name.
+    // The importer invents this name for COLLADA nodes without a name.
     if (!name.starts_with("$ColladaAutoName$")) return name;
     aiString id;
     return node.mMetaData != nullptr && node.mMetaData->Get("Collada_id", id) ? id.C_Str() : "";
@@ -224,7 +226,7 @@ class Importer {
     struct Item {
       const aiNode* node;
       Affine assetFromParent;
-      std::string name;  // the name of the nearest named ancestor except the root, which the importer often adds
+      std::string name;  // name of the nearest named ancestor, except the root, which the importer often adds
     };
     std::vector<Item> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
     for (std::uint32_t index = 0; !open.empty(); ++index) {
@@ -246,7 +248,7 @@ class Importer {
   void addNode(ImportedFile& read, const aiNode& node, const std::string& name, std::uint32_t index,
                const Affine& assetFromNode) {
     const std::size_t first = read.parts.size();
-    std::vector<unsigned> materials;  // the materials of this node's parts, in their order
+    std::vector<unsigned> materials;  // materials of this node's parts so far
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
       if (node.mMeshes[i] >= scene_->mNumMeshes) continue;
       const aiMesh& mesh = *scene_->mMeshes[node.mMeshes[i]];
@@ -276,7 +278,7 @@ class Importer {
       part.positions[base + i] = static_cast<Vec3f>(assetFromNode * Vec3d{v.x, v.y, v.z});
     }
     appendUvs(part, mesh, base);
-    // If the transform mirrors, two corners are swapped, so that surfaces are not turned inside out.
+    // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
     const bool mirrored = determinant(assetFromNode.linear) < 0;
     const auto offset = static_cast<std::uint32_t>(base);
     part.triangles.reserve(part.triangles.size() + mesh.mNumFaces);
@@ -293,7 +295,7 @@ class Importer {
     if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
-    part.uvs.resize(base + mesh.mNumVertices);  // zero if a mesh of the part has none
+    part.uvs.resize(base + mesh.mNumVertices);  // zero for meshes without coordinates
     for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
       part.uvs[base + i] = {mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y};
     }
@@ -305,7 +307,7 @@ class Importer {
   MissedFiles missed_;
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;         // owned by importer_
-  std::vector<std::uint32_t> uvChannels_;  // by material
+  std::vector<std::uint32_t> uvChannels_;  // index of the set of texture coordinates, by material
   std::uint64_t triangles_ = 0;
 };
 

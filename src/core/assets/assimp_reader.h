@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads files with the assimp library. Damaged files can crash it, or make it use much time and memory: see
-// readImported() in assets/imported_asset.h.
+// Reads files with the assimp library. A damaged file can crash it, or make it use much time and memory; therefore
+// readImported() in assets/imported_asset.h runs it in a child process.
 
 #include <filesystem>
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// Reads a file. `kind` is its extension in lower case, such as ".obj". Throws Error with the problem, but without the
-// file's name.
+// Reads a file. `kind` is its extension in lower case, such as ".obj". Throws an Error that states the problem, but not
+// the file's name.
 ImportedFile readByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
 }  // namespace scanmill

@@ -30,7 +30,7 @@ bool isOpaqueKind(const std::string& name) {
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images) {
   const auto& [r, g, b] = color.factor;
-  const float plain = 0.2126f * r + 0.7152f * g + 0.0722f * b;  // Rec. 709, linear
+  const float plain = 0.2126f * r + 0.7152f * g + 0.0722f * b;  // luminance of the factor (Rec. 709, linear)
   const bool tested = color.alpha.wanted && color.image && color.image->hasAlpha;
   if (color.colored) {
     material.textureMean = images.mean(color.image, tested ? color.alpha.cutoff : 0.0f);

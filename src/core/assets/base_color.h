@@ -1,6 +1,6 @@
 #pragma once
 
-// Derives reflectance and alpha test of an asset's material from its base colour and the alpha of that colour.
+// Derives the reflectance and the alpha test of an asset's material from its base colour and that colour's alpha.
 
 #include <algorithm>
 #include <array>
@@ -18,38 +18,39 @@
 namespace scanmill {
 
 struct AlphaTest {
-  bool wanted = false;  // beams pass where the image's alpha is below `cutoff`
+  bool wanted = false;  // true: beams pass where the image's alpha is below `cutoff`
   float cutoff = 0.5f;
 };
 
 struct BaseColor {
   std::array<float, 3> factor{1, 1, 1};  // linear
-  bool tints = false;                    // the factor multiplies the image
-  bool stated = true;                    // false: a substitute, since the file states no material
-  bool textured = false;                 // the material names an image, which may be absent
-  std::shared_ptr<const Texture> image;  // including alpha; null: absent or not loaded
-  bool colored = false;                  // the image has colours, not only alpha
+  bool tints = false;                    // true: the factor multiplies the image
+  bool stated = true;                    // false: the file states no material, and this one is a substitute
+  bool textured = false;                 // true: the material names an image, which may be absent
+  std::shared_ptr<const Texture> image;  // null: absent, or not loaded
+  bool colored = false;                  // true: the image has colours, not only alpha
   AlphaTest alpha;
 };
 
-// The images that the materials of one asset name. Each is searched for, decoded and measured only once, however many
-// materials use it.
+// The images that the materials of an asset name. Each image is searched for, decoded and measured only once, however
+// many materials use it.
 class ColorImages {
  public:
   // `allowOutside`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
-  // Warns in one line of the images that were missing, and in another of missing images whose alpha may be cut-outs.
+  // Warns in one line of missing images, and in another line of missing images whose alpha may be cut-outs.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;
 
-  // Returns the image that the asset calls `name`: the result of `embedded`, or if that is null the file of that name.
-  // Returns null, with a warning, if the image is missing or broken; also null if only alpha is needed and the image
-  // has none. `cutsOut`: its alpha would let beams pass, which the warning then mentions. `key`: unique for each image.
+  // Returns the image that the asset calls `name`: the result of `embedded`, or if that is null the file `name`.
+  // Returns null, and warns, if the image is missing or broken; also returns null if `onlyAlpha` is set and the image
+  // has no alpha. `cutsOut`: the alpha of the image would let beams pass, which the warning then mentions. `key`
+  // identifies the image.
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
-  // Returns the meanLuminance() of the image.
+  // Returns meanLuminance(*image, leastAlpha).
   float mean(const std::shared_ptr<const Texture>& image, float leastAlpha);
 
  private:
@@ -65,7 +66,7 @@ class ColorImages {
 };
 
 // Sets reflectance and texture of a material of the asset `file`. If an image is named but not loaded, and the colour
-// factor is white, the material gets the default reflectance, since white is then not its colour.
+// factor is white, the material gets the default reflectance, since white then only means "unchanged image".
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images);
 

@@ -17,14 +17,14 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError if the file is not a .blend by content. Blender itself also reads other kinds under this name.
+// Throws InputError unless the content of the file is a .blend: Blender would also read other kinds under this name.
 void checkKind(const std::filesystem::path& file) {
   std::array<char, 7> head{};
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError({file.string()}, "cannot be read");
   in.read(head.data(), head.size());
   const std::string_view begin(head.data(), static_cast<std::size_t>(in.gcount()));
-  // Uncompressed, gzip (until Blender 2.93) and Zstandard (since 3.0).
+  // A .blend is uncompressed, gzip (until Blender 2.93) or Zstandard (since 3.0).
   const bool known = begin == "BLENDER" || begin.starts_with("\x1F\x8B") || begin.starts_with("\x28\xB5\x2F\xFD");
   if (!known) throw InputError({file.string()}, "is not a Blender file: its first bytes are not those of one");
 }
@@ -36,7 +36,7 @@ BlendExport::BlendExport(const std::filesystem::path& file) {
   std::optional<BlenderJob> job;
   try {
     job.emplace("export", folder_.path(), std::vector<std::string>{std::filesystem::absolute(file).string()});
-  } catch (const Error& e) {  // Blender is not installed: not the file's fault
+  } catch (const Error& e) {  // Blender is not installed; the file may be sound
     throw Error(fmt::format("{}: {}", file.string(), e.what()));
   }
   try {

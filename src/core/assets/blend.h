@@ -8,10 +8,10 @@
 
 namespace scanmill {
 
-// A GLB of the active scene of a .blend, with all objects that are visible both in the viewport and in renders:
-// surfaces with their modifiers applied, instances, and materials with their base colour textures. Names are kept.
-// Coordinates are in metres by the file's unit scale, z up. No script, driver expression or handler of the file runs.
-// The GLB is in a temporary folder, which the destructor removes.
+// A GLB of the active scene of a .blend, with all objects that are visible both in the viewport and in renders: their
+// surfaces after modifiers, instances, and materials with base colour textures. Names stay the same. Coordinates are in
+// metres by the file's unit scale, z up. No script, driver expression or handler of the file is run. The GLB is in a
+// temporary folder, which the destructor removes.
 class BlendExport {
  public:
   // Throws an InputError that names the file if it is not a .blend, is damaged, was saved by a newer Blender, or shows

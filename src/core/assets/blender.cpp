@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kPatience = 600;  // s, default
+constexpr double kPatience = 600;  // s, default of SCANMILL_BLENDER_SECONDS
 
 double patience() {
   const char* set = std::getenv("SCANMILL_BLENDER_SECONDS");
@@ -38,7 +38,7 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
   if (!std::filesystem::is_regular_file(script, ignored)) {
     throw Error(fmt::format("{}: is missing: build or install Scanmill again (cmake --install)", script.string()));
   }
-  // --disable-autoexec: no registered scripts or driver expressions of a file run.
+  // --disable-autoexec: Blender runs no registered scripts or driver expressions of a file.
   std::vector<std::string> command{blenderProgram().string(),
                                    "--background",
                                    "--factory-startup",
@@ -54,7 +54,8 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
   return command;
 }
 
-// Returns an environment in which Blender loads no start-up scripts or add-ons of the user and leaves no files behind.
+// Returns changes to the environment, by which Blender loads no start-up scripts or add-ons of the user and leaves no
+// files behind.
 std::map<std::string, std::string> environmentIn(const std::filesystem::path& folder) {
   std::map<std::string, std::string> environment;
   for (const char* name : {"BLENDER_USER_RESOURCES", "BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS",
@@ -98,7 +99,7 @@ BlenderAnswer BlenderJob::answer() {
   try {
     while (const std::optional<std::string> line = process_.readLine(patience_)) {
       const nlohmann::json fields = nlohmann::json::parse(*line, nullptr, false);
-      if (!fields.is_object()) continue;  // printed by Blender itself before the script started
+      if (!fields.is_object()) continue;  // Blender itself printed this line before the script started
       BlenderAnswer answer{fields.value("what", ""), fields.value("text", ""), fields.value("seconds", 0.0)};
       if (answer.what == "error" && fields.value("input", false)) throw InputError(answer.text);
       return answer;

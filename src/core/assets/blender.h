@@ -1,6 +1,6 @@
 #pragma once
 
-// Runs scripts/blender_passes.py in the Blender that is installed.
+// Runs scripts/blender_passes.py in the installed Blender.
 
 #include <filesystem>
 #include <string>
@@ -11,26 +11,26 @@
 namespace scanmill {
 
 // Returns the program that the environment variable SCANMILL_BLENDER names; without the variable, `blender` in PATH. If
-// there is none, throws an Error that says how to install it.
+// there is no such program, throws an Error that says how to install Blender.
 std::filesystem::path blenderProgram();
 
 struct BlenderAnswer {
-  std::string what;  // "ready", "scene", "image" or "exported": see the script
+  std::string what;  // kind of answer: "ready", "scene", "image" or "exported" (see the script)
   std::string text;
-  double seconds = 0;  // since the request
+  double seconds = 0;  // s since the request
 };
 
-// One run of the script, which ends at the latest with this object. Blender starts with its factory settings, ignores
-// the user's configuration, and runs no script of the files that it opens.
+// A running script. The destructor ends it. Blender starts with its factory settings, ignores the user's configuration,
+// and runs no script of the files that it opens.
 class BlenderJob {
  public:
-  // Starts the script. `folder` is a temporary folder for this run only, which must outlive the object; Blender's own
-  // temporary files are written there, too. Throws Error if Blender is not installed.
+  // Starts the script. `folder` is a temporary folder of this run only, which must outlive the object; Blender writes
+  // its temporary files there. Throws Error if Blender is not installed.
   BlenderJob(const std::string& job, const std::filesystem::path& folder, const std::vector<std::string>& arguments);
 
   // Sends a line to the script.
   void ask(const std::string& line);
-  // Waits for the script's next answer, for at most the number of seconds in the environment variable
+  // Waits for the script's next answer, at most the number of seconds in the environment variable
   // SCANMILL_BLENDER_SECONDS (600 by default). Throws an InputError, which does not name the file, if the user's file
   // is at fault; throws an Error with Blender's last lines if anything else fails.
   BlenderAnswer answer();

@@ -67,7 +67,7 @@ enum ExitCode { Done = 0, Failed = 3, OutOfMemory = 4, NobodyListens = 5 };
     if (n <= 0) ::_exit(NobodyListens);
     done += static_cast<std::size_t>(n);
   }
-  ::_exit(code);  // not exit(): buffers and destructors belong to the parent
+  ::_exit(code);  // not exit(), which would flush the parent's buffers and run its destructors
 }
 
 std::string readAll(int descriptor) {

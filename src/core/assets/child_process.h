@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// The child process ended before its work was done: it crashed, or needed more time or memory than it may use. The
+// Thrown if a child process ended before its work was done: it crashed, or needed more time or memory than allowed. The
 // message says which ("it takes more than 300 s").
 class ChildEnded : public Error {
  public:
@@ -19,7 +19,8 @@ class ChildEnded : public Error {
 
 // Calls `work` in a child process, and returns the bytes that `work` returned. The child may crash, hang or request too
 // much memory without harm to this process. Its output is discarded. It may use `memory` bytes more than this process
-// uses now, and `seconds` of CPU time. Throws ChildEnded, or an Error with the message of the exception of `work`.
+// uses now, and `seconds` of CPU time. Throws ChildEnded, or an Error with the message of an exception thrown by
+// `work`.
 std::string inChildProcess(const std::function<std::string()>& work, std::uint64_t memory, unsigned seconds);
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;  // bytes, plus 64 for every byte of the file
+constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;  // bytes; 64 bytes are added for every byte of the file
 constexpr unsigned kSeconds = 300;
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
@@ -43,7 +43,7 @@ ImportedFile importPly(const std::filesystem::path& file, const std::string& kin
   const bool stated = std::any_of(header.elements.begin(), header.elements.end(),
                                   [](const PlyElement& element) { return element.name == "material"; });
   if (stated) return imported;
-  // The importer makes up a grey material, or a white one if vertices have colours.
+  // The importer invents a grey material, or a white one if vertices have colours.
   for (ImportedMaterial& material : imported.materials) {
     material.stated = false;
     material.color = {1, 1, 1};

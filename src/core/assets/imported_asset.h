@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads the kinds of files that the assimp library knows. The library is made for trusted files. Therefore it runs in a
-// child process, which may crash or run out of time or memory without harm to this one.
+// Reads all kinds of files that the assimp library supports. The library is made for trusted files. Therefore it runs
+// in a child process, which may crash or exceed its time or memory without harm to this process.
 
 #include <filesystem>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Reads the file as readAsset() does, but accepts a file without triangles. `kind` is its extension in lower case.
+// Reads the file as readAsset() does, but also accepts a file without triangles. `kind` is its extension in lower case.
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options);
 
 // Returns advice for messages about a file of this kind that cannot be read.

@@ -86,7 +86,8 @@ class Reader {
     left_.remove_prefix(size);
   }
 
-  // Reads the number of items of a list, each of which takes at least `bytes` bytes.
+  // Reads the length of a list, each of whose items takes at least `bytes` bytes. Fails if the input is too short for
+  // them.
   std::size_t count(std::size_t bytes) {
     std::size_t items = 0;
     raw(&items, sizeof items);

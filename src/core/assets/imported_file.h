@@ -15,30 +15,30 @@ namespace scanmill {
 
 // A reference of a material to an image.
 struct ImportedMap {
-  std::string name;             // the image's name in the file; empty: the material has no image
-  std::string label;            // the name for reports and rules
+  std::string name;             // name of the image in the file; empty: none
+  std::string label;            // name of the image for reports and rules
   std::uint32_t uvChannel = 0;  // index of the set of texture coordinates
   bool inverted = false;
-  std::int64_t embedded = -1;  // index into ImportedFile::images; -1: a file of its own
+  std::int64_t embedded = -1;  // index into ImportedFile::images; -1: not embedded
 };
 
 struct ImportedMaterial {
   std::string name;
-  bool stated = true;  // false: the importer made it for parts without a material
+  bool stated = true;  // false: the file states no material for its parts
   float roughness = 1;
   float metallic = 0;
   float opacity = 1;
   std::array<float, 3> color{1, 1, 1};  // linear
   ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;
-  // Returns the set of texture coordinates that parts with this material get.
+  // Returns the index of the set of texture coordinates to read for parts with this material.
   std::uint32_t uvChannel() const { return base.name.empty() ? opacityMap.uvChannel : base.uvChannel; }
 };
 
 // An image that is embedded in the file.
 struct ImportedImage {
   std::uint32_t width = 0;
-  std::uint32_t height = 0;  // 0: `bytes` are an image file; else 8 bit RGBA, the top row first
+  std::uint32_t height = 0;  // 0: `bytes` are an image file; else they are 8 bit RGBA, the top row first
   std::string bytes;
 };
 
@@ -53,14 +53,14 @@ struct ImportedPart {
 };
 
 struct ImportedFile {
-  char up = 'z';  // see Asset
+  char up = 'z';  // see Asset::up
   bool upDeclared = false;
-  Vec3d origin;                  // m, origin of the positions: see Asset
-  std::uint64_t outOfRange = 0;  // number of triangles that were dropped since indices are out of range
+  Vec3d origin;                  // m; the positions of the parts are relative to it: see Asset::origin
+  std::uint64_t outOfRange = 0;  // number of triangles that were dropped because of indices out of range
   std::vector<ImportedMaterial> materials;
   std::vector<ImportedImage> images;
   std::vector<ImportedPart> parts;
-  std::vector<std::string> missing;  // material libraries that the file names and that are missing
+  std::vector<std::string> missing;  // missing material libraries, as the file names them
 };
 
 // Serializes the file. The bytes are only valid on this machine and for this build of the program.

@@ -19,7 +19,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMaxList = 4294967296.0;  // entries; greater than any 32-bit count
+constexpr double kMaxList = 4294967296.0;  // limit of a list's length, above any 32-bit count
 
 [[noreturn]] void failTruncated(const Location& where, const PlyElement& element, std::uint64_t row) {
   throw InputError(where, fmt::format("is truncated or damaged: it ends within '{}' {} of {}", element.name, row + 1,
@@ -31,7 +31,7 @@ constexpr double kMaxList = 4294967296.0;  // entries; greater than any 32-bit c
                                       row + 1, element.count));
 }
 
-// Returns a number as a count; nothing if it is negative, NaN or not below kMaxList.
+// Returns a number as a count; nullopt if it is negative, NaN or not below kMaxList.
 std::optional<std::uint64_t> countOf(double value) {
   return value >= 0 && value < kMaxList ? std::optional(static_cast<std::uint64_t>(value)) : std::nullopt;
 }
@@ -82,7 +82,7 @@ class BinaryWalk {
   std::uint64_t size_;
   bool bigEndian_;
   std::array<char, 1 << 16> buffer_{};
-  std::uint64_t first_ = 0;  // range of the file that is in the buffer
+  std::uint64_t first_ = 0;  // the part of the file in the buffer is [first_, last_)
   std::uint64_t last_ = 0;
 };
 
@@ -120,7 +120,7 @@ std::string_view nextWord(std::string_view& line) {
   return word;
 }
 
-// Checks a row, which is a line, even an empty one. Additional words at its end are ignored.
+// Checks that a line, which may be empty, has all values of a row. Additional words at its end are ignored.
 void checkRow(const PlyElement& element, std::uint64_t row, std::string_view line, const Location& where) {
   const auto word = [&] {
     const std::string_view found = nextWord(line);
@@ -163,7 +163,7 @@ void checkAscii(const std::filesystem::path& file, const PlyHeader& header) {
   }
 }
 
-// Throws InputError for files that the importer would silently misread or fill with made-up data.
+// Throws InputError for files that the importer would silently misread or complete with invented data.
 void requireMesh(const std::filesystem::path& file, const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     if (element.name == "tristrips" && element.count > 0) {

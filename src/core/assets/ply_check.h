@@ -7,8 +7,8 @@
 namespace scanmill {
 
 // Checks that a PLY file contains what its header announces, and returns the header. Without this check, the importer
-// would loop for ever on a header that ends early, trust every count, and make up the data of a truncated file. Throws
-// an InputError that names the file and the problem.
+// would loop for ever on a header that ends early, trust every count, and invent the missing data of a truncated file.
+// Throws an InputError that names the file and the problem.
 PlyHeader checkPly(const std::filesystem::path& file);
 
 }  // namespace scanmill

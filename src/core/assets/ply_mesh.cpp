@@ -21,7 +21,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// A coordinate in the bytes of a vertex: its offset and its type.
+// The offset (bytes) and the type of a coordinate in a vertex.
 struct Axis {
   std::uint64_t at = 0;
   bool isDouble = false;
@@ -30,7 +30,7 @@ struct Axis {
 struct Layout {
   std::array<Axis, 3> axes;
   std::uint64_t vertexBytes = 0;
-  std::uint64_t faceBytes = 0;  // bytes of a triangle
+  std::uint64_t faceBytes = 0;  // bytes of a face, with all its properties
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
 
@@ -101,7 +101,8 @@ Vec3d vertexAt(const char* bytes, const Layout& layout) {
   return {p[0], p[1], p[2]};
 }
 
-// Returns an origin near most vertices (m, asset axes): the median of a thousand vertices, which ignores outliers.
+// Returns an origin near most vertices (m, along the asset's axes): the median of a thousand vertices, which ignores
+// outliers.
 Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFile) {
   constexpr std::uint64_t kSamples = 1000;
   const std::uint64_t every = std::max<std::uint64_t>(layout.vertices / kSamples, 1);
@@ -148,7 +149,7 @@ std::optional<ImportedFile> readPlyMesh(const std::filesystem::path& file, const
   if (bytes.size() < header.size + layout->vertices * layout->vertexBytes + layout->faces * layout->faceBytes) {
     return std::nullopt;
   }
-  // MeshLab names a texture image by a comment with this word; the importer reads such files.
+  // In MeshLab's files a comment with this word names a texture image; the importer reads such files.
   if (std::string_view(bytes).substr(0, header.size).find("TextureFile") != std::string_view::npos) return std::nullopt;
   ImportedFile read;
   read.up = options.up.value_or('z');

@@ -7,11 +7,11 @@
 
 namespace scanmill {
 
-// True if a name leads out of the folder of the asset that contains the name: it is absolute, or climbs by "..".
-// Symbolic links inside of the folder are not checked: they are the responsibility of its owner.
+// True if a name leads out of the folder of the asset that contains the name: the name is absolute, or climbs by "..".
+// Symbolic links inside of the folder are not checked: the folder's owner is responsible for them.
 bool leadsOutside(const std::string& name);
 
-// Returns the message about a name that leads outside: the name, and that allow_outside would permit it.
+// Returns the message about a name that leads outside: it contains the name, and says how to allow it by allow_outside.
 std::string refusalOf(const std::string& name);
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ bool isFile(const std::filesystem::path& path) {
 // Returns the file of this name in a folder, ignoring case; empty if there is none.
 std::filesystem::path findIgnoringCase(const std::filesystem::path& folder, const std::string& name) {
   std::error_code error;
-  std::filesystem::path best;  // the first by name, since the order of a folder's entries is not stable
+  std::filesystem::path best;  // the first match by name, since a folder's entries have no stable order
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     if (lowerCase(entry.path().filename().string()) != lowerCase(name) || !isFile(entry.path())) continue;
     if (best.empty() || entry.path() < best) best = entry.path();
@@ -39,14 +39,14 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
   std::vector<std::filesystem::path> candidates;
   std::filesystem::path outside;
   if (plain.starts_with("file://")) plain = plain.substr(7);
-  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/..., all models are in one folder
+  if (plain.starts_with("model://")) {  // Gazebo: model://MODEL/...; all models are in one folder
     plain = plain.substr(8);
     if (!leadsOutside(plain) && !leadsOutside(decodeUri(plain))) {
       if (const auto found = findInModelFolders(asset, plain)) candidates.push_back(*found);
     }
   }
   for (const std::string& spelling : {plain, decodeUri(plain)}) {
-    const std::filesystem::path path = folder / spelling;  // an absolute name replaces the folder
+    const std::filesystem::path path = folder / spelling;  // if the spelling is absolute, `folder` is ignored
     if (allowOutside || !leadsOutside(spelling)) {
       candidates.push_back(path);
     } else if (isFile(path)) {

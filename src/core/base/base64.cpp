@@ -8,7 +8,8 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kGroups = std::size_t{1} << 20;  // groups of three bytes per call: OpenSSL counts in int
+constexpr std::size_t kGroups = std::size_t{1} << 20;  // groups of three bytes per call, since OpenSSL counts bytes in
+                                                       // an int
 
 const unsigned char* asBytes(const char* text) {
   return reinterpret_cast<const unsigned char*>(text);

@@ -9,7 +9,7 @@
 namespace scanmill {
 
 std::string base64(std::string_view bytes);
-// Returns the bytes that the text encodes, or nothing where it is not base64. Padding at the end may be left out.
+// Returns the bytes that the text encodes; nullopt if the text is not base64. Padding at the end may be left out.
 std::optional<std::string> fromBase64(std::string_view text);
 
 }  // namespace scanmill

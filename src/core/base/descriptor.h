@@ -2,7 +2,7 @@
 
 namespace scanmill {
 
-// Owns a file descriptor and closes it; negative where opening failed.
+// Owns a file descriptor and closes it. `number` is negative if opening the file failed.
 struct Descriptor {
   explicit Descriptor(int opened) : number(opened) {}
   ~Descriptor();

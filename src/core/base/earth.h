@@ -9,7 +9,7 @@ namespace scanmill {
 // Returns the earth-centred coordinates (m) of a longitude and latitude (rad) and a height above the ellipsoid (m).
 Vec3d earthCentred(double longitude, double latitude, double height);
 
-// True if the distance of an earth-centred place from the earth's centre is about that of the surface.
+// True if a point in earth-centred coordinates (m) is 6200 to 6600 km from the earth's centre, as the surface is.
 bool isOnEarth(const Vec3d& place);
 
 // Returns the transform from earth-centred coordinates to x east, y north, z up with the origin at `place`. Up is the

@@ -15,18 +15,19 @@ struct Location {
   int line = 0;
   int column = 0;
 
-  // Returns "file:line:column", "file:line" or "file", as far as the place is known; empty where there is no file.
+  // Returns "file:line:column", "file:line" or "file", as far as the members are known; empty if `file` is empty.
   std::string text() const;
 };
 
-// The work failed, for example because the disk is full (exit code 1). The user cannot repair it by changing the input.
+// Thrown if the work fails, for example because the disk is full (exit code 1). The user cannot repair it by changing
+// the input.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// The input or the usage is wrong, and the user can correct it (exit code 2). The message starts with the place of the
-// fault where that is known.
+// Thrown if the input or the usage is wrong, which the user can correct (exit code 2). The message starts with the file
+// and line of the fault if they are known.
 class InputError : public Error {
  public:
   InputError(const Location& where, const std::string& message);

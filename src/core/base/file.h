@@ -12,7 +12,7 @@ namespace scanmill {
 // Returns the bytes of a whole file. Throws an InputError that names the file if it is absent, a folder or unreadable.
 std::string readFile(const std::filesystem::path& path);
 
-// Reads a file in the same way, but block by block, and passes each block to `take`.
+// Reads a file as readFile() does, but block by block, and passes each block to `take`.
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take);
 
 // A file that is written under a temporary name in its folder. commit() flushes it to the disk and gives it its final
@@ -28,8 +28,8 @@ class AtomicFile {
 
   void write(std::string_view bytes);
   std::size_t size() const { return size_; }  // bytes written so far
-  // Flushes the bytes to the disk, which may fail and take time. A commit() after it only renames the file and flushes
-  // the folder.
+  // Flushes the bytes to the disk, which may fail and take time. After flush(), commit() only renames the file and
+  // flushes the folder.
   void flush();
   void commit();
 
@@ -41,14 +41,15 @@ class AtomicFile {
   bool flushed_ = false;
 };
 
-// Writes and commits an AtomicFile. Throws the same Errors.
+// Writes a complete file by an AtomicFile. Throws Error as AtomicFile does.
 void writeFile(const std::filesystem::path& path, std::string_view bytes);
 
-// Renames a file and replaces a file of the new name; creates the new name's folder. Both must be on one file system.
-// Throws Error.
+// Moves a file to the path `to`, replaces a file that is already there, and creates the folder of `to`. Both paths must
+// be on one file system. Throws Error.
 void moveFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
-// Makes removed and new names in a folder durable. Throws Error, except on file systems that cannot flush folders.
+// Flushes a folder's list of names to the disk, so that new, renamed and removed files survive a power failure. Throws
+// Error, except on file systems that cannot flush folders.
 void syncFolder(const std::filesystem::path& folder);
 
 }  // namespace scanmill

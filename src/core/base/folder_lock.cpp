@@ -46,7 +46,7 @@ std::string readWords(int descriptor) {
   return text.substr(0, text.find('\n'));
 }
 
-// True if the process that a lock file names may still run, judged by the file's text.
+// True if the process that the text of a lock file names may still run. A process on another host counts as running.
 bool mayBeHeld(const std::string& words) {
   const std::string process = "process ";
   if (!words.starts_with(process)) return false;
@@ -100,14 +100,15 @@ std::unique_ptr<FolderLock> FolderLock::tryTake(const std::filesystem::path& fol
   return lock;
 }
 
-// True if the path still leads to the file that is held. Opens no descriptor, since the process may have none left.
+// True if the lock file's path still leads to the file that this object has open. Opens no descriptor, since the
+// process may have none left.
 bool FolderLock::isStillThere() const {
   struct stat own {};
   struct stat named {};
   return ::fstat(descriptor_, &own) == 0 && ::lstat(file_.c_str(), &named) == 0 && isSame(own, named);
 }
 
-// Removes the lock file, unless its path by now leads to another file or through a link.
+// Removes the lock file, unless its path now leads to another file or through a link.
 void FolderLock::remove() const {
   std::filesystem::path foreign;
   const Descriptor place(openPlace(folder_, file_, foreign));
@@ -160,9 +161,9 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
       if (const std::string words = readWords(descriptor_); mayBeHeld(words)) return refuse(words);
     }
     if (isStillThere()) break;
-    release();  // the process that held it has just removed it
+    release();  // the process that held the lock has just removed the file
   }
-  if (kind == LockKind::Shared && !locked_) return true;  // the text would keep others from sharing
+  if (kind == LockKind::Shared && !locked_) return true;  // a text would look like a lock held alone
   const std::string words = ownWords();
   ssize_t n = ::ftruncate(descriptor_, 0);
   for (std::size_t done = 0; n >= 0 && done < words.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {
@@ -180,8 +181,8 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
 
 bool FolderLock::makeAlone() {
   if (kind_ == LockKind::Alone) return true;
-  // Releases the shared lock first: network file systems would keep it where they cannot grant the exclusive one. In
-  // between another process may take the lock, and may remove the file when it ends.
+  // Releases the shared lock first, because a network file system that cannot grant the exclusive lock would keep the
+  // shared one. Between the two calls another process may take the lock, and may remove the file when it ends.
   if (!locked_ || ::flock(descriptor_, LOCK_UN) != 0 || ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 ||
       !isStillThere()) {
     release();

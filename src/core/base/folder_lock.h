@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// The path of a lock file is taken by something that this program did not make: a link, a folder, or a file with a
-// second hard link. That file and the target of a link stay untouched. The message says what to remove.
+// Thrown if the path of a lock file leads to something that this program did not make: a link, a folder, or a file with
+// a second hard link. Nothing is changed there. The message says what to remove.
 class ForeignFile : public InputError {
  public:
   using InputError::InputError;
@@ -30,9 +30,9 @@ enum class LockKind {
 // another host.
 class [[nodiscard]] FolderLock {
  public:
-  // `folder` must exist; it may be a link, and errors name it. `file` lies in it or in folders below it, none of which
-  // may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the file cannot be
-  // created.
+  // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below
+  // it, none of which may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the
+  // file cannot be created.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Lets functions use vector instructions beyond those that every processor of the build's target has.
+// Lets functions use vector instructions that only some processors have.
 
 // A function marked SCANMILL_BEST_INSTRUCTIONS is compiled three times, for x86-64-v2, v3 (AVX2) and v4 (AVX-512),
 // together with all functions of its file that it calls. When the program starts, it chooses the best version that the

@@ -42,7 +42,7 @@ std::uint64_t groupLimit() {
   return least;
 }
 
-std::atomic<std::uint64_t> allowed{0};  // by the user, in bytes; 0: no limit
+std::atomic<std::uint64_t> allowed{0};  // the limit that the user sets (bytes); 0: no limit
 
 std::uint64_t pageBytes() {
   return static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));

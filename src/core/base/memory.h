@@ -4,11 +4,11 @@
 
 namespace scanmill {
 
-// Returns how much memory (bytes) the program may take: the least of the machine's memory, what the control groups
-// (cgroups v1 or v2) of its scheduler or container allow, and what its user allows.
+// Returns how much memory (bytes) the program may use: the least of the machine's memory, the limits of its control
+// groups (cgroups v1 or v2, set by a scheduler or container) and the user's limit.
 std::uint64_t memoryLimitBytes();
 
-// Sets how many bytes the user allows for as long as the object lives; 0: no limit.
+// Sets the user's limit of memory (bytes; 0: no limit) for as long as the object lives.
 class MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t bytes);

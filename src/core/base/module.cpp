@@ -25,8 +25,8 @@ std::string lastError() {
 
 }  // namespace
 
-// Asks for the program's folders instead of leaving the search to dlopen(), which takes the RUNPATH of the library that
-// calls it: with a sanitizer that is the sanitizer's library, not the program.
+// Reads the program's own list of folders and does not leave the search to dlopen(). With a sanitizer, dlopen() is
+// called by the sanitizer's library and would search the RUNPATH of that library.
 std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo need{};
@@ -42,7 +42,9 @@ std::vector<std::string> programLibraryFolders() {
   std::vector<std::string> folders;
   const Dl_serpath* paths = info->dls_serpath;
   for (unsigned i = 0; i < info->dls_cnt; ++i) {
-    if (paths[i].dls_name[0] == '/') folders.emplace_back(paths[i].dls_name);  // never the working directory
+    if (paths[i].dls_name[0] == '/')
+      folders.emplace_back(paths[i].dls_name);  // skips relative folders, which depend
+                                                // on the working directory
   }
   return folders;
 }

@@ -1,18 +1,17 @@
 #pragma once
 
 // Modules are plug-ins: shared libraries of the program that bring heavy libraries which are seldom needed, such as
-// VTK, OpenGL and OpenImageIO. The program loads a module at its first use and never unloads it. So it starts quickly,
-// and runs without these libraries where they are not needed.
+// VTK, OpenGL and OpenImageIO. The program loads a module at its first use and never unloads it. The program therefore
+// starts quickly, and works without a heavy library as long as it does not need it.
 //
 // The program uses a module through an interface: an abstract class in a header that includes nothing of the heavy
 // library. The interface has a constant `kFile` that says which file holds the module. The module derives a class from
 // the interface and exports one object of that class by SCANMILL_MODULE. The program gets the object from
 // moduleOf<Interface>().
 //
-// Objects, containers and exceptions cross between the program and a module as they do within the program, since both
-// are built by the same compiler from the same headers of the interface. A module built otherwise is refused before its
-// object is used. A module contains no compiled code of the program's libraries, and uses only what their headers
-// define.
+// Objects, containers and exceptions may cross between the program and a module, since both are built by the same
+// compiler from the same headers. A module of another build is refused before its object is used. A module contains no
+// compiled code of the program's libraries, and uses only what their headers define.
 
 #include <string>
 #include <string_view>
@@ -25,18 +24,18 @@ namespace scanmill {
 struct ModuleFile {
   std::string_view name;     // "libscanmill_images.so"
   std::string_view without;  // what fails without it: "rasters of heights cannot be read"
-  std::string_view install;  // how to get what it links: "install OpenImageIO (on Debian the package ...)"
+  std::string_view install;  // how to get missing libraries: "install OpenImageIO (on Debian the package ...)"
 };
 
 // A module exports this struct through its only symbol, the function scanmillModule(). Never change it: each version
 // must be able to refuse the modules of every other version.
 struct ModuleEntry {
   std::string_view build;  // kModuleBuild when the module was built
-  std::string_view file;   // ModuleFile::name of its interface
-  const void* object;      // points to an object of its interface
+  std::string_view file;   // ModuleFile::name of the module's interface
+  const void* object;      // points to an object of the module's interface
 };
 
-// Returns the folders in which the program looks for its libraries: those of its RUNPATH, to which the build and the
+// Returns the folders in which the program looks for its libraries: the RUNPATH, to which the build and the
 // installation add the modules' folder. Throws Error.
 std::vector<std::string> programLibraryFolders();
 
@@ -50,8 +49,8 @@ const Interface& loadModule(const std::vector<std::string>& folders) {
   return *static_cast<const Interface*>(loadModuleObject(Interface::kFile, folders));
 }
 
-// Returns the module of an interface, which the first call loads; any thread may call it. Throws Error as
-// loadModuleObject() does; the next call then tries again.
+// Returns the module of an interface, and loads it at the first call. Any thread may call it. Throws Error as
+// loadModuleObject() does; after an error the next call tries again.
 template <class Interface>
 const Interface& moduleOf() {
   static const Interface* const loaded = &loadModule<Interface>(programLibraryFolders());

@@ -15,7 +15,8 @@ namespace scanmill {
 
 namespace {
 
-// True in the work of withWaiters(): its loops are not isolated again, so that threads that wait for it can help.
+// True on a thread that runs the work of withWaiters(). The loops of that work are not isolated, so that threads that
+// wait for the work can take part in them.
 thread_local bool withOthers = false;
 
 class WithOthers {
@@ -38,8 +39,8 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
     body(0, count);
     return;
   }
-  // TBB halves a range down to half its grain size. The loop counts whole grains, so that no call of body() gets less
-  // than one.
+  // TBB halves a range down to half its grain size. The loop therefore counts complete grains, so that each call of
+  // body() gets at least one grain.
   const std::size_t grains = (count - 1) / grain + 1;
   TaskOrder begun;
   TaskOrder done;
@@ -51,10 +52,10 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
       body(r.begin() * grain, r.end() == grains ? count : r.end() * grain);
     });
   };
-  // Isolates the loop: a thread that waits for it must not start an unrelated outer task, which would hold further
-  // buffers meanwhile.
+  // Isolates the loop: a thread that waits for the loop must not start an unrelated outer task, whose buffers would
+  // take memory meanwhile.
   if (withOthers) {
-    const WithOthers no(false);  // for loops within this one
+    const WithOthers no(false);  // loops within this loop are isolated again
     loop();
   } else {
     tbb::this_task_arena::isolate(loop);

@@ -12,15 +12,15 @@ namespace scanmill {
 // body() does for an index must not depend on the range, and body() may write only to what belongs to its range.
 void parallelFor(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
-// Runs work in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no unrelated
-// task, which could wait for something that this thread holds. parallelFor() ensures the same by itself.
+// Calls work(), in which a library runs loops of oneTBB. While this thread waits for such a loop, it starts no
+// unrelated task, which could wait for a lock that this thread holds. parallelFor() needs no such call.
 void isolated(const std::function<void()>& work);
 
-// Runs work within tbb::collaborative_call_once(): threads that wait for that call help with the work's parallelFor()
-// loops, and with nothing else.
+// Runs work() within a call of tbb::collaborative_call_once(). Threads that wait for that call take part in the
+// parallelFor() loops of work(), and in no other tasks.
 void withWaiters(const std::function<void()>& work);
-// True on a thread within withWaiters(). If its work starts another tbb::collaborative_call_once(), this thread runs
-// that call without help: threads that wait for the outer call cannot take part in loops of the inner one.
+// True on a thread within withWaiters(). A nested tbb::collaborative_call_once() on this thread must run without help:
+// threads that wait for the outer call cannot take part in loops of the nested call.
 bool hasWaiters();
 
 // Limits how many threads all parallel work uses, for as long as the object lives; 0 means one for each core.

@@ -67,7 +67,7 @@ Path Path::lines(const std::vector<Vec3d>& points, double rounding) {
     const Vec3d end = corner + normalized(on) * reach;
     line(at, start);
     path.partOfPoint_.push_back(path.segments_.size() * kParts + kParts / 2);
-    // The quadratic Bezier curve of start, corner and end.
+    // Adds the quadratic Bezier curve of start, corner and end.
     path.add({start, (corner - start) * 2, start - corner * 2 + end, {}});
     at = end;
   }
@@ -91,7 +91,7 @@ Pose Path::pose(double distance) const {
   const Segment& segment = segments_[part / kParts];
   const double from = static_cast<double>(part % kParts) / kParts;
 
-  // Newton's method on the distance within the part, a smooth and increasing function of u.
+  // Finds u by Newton's method: the distance travelled within the part is a smooth and increasing function of u.
   const double wanted = distance - travelled_[part];
   double u = from + wanted / (travelled_[part + 1] - travelled_[part]) / kParts;
   for (int i = 0; i < 4; ++i) {

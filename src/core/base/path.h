@@ -9,29 +9,29 @@
 
 namespace scanmill {
 
-// Either a centripetal Catmull-Rom spline, or straight lines from point to point with rounded corners. The spline
-// passes every point and never has a loop or cusp between two of them. Its heading is continuous, since the tangent at
-// a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and applications of
-// Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
+// A path is either a centripetal Catmull-Rom spline, or straight lines from point to point with rounded corners. The
+// spline passes every point and never has a loop or cusp between two points. Its heading is continuous, since the
+// tangent at a point bisects the directions before and after it. Yuksel, Schaefer, Keyser, "Parameterization and
+// applications of Catmull-Rom curves", Computer-Aided Design 43(7), 2011.
 class Path {
  public:
   // Creates the spline through at least two points (m). Consecutive points must differ, and the path must not turn
   // straight back.
   explicit Path(const std::vector<Vec3d>& points);
   // Creates the straight lines through at least two points (m). A parabola rounds each corner: it leaves the lines
-  // `rounding` metres (above 0) before and behind the corner, or halfway to the neighbouring point where that is
-  // nearer. At a right angle the path passes the corner at 0.35 times that distance.
+  // `rounding` metres (above 0) before and behind the corner, or at half the distance to the neighbouring point if that
+  // is less. At a right angle the nearest point of the parabola is 0.35 times that distance from the corner.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
-  double length() const { return travelled_.back(); }  // m
+  double length() const { return travelled_.back(); }  // length of the path (m)
   // Returns the pose at a distance along the path (m): x heads along the path, without roll. A distance before the
   // start or beyond the end gives the pose at that end.
   Pose pose(double distance) const;
-  // Returns the curvature over ground at a distance along the path (1/m, above 0 to the left), from the headings
-  // `reach` metres before and behind that place.
+  // Returns the signed curvature in the horizontal plane (1/m; positive in left turns) at a distance along the path
+  // (m), from the headings `reach` metres before and behind.
   double curvature(double distance, double reach) const;
-  // Returns the distance along the path (m) at which it passes one of its points, or is nearest to a corner that it
-  // rounds.
+  // Returns the distance along the path (m) at which the path passes the waypoint with this index, or is nearest to it
+  // if the corner is rounded.
   double distanceOfPoint(std::size_t point) const { return travelled_[partOfPoint_[point]]; }
 
  private:
@@ -48,8 +48,8 @@ class Path {
   void add(const Segment& segment);
 
   std::vector<Segment> segments_;
-  std::vector<double> travelled_{0};  // m, at the start of each part (kParts equal ones per segment), and at the end
-  std::vector<std::size_t> partOfPoint_;  // index into travelled_
+  std::vector<double> travelled_{0};      // m from the path's start to each part (kParts per segment), and to the end
+  std::vector<std::size_t> partOfPoint_;  // for each waypoint, its index into travelled_
 };
 
 }  // namespace scanmill

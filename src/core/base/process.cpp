@@ -26,9 +26,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kKeptLines = 12;
-constexpr std::size_t kKeptLength = 400;  // bytes of a kept line
+constexpr std::size_t kKeptLength = 400;  // bytes that are kept of a line of the child's standard error
 constexpr std::size_t kMaxLine = std::size_t{16} << 20;
-constexpr double kSlice = 0.05;  // s, between checks whether a child has ended although others hold its pipes open
+constexpr double kSlice = 0.05;  // s between checks whether a child has ended, even if others hold its pipes open
 
 std::string reason(int code) {
   return std::strerror(code);
@@ -87,7 +87,8 @@ Pipe makePipe() {
   return pipe;
 }
 
-// Creates a socket from this program to the child: writing to a pipe without a reader would raise a fatal signal.
+// Creates a socket from this program to the child. A pipe would not do: writing to a pipe without a reader raises a
+// fatal signal.
 Pipe makeSocket() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw Error("no pipe: " + reason(errno));
@@ -110,7 +111,7 @@ struct SpawnActions {
     ::sigfillset(&all);
     ::posix_spawnattr_setsigmask(&attributes, &none);
     ::posix_spawnattr_setsigdefault(&attributes, &all);
-    ::posix_spawnattr_setpgroup(&attributes, 0);  // a group of its own, so that the child's children are killed with it
+    ::posix_spawnattr_setpgroup(&attributes, 0);  // a new process group, so that the child's children are killed too
     ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
   ~SpawnActions() {
@@ -161,14 +162,14 @@ std::filesystem::path findProgram(const std::string& name) {
 
 struct Process::State {
   std::string name;
-  pid_t pid = -1;  // -1: the child has ended and was waited for
+  pid_t pid = -1;  // -1: waitpid() has returned the child's status
   int status = 0;
   Descriptor input;
   Descriptor output;
   Descriptor errors;
-  std::string outputText;      // read, but not asked for yet
-  std::size_t searched = 0;    // bytes of outputText in which no line ends
-  std::string unfinishedLine;  // the last line of the child's standard error, as far as it has been read
+  std::string outputText;      // output that was read but not yet returned by readLine()
+  std::size_t searched = 0;    // bytes at the start of outputText that have no line feed
+  std::string unfinishedLine;  // the start of a line of the child's standard error
   std::list<std::string> lines;
 
   void start(const std::vector<std::string>& command, const std::map<std::string, std::string>& environment) {
@@ -190,7 +191,8 @@ struct Process::State {
     errors = std::move(err.ours);
   }
 
-  // True if the child has ended. Processes that it left running are killed then, since they would hold the pipes open.
+  // True if the child has ended. Processes that the child started and left running are then killed, since they would
+  // hold the pipes open.
   bool reap(bool block) {
     if (pid < 0) return true;
     siginfo_t ended{};
@@ -199,7 +201,7 @@ struct Process::State {
       result = ::waitid(P_PID, static_cast<id_t>(pid), &ended, WEXITED | WNOWAIT | (block ? 0 : WNOHANG));
     } while (result != 0 && errno == EINTR);
     if (result == 0 && ended.si_pid == 0) return false;
-    if (result == 0) ::kill(-pid, SIGKILL);  // while the number is still the child's
+    if (result == 0) ::kill(-pid, SIGKILL);  // kills the group before waitpid() frees its number
     while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
     }
     pid = -1;
@@ -212,7 +214,7 @@ struct Process::State {
     reap(true);
   }
 
-  // Reads what is available, without waiting.
+  // Appends to `into` all bytes that `from` has, without waiting for more.
   void take(Descriptor& from, std::string& into) const {
     std::array<char, 1 << 16> block;
     while (from.open() && into.size() <= kMaxLine) {
@@ -244,7 +246,8 @@ struct Process::State {
     if (lines.size() > kKeptLines) lines.pop_front();
   }
 
-  // Waits at most `seconds` until something can be read or written, and reads or writes it.
+  // Waits at most `seconds` until the child can be read from or written to, and then reads or writes without blocking.
+  // Removes from `toWrite` what was written.
   void pump(double seconds, std::string_view& toWrite) {
     std::array<pollfd, 3> polled{{{output, POLLIN, 0}, {errors, POLLIN, 0}, {-1, POLLOUT, 0}}};
     if (!toWrite.empty()) polled[2].fd = input;
@@ -262,7 +265,7 @@ struct Process::State {
     }
   }
 
-  // Reads what a child that has ended left in its pipes, even if other processes hold them open.
+  // Reads what an ended child has left in its pipes, even if other processes hold the pipes open.
   void finish() {
     take(output, outputText);
     output.close();

@@ -14,20 +14,20 @@
 
 namespace scanmill {
 
-// Returns the executable file that a shell would start by this name: a name without a slash is looked for in PATH.
-// Empty if there is none.
+// Returns the executable file that a shell would start by this name, which is looked for in PATH if it has no slash.
+// Returns an empty path if there is no such file.
 std::filesystem::path findProgram(const std::string& name);
 
-// The child has not done in time what the caller waited for. It still runs.
+// Thrown if the child has not finished in time what the caller waited for. The child still runs.
 class TimeOut : public Error {
  public:
   using Error::Error;
 };
 
-// A child process. It is started without a shell, so that nothing parses the words of its command again. It gets its
-// three standard streams and no other file descriptor of this program. The destructor kills the child and the processes
-// that the child has started. If this program dies without running the destructor, the child sees the end of its
-// standard input. All times are seconds of wall-clock time.
+// A child process. It is started without a shell, so that nothing parses the words of its command again. It inherits
+// its three standard streams and no other file descriptor. The destructor kills the child and the processes that the
+// child has started. If this program dies without running the destructor, the child sees the end of its standard input.
+// All times are seconds of wall-clock time.
 class Process {
  public:
   // `command` is the program and its arguments; `environment` is added to this program's own environment. Throws Error
@@ -37,17 +37,18 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  // Writes to the child's standard input. If the child has closed it, the text is dropped without an error. Throws
-  // TimeOut.
+  // Writes to the child's standard input. If the child has closed its input, the text is dropped without an error.
+  // Throws TimeOut after `seconds`.
   void write(std::string_view text, double seconds);
   // Ends the child's standard input.
   void closeInput();
   // Waits for the next line of the child's standard output and returns it without its line feed; nullopt if the output
-  // has ended. Throws TimeOut, and Error for a line of over 16 MiB.
+  // has ended. Throws TimeOut after `seconds`, and Error for a line of over 16 MiB.
   std::optional<std::string> readLine(double seconds);
-  // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut.
+  // Waits until the child has ended and returns how: "exit code 3", "signal 11 (Segmentation fault)". Throws TimeOut
+  // after `seconds`.
   std::string wait(double seconds);
-  // Returns the last lines of the child's standard error, at most a dozen, as far as the calls above have read it.
+  // Returns the last lines of the child's standard error, at most twelve, as far as the calls above have read it.
   std::string lastLines() const;
 
  private:

@@ -9,8 +9,8 @@
 
 namespace scanmill {
 
-// The use of a random number: each use has numbers of its own. A seed's numbers depend on these values: append new
-// ones, never renumber.
+// The purpose of a random number. Different purposes get independent numbers. A dataset depends on these values: append
+// new purposes, never renumber.
 enum class Purpose : std::uint16_t {
   RangeNoise = 1,
   AngularJitter = 2,
@@ -34,7 +34,7 @@ enum class Purpose : std::uint16_t {
   Shuffle = 20,
   Distribution = 21,
   LostRings = 22,
-  Speckle = 256,  // to 263: four looks each
+  Speckle = 256,  // 256 to 263: each value gives the words of four looks of speckle
   Test = 99,
 };
 
@@ -44,7 +44,7 @@ struct RandomAddress {
   std::uint32_t scene = 0;  // index of the sequence (scene, scene seed, trajectory) in the pipeline
   std::uint32_t frame = 0;
   std::uint32_t sensor = 0;  // below 4096
-  std::uint32_t beam = 0;    // ring * columns + column
+  std::uint32_t beam = 0;    // index of the beam: ring * columns + column
   std::uint32_t number = 0;  // index of the return, 0 to 15
   Purpose purpose = Purpose::Test;
 };

@@ -14,7 +14,7 @@ namespace scanmill {
 // Seconds by the name of a stage. If several threads work on a stage, their seconds are added up.
 using StageSeconds = std::map<std::string, double>;
 
-// Adds the seconds of `from` to those of the same stages in `to`.
+// Adds the seconds of each stage in `from` to the seconds of the same stage in `to`.
 void addSeconds(const StageSeconds& from, StageSeconds& to);
 
 // Adds up the time that stages take. Several threads may use it at once.

@@ -214,7 +214,7 @@ constexpr Affine toAffine(const Pose& p) {
   return {toMatrix(p.rotation), p.translation};
 }
 
-// An axis-aligned box, in metres. A new box is empty and grows by what is added.
+// An axis-aligned box (m). A new box is empty; add() extends it.
 struct Box {
   Vec3d low{INFINITY, INFINITY, INFINITY};
   Vec3d high{-INFINITY, -INFINITY, -INFINITY};

@@ -20,14 +20,14 @@ namespace {
 constexpr std::array kKinds{std::string_view("uniform"), std::string_view("normal"), std::string_view("choice")};
 constexpr double kMostDeviations = 4;
 
-// Reads two numbers, the first below the second.
+// Reads an interval [low, high]. Throws InputError unless low is below high.
 Range readInterval(const Value& value, std::string_view what) {
   const std::vector<double> ends = readNumbers(value, what);
   if (ends.size() == 2 && ends[0] < ends[1]) return {ends[0], ends[1]};
   throw InputError(value.where, fmt::format("{} must be [least, most], the first below the second", what));
 }
 
-// Returns the share of a normal distribution below this many standard deviations; deviationsAt() is the inverse.
+// Returns the probability that a standard normal value is below `deviations`. deviationsAt() is the inverse.
 double shareBelow(double deviations) {
   return std::erfc(-deviations / std::numbers::sqrt2) / 2;
 }
@@ -39,7 +39,7 @@ double deviationsAt(double share) {
 struct Normal {
   double mean = 0;
   double deviation = 1;
-  Range ends{0, 0};  // values beyond them are never drawn
+  Range ends{0, 0};  // the distribution is cut off outside of this interval
 };
 
 Normal readNormal(Fields& fields) {
@@ -78,7 +78,8 @@ Value scalar(const Value& distribution, std::string text) {
   return value;
 }
 
-// Returns the integers of a choice that has "..." between two of them; empty if the choice is a list of items.
+// Returns the integers of a choice such as [1, ..., 9], written with "..." between two integers; empty if the choice is
+// a list of items.
 std::vector<PlacedInteger> readSpan(const Value& list) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where, "choice must be a list with at least one item");
@@ -90,7 +91,7 @@ std::vector<PlacedInteger> readSpan(const Value& list) {
   return spans ? readIntegers(list, "choice", -kMost, kMost) : std::vector<PlacedInteger>{};
 }
 
-// Returns an item of the choice, with the place of the distribution's key.
+// Returns an item of the choice. Its key, for messages, is the key of the distribution.
 Value itemOf(const Value& distribution, const Value& list, std::size_t index) {
   Value item = list.items[index];
   item.keyLine = distribution.keyLine;
@@ -111,7 +112,7 @@ bool isPerFrame(Fields& fields) {
   return fields.choice("per", {"sequence", "frame"}, "sequence") == "frame";
 }
 
-// Returns the keys of a distribution, after a check that exactly one of them names its kind.
+// Returns the keys of a distribution, after a check that exactly one of them is `uniform`, `normal` or `choice`.
 Fields fieldsOf(const Value& value) {
   Fields fields(value, "distribution");
   fields.also({"uniform", "normal", "choice", "within", "per"}).finish();
@@ -133,8 +134,8 @@ Value draw(Fields& fields, double random) {
   return scalar(value, fmt::format("{}", std::clamp(std::lerp(ends.low, ends.high, random), ends.low, ends.high)));
 }
 
-// Returns the end that a distribution takes in a case. If the end is an item of a choice, `number` becomes the case for
-// the distributions within the item.
+// Returns the end (see countCases()) that a distribution takes in the case `number`. If the end is an item of a choice,
+// `number` becomes the number of the case for distributions within the item.
 Value endOf(const Value& value, std::size_t& number) {
   Fields fields = fieldsOf(value);
   const std::size_t which = number;
@@ -160,7 +161,7 @@ double randomOf(const std::string& key, RandomAddress address) {
   return uniform(randomBlock(address)[0]);
 }
 
-// Calls apply() for each value that a value holds directly.
+// Calls apply() for each item or entry of a value, without descending into them.
 template <class Do>
 void forEachWithin(const Value& value, const Do& apply) {
   for (const Value& item : value.items) apply(item);
@@ -196,12 +197,13 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value one = value;
     RandomAddress own = address;
-    for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {  // items may be distributions
+    for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {  // an item may be a distribution
+                                                                                     // again
       Fields fields = fieldsOf(one);
       own.frame = isPerFrame(fields) ? address.frame : 0;
       one = draw(fields, randomOf(key, own));
     }
-    std::vector<DrawnValue> within;  // reported as part of the item that holds them
+    std::vector<DrawnValue> within;  // not reported: the entry in `draws` shows the complete item
     one = withDraws(one, key, address, within);
     draws.push_back({key, flowText(one)});
     return one;

@@ -1,15 +1,15 @@
 #pragma once
 
-// A file may give a distribution in place of a value; the value is then drawn at random:
+// A file may give a distribution in place of a value. The program then samples the value at random:
 //
-//   length: {uniform: [200, 400]}                      # all numbers between them are equally likely
-//   slope: {normal: [1, 0.5], within: [0, 3]}          # mean and standard deviation, cut off outside of `within`
-//   season: {choice: [summer, autumn, winter]}         # all are equally likely; [1, ..., 9] has nine items
+//   length: {uniform: [200, 400]}                      # all numbers between the two are equally likely
+//   slope: {normal: [1, 0.5], within: [0, 3]}          # mean and standard deviation, cut off outside `within`
+//   season: {choice: [summer, autumn, winter]}         # all items are equally likely; [1, ..., 9] has nine
 //   traffic: {choice: [0, {uniform: [0.5, 2]}]}        # 0, or a number from 0.5 to 2
-//   rate_mm_h: {uniform: [0, 30], per: frame}          # drawn anew for each frame, not for each sequence
+//   rate_mm_h: {uniform: [0, 30], per: frame}          # a new value for each frame, not for each sequence
 //
-// A normal distribution is also cut off at four standard deviations (one of 16,000 numbers would lie beyond), so that
-// every drawn value has bounds.
+// A normal distribution is also cut off at four standard deviations, which one of 16,000 numbers would exceed, so that
+// every random value has bounds.
 
 #include <cstddef>
 #include <string>
@@ -20,32 +20,33 @@
 
 namespace scanmill {
 
-// The value that was drawn for a key. If an item of a choice holds distributions itself, `value` has their drawn
-// values.
+// A value that was sampled for a key. If the sampled item of a choice contains distributions, `value` shows their
+// sampled values too.
 struct DrawnValue {
   std::string key;    // as --set names it: "objects.0.town.length"
   std::string value;  // as YAML on one line
   bool operator==(const DrawnValue&) const = default;
 };
 
-// True if the value itself is a distribution, valid or not.
+// True if the value is a map with a key `uniform`, `normal` or `choice`, whether or not it is a valid distribution.
 bool isDistribution(const Value& value);
 // True if the value, or anything within it, is a distribution.
 bool holdsDistribution(const Value& value);
-// Returns the first distribution within the value that is drawn for each frame; null if there is none.
+// Returns the first distribution within the value that is sampled anew for each frame; null if there is none.
 const Value* findDrawnPerFrame(const Value& value);
 
-// Returns the value with a drawn value in place of each distribution within it, and appends the drawn values to
-// `draws`. `key` is the key of the value itself, empty for a whole file. A drawn value depends only on its key and on
-// the address, and stays the same whatever else the file holds. Beam, number and purpose of the address are set here,
-// and the frame becomes 0 for values that are drawn for each sequence. Throws InputError for an invalid distribution.
+// Returns a copy of the value in which a random value replaces each distribution, and appends the random values to
+// `draws`. `key` is the dotted key of `value` in its file, empty for a complete file. A random value depends only on
+// its own key and on `address`, whatever else the file contains. The function sets the beam, the number and the purpose
+// of the address itself, and sets the frame to 0 for values that are sampled once per sequence. Throws InputError for
+// an invalid distribution.
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
                 std::vector<DrawnValue>& draws);
 
-// A distribution has ends: the least and the greatest number, or each item of a choice. In each of the cases 0 to
-// countCases(value) - 1 every distribution within the value is at one of its ends, and every end occurs in some case. A
-// reader that accepts all cases therefore accepts all drawn values, unless it checks how two numbers go together. The
-// number of cases is 1 if nothing is drawn.
+// A distribution has ends: its least and greatest number, or each item of a choice. withCase() replaces each
+// distribution within the value by one of its ends, and over the cases 0 to countCases(value) - 1 every end occurs. If
+// a reader accepts all cases, it therefore accepts all random values, unless it checks two values against each other. A
+// value without distributions has one case.
 std::size_t countCases(const Value& value);
 Value withCase(const Value& value, std::size_t number);
 

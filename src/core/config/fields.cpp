@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the hint for an unknown word: the nearest name, and all names where they are few.
+// Returns the hint for an unknown word: the nearest name, and the list of all names if there are at most six.
 std::string oneOf(std::string_view word, const std::vector<std::string>& names) {
   constexpr std::size_t kFew = 6;
   const std::string near = nearest(word, names);
@@ -156,7 +156,7 @@ Pose Fields::pose() {
     throw InputError(rotation->where,
                      fmt::format("{} must be a quaternion [w, x, y, z], not a list of {}", what, q.size()));
   }
-  // Scales the quaternion first, so that no square over- or underflows.
+  // Divides the quaternion by its largest component first, so that no square over- or underflows.
   double largest = 0;
   for (const double c : q) largest = std::fmax(largest, std::fabs(c));
   if (largest == 0) throw InputError(rotation->where, what + " must be a quaternion [w, x, y, z] of non-zero length");

@@ -1,6 +1,6 @@
 #pragma once
 
-// Strict reading of maps: every key is read by its name and type, and finish() refuses keys that nobody has asked for.
+// Strict reading of maps: every key is read by its name and type, and finish() refuses keys that were never read.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,14 +21,15 @@ struct Range {
   double high = INFINITY;
 };
 
-// Each reads one value as a certain type. `what` names the value in messages. All throw an InputError with the value's
-// place, what was expected and what was found.
-double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; 1e3, -.5; never hex or octal
+// Each function reads one value as a certain type. `what` names the value in messages. All throw an InputError with the
+// place of the value, what was expected and what was found.
+double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; 1e3, -.5; no hex, no octal
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
 bool readBool(const Value& value, std::string_view what);  // true or false
 std::string readText(const Value& value, std::string_view what);
 Vec3d readVec3(const Value& value, std::string_view what);  // [x, y, z]
-// An integer of a list, with its place. "..." between two integers stands for all in between: [1, ..., 20].
+// An integer of a list, and its place in the file. "..." between two integers stands for all integers between them: [1,
+// ..., 20].
 struct PlacedInteger {
   std::int64_t value = 0;
   Location where;
@@ -49,13 +50,13 @@ std::string suggestion(std::string_view word, const std::vector<std::string>& na
 //   f.finish();                                                  // anything else is an error
 class Fields {
  public:
-  // `what` names the map in messages ("sensor", "effect range_noise"). Throws unless value is a map (Null counts as
-  // {}).
+  // `what` names the map in messages ("sensor", "effect range_noise"). Throws an InputError unless `value` is a map; an
+  // empty value counts as an empty map.
   Fields(const Value& value, std::string what);
 
   bool has(std::string_view key) const;        // does not mark the key as known; an empty value counts as absent
   const Value* find(std::string_view key);     // marks the key as known; null if absent or empty
-  const Value& require(std::string_view key);  // throws if absent; returns an empty value as it is
+  const Value& require(std::string_view key);  // throws if absent; an empty value (Null) is returned
   const Location& where() const { return value_.where; }
   const Value& value() const { return value_; }
 
@@ -71,24 +72,25 @@ class Fields {
   Vec3d vec3(std::string_view key, const Vec3d& fallback);
   std::vector<double> numbers(std::string_view key, Range range);
   std::vector<std::string> texts(std::string_view key);  // a list of strings or one string; empty if absent
-  // A relative path starts in the folder of the file that names it.
+  // Returns a path. If it is relative, it starts in the folder of the file that contains it.
   std::filesystem::path path(std::string_view key);
   std::optional<std::filesystem::path> optionalPath(std::string_view key);
-  // A YAML file: its path, or the name of a file that comes with the program; see resolveResource().
+  // Returns the path of a YAML file, given by its path or by the name of a file that comes with the program; see
+  // resolveResource().
   std::filesystem::path resource(std::string_view key, const std::string& subfolder);
   std::optional<std::filesystem::path> optionalResource(std::string_view key, const std::string& subfolder);
 
-  // Reads a pose from this map's own keys: {position: [x, y, z], yaw_deg:, pitch_deg:, roll_deg:} or {position:,
+  // Reads a pose from these keys of the map: {position: [x, y, z], yaw_deg:, pitch_deg:, roll_deg:} or {position:,
   // rotation: [w, x, y, z]}.
   Pose pose();
 
-  // Marks keys as known that are read later, or by other code. If also() and finish() are called before any key is
-  // read, an unknown key is reported before a missing one.
+  // Marks keys as known that are read later or by other code. If also() and finish() are called before any key is read,
+  // an unknown key is reported before a missing key.
   Fields& also(std::initializer_list<std::string_view> keys);
-  // Does the same for the keys of a description such as "step_m: 1 m, what it is; gain: 2".
+  // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is; gain: 2".
   Fields& alsoDescribed(std::string_view keys);
 
-  // Throws an InputError for the first key that nobody has asked for, with its place and the nearest known key.
+  // Throws an InputError for the first unknown key of the map; the message has its place and the nearest known key.
   void finish() const;
 
  private:
@@ -99,14 +101,14 @@ class Fields {
   std::vector<std::string> known_;
 };
 
-// Resolves `name` against the folder of the file that holds `value`. A path given by --set starts in the folder of the
-// file that it changes or, if nothing exists at that path, in the current folder.
+// Returns `name` as a path that starts in the folder of the file that contains `value`. A path given by --set starts in
+// the folder of the file that --set changes or, if nothing exists there, in the current folder.
 std::filesystem::path resolvePath(const Value& value, const std::string& name);
 
-// Returns the YAML file that `value` calls `name`: a path as for resolvePath(), or else a file below `subfolder` of the
-// program's own files (or below its parent folder: both os1_128 and sensors/os1_128.yaml are found in
-// pipelines/sensors). The suffix may be left out. Throws an InputError that says where it looked and names the nearest
-// existing file.
+// Returns the path of the YAML file that `value` calls `name`: a path as for resolvePath(), or else a file in
+// `subfolder` of resourceFolder() or in the parent of that subfolder (both os1_128 and sensors/os1_128.yaml are found
+// in pipelines/sensors). `name` may lack the suffix .yaml. Throws an InputError that lists the places searched and the
+// nearest existing file.
 std::filesystem::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 #pragma once
 
-// Recognises the kinds of YAML files by keys that only one kind has. If a file of the wrong kind is given, the message
-// can then say what it is.
+// Recognises the kind of a YAML file by keys that only this kind has, so that a message about a wrong file can say what
+// the file is.
 
 #include "config/value.h"
 
@@ -9,10 +9,11 @@ namespace scanmill {
 
 enum class FileKind { Unknown, Pipeline, Scene, Sensor, Ontology, Materials };
 
-// Returns the kind of a file; `root` is the whole file.
+// Returns the kind of a file; `root` is the value of the complete file.
 FileKind fileKind(const Value& root);
 
-// Throws an InputError that says what the file is and where it belongs, if it is certainly not of the expected kind.
+// Throws an InputError that says what the file is and where it belongs, if it is of another kind than expected. A file
+// of unknown kind passes.
 void expectKind(const Value& root, FileKind expected);
 
 }  // namespace scanmill

@@ -9,7 +9,8 @@ namespace scanmill {
 
 namespace {
 
-// True if a plain scalar reads the same in {...} and [...], in an assignment and in a shell's quotes.
+// True if a plain scalar of YAML needs no quotes within {...} and [...], after the "=" of --set and in a shell's
+// quotes.
 bool staysPlain(const std::string& text) {
   const auto word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; };
   const auto inner = [&](char c) { return word(c) || c == '-' || c == '+' || c == '/' || c == '%' || c == ' '; };
@@ -41,7 +42,7 @@ std::string doubledDollars(const std::string& text) {
   return doubled;
 }
 
-// Returns the text of a value within a list or map.
+// Returns the text of a value that lies within a list or map.
 std::string innerText(const Value& value) {
   return value.kind == Value::Kind::Null ? "null" : flowText(value);
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// A choice in YAML with its options, such as a method, an effect or a format.
+// An item of YAML that is a name with options, such as a method, an effect or a format.
 
 #include <string>
 
@@ -11,7 +11,7 @@ namespace scanmill {
 struct NamedOptions {
   std::string name;
   Location where;
-  Value options;  // a value of the kind Null where the text gives only the name
+  Value options;  // a value of the kind Null if only a name is given
 };
 
 // Reads "name" or {name: {options}}. `what` describes the item in messages, such as "an effect". Throws InputError.

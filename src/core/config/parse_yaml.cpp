@@ -23,7 +23,8 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNodes = 1'000'000;
-constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // all scalars together, with aliases and variables expanded
+constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // of all scalars together, with aliases and variables
+                                                          // expanded
 
 struct Extent {
   std::size_t nodes = 1;
@@ -101,7 +102,7 @@ class TreeBuilder : public YAML::EventHandler {
     return {file_, mark.line + 1, mark.column + 1};
   }
 
-  // Returns where the innermost unclosed list or map begins, since the mark of yaml-cpp's error does not help.
+  // Returns where the innermost unclosed list or map begins, since yaml-cpp's error does not say it.
   const Location& innermost() const { return open_.empty() ? root_.where : open_.back().value.where; }
 
   void OnDocumentStart(const YAML::Mark& mark) override {
@@ -116,7 +117,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuseAsKey(mark, "is empty");
     Value value;
     value.where = place(mark);
-    // If a key has no value, its event has the mark of whatever comes next.
+    // If a key has no value, yaml-cpp gives its event the mark of the next token.
     if (!open_.empty() && open_.back().value.kind == Value::Kind::Map && open_.back().keyWhere.line != mark.line + 1) {
       value.where = open_.back().keyWhere;
     }
@@ -167,7 +168,7 @@ class TreeBuilder : public YAML::EventHandler {
     bool hasKey = false;
     std::string key;
     Location keyWhere;
-    std::unordered_map<std::string, std::pair<int, int>> seen;  // line and column of each key
+    std::unordered_map<std::string, std::pair<int, int>> seen;  // line and column of each key, to report duplicates
   };
 
   bool awaitsKey() const {
@@ -178,7 +179,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text, but this key {}", what));
   }
 
-  // True if the tag makes a scalar text, whatever it looks like: yaml-cpp gives "!" to all scalars that are not plain.
+  // True if the tag makes a scalar text even if it looks like a number: yaml-cpp gives "!" to all scalars in quotes.
   bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
     if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;
@@ -216,7 +217,8 @@ class TreeBuilder : public YAML::EventHandler {
     add(std::move(value), anchor);
   }
 
-  // Counts what is about to be added, and throws an InputError at `mark` before it costs memory beyond a limit.
+  // Adds the size of a node that will be added. Throws an InputError at `mark` if a limit is exceeded, before the node
+  // takes memory.
   void count(const YAML::Mark& mark, const Extent& extent) {
     nodes_ += extent.nodes;
     bytes_ += extent.bytes;
@@ -234,7 +236,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void add(Value value, YAML::anchor_t anchor) {
     if (anchor != 0) {
-      // The anchor's copy counts towards the limits like an alias: nested anchors must not multiply a document.
+      // A copy is stored for the anchor and counts towards the limits: nested anchors must not multiply a document.
       const Extent extent = extentOf(value);
       nodes_ += extent.nodes;
       bytes_ += extent.bytes;

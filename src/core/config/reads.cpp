@@ -1,4 +1,4 @@
-// Typed reads of one value.
+// Reads one value as a certain type.
 
 #include <fmt/core.h>
 
@@ -51,8 +51,8 @@ std::string bounded(std::string_view noun, T low, T high, T lowest, T highest) {
   return fmt::format("{} from {} to {}", noun, low, high);
 }
 
-// Reads the whole `text` as a decimal number; returns false if it is none. from_chars() alone would also accept inf and
-// nan. Leading zeros are refused, since some readers of YAML take 017 for an octal number.
+// Reads all of `text` as a decimal number; returns false if it is not a number. from_chars() alone would also accept
+// inf and nan. Leading zeros are refused, since some readers of YAML take 017 for an octal number.
 template <class T>
 bool parseDecimal(std::string_view text, std::string_view characters, T& number) {
   if (text.find_first_not_of(characters) != std::string_view::npos) return false;
@@ -111,7 +111,7 @@ Vec3d readVec3(const Value& value, std::string_view what) {
 }
 
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high) {
-  constexpr std::int64_t kMost = 1'000'000;  // integers that one "..." stands for
+  constexpr std::int64_t kMost = 1'000'000;  // the most integers that one "..." may stand for
   if (list.kind != Value::Kind::Sequence) refuse(list, what, "a list of integers");
   std::vector<PlacedInteger> numbers;
   numbers.reserve(list.items.size());

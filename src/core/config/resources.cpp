@@ -25,7 +25,7 @@ bool isThere(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// Returns the file of this name, with or without the suffix .yaml.
+// Returns the file at this path, with or without the suffix .yaml; nullopt if there is none.
 std::optional<fs::path> fileAt(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored) && !fs::is_directory(path, ignored)) return path;
@@ -46,12 +46,12 @@ std::vector<std::string> yamlNames(const fs::path& folder) {
 
 fs::path ownPath(const Value& value, const fs::path& name) {
   if (name.is_absolute()) return name;
-  if (value.folder == ".") return name;  // --set on a file of the current folder
+  if (value.folder == ".") return name;  // the value comes from --set on a file of the current folder
   return (value.folder.empty() ? fs::path(value.where.file).parent_path() : fs::path(value.folder)) / name;
 }
 
-// Returns a file that comes with the program, by its name alone ("os1_128", "sensors/os1_128.yaml"). A path such as
-// "../labels/mine.yaml" names a place: if no file is there, the message must say so.
+// Returns a file that comes with the program, if `name` is a mere name ("os1_128", "sensors/os1_128.yaml"). A path that
+// starts with "." or ".." is not searched: if the file is absent, the message must say so.
 std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder) {
   if (name.empty() || name.is_absolute() || *name.begin() == ".." || *name.begin() == ".") return std::nullopt;
   const fs::path root = resourceFolder();
@@ -63,8 +63,8 @@ std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder)
   return std::nullopt;
 }
 
-// Returns a hint such as " (did you mean 'street.yaml'?)" from the files of the folders; if none of them is near, the
-// names of the files that come with the program.
+// Returns a hint such as " (did you mean 'street.yaml'?)" from the files of the folders; if no file has a similar name,
+// the names of the files that come with the program.
 std::string advice(const fs::path& path, const std::vector<fs::path>& folders, const fs::path& builtInFolder) {
   std::string word = path.filename().string();
   if (path.extension() != kSuffix) word += kSuffix;

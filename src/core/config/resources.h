@@ -16,7 +16,7 @@ std::filesystem::path resourceFolder();
 
 // Returns the file that an option of the command line names: by the path of a YAML file, or by the name (without
 // suffix) of a file in a subfolder of resourceFolder(), such as "semantic_kitti" in "labels". Throws an InputError that
-// names existing files. For names that stand in files see resolveResource().
+// names existing files. For names within YAML files see resolveResource().
 std::filesystem::path namedResource(const std::string& name, const std::string& subfolder);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// Finds the known word that was probably meant by an unknown one.
+// Finds the known word that an unknown word probably means.
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the word in lower case with "_" for "-" and " ": these differences do not count.
+// Returns the word in lower case, with "-" and " " replaced by "_": nearest() ignores these differences.
 std::string folded(std::string_view word) {
   std::string plain(word);
   for (char& c : plain) {
@@ -41,7 +41,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-// True if one word is the beginning of the other: cut short (`yaw` for `yaw_deg`), or with something added.
+// True if one of the words begins with the other, such as `yaw` and `yaw_deg`, and both have at least three letters.
 bool isPrefix(std::string_view a, std::string_view b) {
   return std::min(a.size(), b.size()) >= 3 && (a.starts_with(b) || b.starts_with(a));
 }
@@ -60,7 +60,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
     const std::size_t near = std::max<std::size_t>(1, std::max(plain.size(), other.size()) / 3);
     if (distance > near && !isPrefix(plain, other)) continue;
     if (distance == std::max(plain.size(), other.size())) continue;
-    // If two names are at the same distance, the one that begins the word, or that the word begins, is nearer.
+    // If two names are at the same distance, the name that begins the word, or begins with it, counts as nearer.
     const std::size_t off = 2 * distance - (distance > 0 && isPrefix(plain, other) ? 1 : 0);
     if (best.empty() || off < leastOff) {
       best = name;

@@ -12,7 +12,7 @@ unsigned char byteAt(std::string_view text, std::size_t i) {
   return i < text.size() ? static_cast<unsigned char>(text[i]) : 0;
 }
 
-// Returns the bytes of the well-formed UTF-8 sequence at `i` (Unicode 15, table 3-7); 0 if it is ill-formed.
+// Returns the length (bytes) of the well-formed UTF-8 sequence at `i` (Unicode 15, table 3-7); 0 if it is ill-formed.
 std::size_t utf8Length(std::string_view text, std::size_t i) {
   const unsigned char first = byteAt(text, i);
   if (first < 0x80) return 1;
@@ -37,7 +37,7 @@ std::size_t utf8Length(std::string_view text, std::size_t i) {
   return 0;
 }
 
-// True if only blanks, or blanks and a comment, follow on the line from `i` on.
+// True if the line has only blanks, or blanks and a comment, from `i` on.
 bool restIsBlank(std::string_view text, std::size_t i) {
   i = text.find_first_not_of(" \t", i);
   return i == std::string_view::npos || text[i] == '\n' || text[i] == '\r' || text[i] == '#';
@@ -47,7 +47,7 @@ bool isNameCharacter(char c, bool first) {
   return c == '_' || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (!first && c >= '0' && c <= '9');
 }
 
-// Returns the value of the variable ${...} with this text between its braces: NAME or NAME:-fallback.
+// Returns the value of a variable ${...}; `inside` is the text between its braces: NAME or NAME:-fallback.
 std::string variable(std::string_view inside, const Location& where) {
   std::size_t end = 0;
   while (end < inside.size() && isNameCharacter(inside[end], end == 0)) ++end;

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// A YAML file larger than this is refused as a mistake.
+// The largest size of a YAML file (bytes). A larger file is refused, since it is probably a mistake.
 constexpr std::size_t kMaxYamlBytes = std::size_t{64} << 20;
 
 // Throws InputError with file:line:column for NUL bytes, other control characters, invalid UTF-8 and tabs in the

@@ -39,7 +39,7 @@ std::size_t readIndex(const std::string& part, const Value& list, const std::str
                                                            part, parent, list.items.size() - 1));
 }
 
-// Returns the assignment a.b.c=v as "a={b: {c: v}}", in which the first `keys` keys stay before the "=".
+// Rewrites an assignment a.b.c=v with maps, as "a={b: {c: v}}". The first `keys` parts of the path stay before the "=".
 std::string asMaps(const std::vector<std::string>& parts, std::size_t keys, std::string_view value) {
   std::string text;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -92,7 +92,7 @@ void setValue(Value& root, std::string_view assignment) {
   if (parts.size() > kMaxPathLength) throw InputError(where, fmt::format("has more than {} keys", kMaxPathLength));
 
   Value value = parseYaml(assignment.substr(equals + 1), where.file);
-  // A single value needs no line and column beside the name of its key.
+  // A single value needs no line and column: the name of its key is enough.
   if (value.kind == Value::Kind::Null || value.kind == Value::Kind::Scalar) value.where = where;
   const std::string folder = std::filesystem::path(root.where.file).parent_path().string();
   setFolder(value, folder.empty() ? "." : folder);

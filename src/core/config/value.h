@@ -17,16 +17,16 @@ struct Value {
 
   Kind kind = Kind::Null;
   Location where;
-  std::string text;            // Scalar: as written, variables expanded
-  bool quoted = false;         // Scalar: "..." or '...', hence text even if it looks like a number
-  std::vector<Value> items;    // Sequence
-  std::vector<Entry> entries;  // Map, in the file's order, keys unique
-  int keyLine = 0;             // line of the key, for a map's entry; 0 if --set made the entry
+  std::string text;            // Scalar: the text as written, with variables expanded
+  bool quoted = false;         // Scalar: true if "..." or '...', hence text even if it looks like a number
+  std::vector<Value> items;    // Sequence: its items
+  std::vector<Entry> entries;  // Map: its entries in the file's order; keys are unique
+  int keyLine = 0;             // line of the key, for a map's entry; 0 if the entry comes from --set
   int keyColumn = 0;
-  std::string folder;  // if --set made the value, the folder of its relative paths; else empty: that of where.file
+  std::string folder;  // folder in which relative paths start, if --set made the value; empty: the folder of where.file
 
-  const Value* find(std::string_view key) const;     // Map: null if absent
-  const Value& valueOf(std::string_view key) const;  // Map: a value of kind Null if absent
+  const Value* find(std::string_view key) const;     // Map: the value of a key; null if absent
+  const Value& valueOf(std::string_view key) const;  // Map: the same, but a value of kind Null if absent
 };
 
 struct Value::Entry {
@@ -34,19 +34,18 @@ struct Value::Entry {
   Value value;
 };
 
-// Parses one document; `file` is its name in messages. `${NAME}` in scalars is replaced by the environment variable; if
-// that is not set, the error names it. `${NAME:-fallback}` gives a fallback for a variable that is not set or empty;
-// `$$` is a dollar. Refuses duplicate keys, cyclic and exploding aliases, a depth over 64 and more than a million
-// nodes. Throws InputError with file:line:column.
+// Parses one document; `file` is its name in messages. In scalars, `${NAME}` is replaced by the environment variable
+// (an error names a variable that is not set), `${NAME:-fallback}` has a fallback for a variable that is not set or
+// empty, and `$$` is a dollar. Refuses duplicate keys, cyclic and exploding aliases, a depth over 64 and more than a
+// million nodes. Throws InputError with file:line:column.
 Value parseYaml(std::string_view text, const std::string& file);
-// Reads and parses a file in the same way.
+// Reads a file and parses it as parseYaml() does.
 Value readYaml(const std::filesystem::path& path);
 
 // Applies an override "dotted.path.0.key=value", as given by --set. Items of lists are named by their index from 0. The
-// value is parsed as YAML; null removes an item from its list. Missing keys of maps are created, since the reader of
-// the map refuses unknown keys, with a suggestion. Relative paths in the value start in the folder of the file that
-// `root` was read from, like the paths in that file. Throws InputError for a dotted path that does not fit the
-// document.
+// value is parsed as YAML; null removes an item from its list. Missing keys of maps are created without a check: the
+// reader of the map refuses unknown keys later. Relative paths in the value start in the folder of the file that `root`
+// was read from. Throws InputError for a dotted path that does not fit the document.
 void setValue(Value& root, std::string_view assignment);
 
 }  // namespace scanmill

@@ -11,9 +11,9 @@ namespace scanmill {
 namespace {
 
 constexpr double kFarthest = 1e9;  // m, largest coordinate
-constexpr double kNearest = 1e-6;  // m, smallest distance of two waypoints
-constexpr double kSteepest = 85;   // deg, largest slope: on a steeper path "heading along the path" gives no yaw
-constexpr double kSharpest = 175;  // deg, largest turn at a waypoint: beyond, the path goes straight back
+constexpr double kNearest = 1e-6;  // m, least distance between two waypoints
+constexpr double kSteepest = 85;   // deg, largest slope; the heading of a vertical path would have no yaw
+constexpr double kSharpest = 175;  // deg, largest turn at a waypoint; a path must not turn straight back
 
 }  // namespace
 

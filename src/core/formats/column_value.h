@@ -17,7 +17,7 @@ namespace scanmill {
 template <class T, class Stored>
 T columnValue(Stored stored, std::string_view name, std::size_t point, const Location& where) {
   if constexpr (!std::is_same_v<Stored, T> && std::is_integral_v<T>) {
-    // Written so that NaN fails the test, too.
+    // The comparison is written so that NaN fails it, too.
     using Limits = std::numeric_limits<T>;
     const auto number = static_cast<long double>(stored);
     const bool fits = number >= Limits::min() && number <= Limits::max();

@@ -21,8 +21,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns the text before the next `separator` and leaves in `text` what stands behind it. If there is no separator,
-// returns all of the text.
+// Removes the text up to and including the next `separator` from `text`, and returns it without the separator. If there
+// is no separator, removes and returns all of the text.
 std::string_view cut(std::string_view& text, char separator) {
   const std::size_t end = std::min(text.find(separator), text.size());
   const std::string_view piece = text.substr(0, end);
@@ -30,18 +30,18 @@ std::string_view cut(std::string_view& text, char separator) {
   return piece;
 }
 
-// Removes a line with its end, which other programs may write as "\r\n", and returns the line.
+// Removes the first line from `text` and returns it without its end, "\n" or (from other programs) "\r\n".
 std::string_view cutLine(std::string_view& text) {
   std::string_view line = cut(text, '\n');
   if (line.ends_with('\r')) line.remove_suffix(1);
   return line;
 }
 
-// Reads a cell of the scan's last point.
+// A function that stores a cell of the file in a column, for the last point of the scan.
 using ReadCell = std::function<void(std::string_view word, const Location& where)>;
 
-// Returns the function that stores a column's cells. A name that the table of columns lacks becomes a foreign column;
-// if it resembles a name of the table, throws InputError.
+// Returns the function that stores the cells of the column with this name. A name that is not in the table of columns
+// becomes a foreign column; if it resembles a name of the table, throws InputError.
 ReadCell cellReader(Scan& scan, const std::string& name, const Location& at) {
   for (const auto& [axis, member] : {std::pair{"x", &Vec3f::x}, {"y", &Vec3f::y}, {"z", &Vec3f::z}}) {
     if (name != axis) continue;

@@ -6,17 +6,17 @@
 //   intensity_bits: 0   # 0 keeps every bit; else this many bits over the range of each scan's intensities
 //   time: false         # time follows from ring and column by the beam table in the manifest, so it is left out
 //
-// POSITION is a quantised float32 attribute, so that any reader gets metres. The other columns are GENERIC attributes
-// with a metadata entry "name", in the order of the table of columns (scan/columns.h), which says what may be rounded,
-// and by how much. Integers are stored exactly in the narrowest of u8, u16 and u32. Intensities are stored in the same
-// way if all are integers up to 65535, else as float32. The geometry's metadata holds rings and columns of the sensor.
-// Misses are left out: ring and column identify the beams of the remaining points. Foreign columns are kept if Draco's
-// attributes hold their type exactly (u8, u16, u32, float32).
+// POSITION is a quantised float32 attribute, so that every reader gets metres. The other columns are GENERIC attributes
+// with a metadata entry "name", in the order of the table of columns (scan/columns.h); Column::loss says which columns
+// may be rounded, and by how much. Integers are stored exactly in the narrowest of u8, u16 and u32. Intensities are
+// stored as such integers if all are whole numbers up to 65535, else as float32. The geometry's metadata contains the
+// sensor's numbers of rings and columns. Misses are left out: ring and column identify the beams of the remaining
+// points. Foreign columns are kept if their type is u8, u16, u32 or float32.
 //
-// Measured (tests/benchmarks/encoders.cpp) on a street seen by 64 x 2048 beams with 10 mm of range noise; columns xyz,
-// intensity, label, instance, ring, column; 1 mm. The first two figures are speeds, in firing and in image order
-// (million points per second of processor time on one core of an AMD EPYC, family 26, that had other work too); the
-// last two are bytes per point in the same orders:
+// Measured (tests/benchmarks/encoders.cpp) on a scan of a street by 64 x 2048 beams with 10 mm of range noise; columns
+// xyz, intensity, label, instance, ring, column; max_error_mm 1. The first two figures are speeds, for points in firing
+// order and in image order (million points per second of processor time on one core of an AMD EPYC, family 26, that had
+// other work too). The last two figures are bytes per point in the same two orders:
 //
 //   this file: quantised floats, narrow integers                31, 34     3.6, 2.6
 //   Draco's encoder, the same attributes                        8.0, 8.4   3.6, 2.6
@@ -26,9 +26,9 @@
 //     with de-duplication                                       2.7, 3.6   3.6, 2.6
 //     u32 ids and the bits of the time as u32                   0.3, 0.3   3.8, 4.8
 //
-// The last line is slow because of Draco's table of frequencies, which is as long as the largest correction: about 0.7
-// GB for the bits of times. Speed 0 saves up to 1.4 % of the bytes, but decodes only 5.5 and 8.5 million points per
-// second instead of 11 and 13, so the default is 7.
+// The last line is slow because Draco's table of frequencies is as long as the largest correction: about 0.7 GB for the
+// bits of times. Speed 0 saves up to 1.4 % of the bytes, but a file decodes at only 5.5 and 8.5 million points per
+// second instead of 11 and 13; therefore the default is 7.
 
 #include <fmt/format.h>
 
@@ -51,25 +51,27 @@ namespace scanmill {
 
 namespace {
 
-// Bounds of the bytes that are not per point: metadata and descriptors, and tables of probabilities of symbol lengths.
+// Upper bounds of the bytes that do not depend on the number of points: the header with its metadata, and for each
+// column its descriptor and its table of probabilities.
 constexpr double kMostHeaderBytes = 100;
 constexpr double kMostColumnBytes = 200;
 
-// Returns the most bits that an entry of `components` symbols of `bits` bits takes: its length, the symbols themselves,
-// and less than one bit for rounded probabilities. Symbols get probabilities of their own only if that is shorter.
+// Returns an upper bound of the bits that an entry of `components` symbols of `bits` bits takes: the code of its
+// length, the symbols themselves, and less than one bit for rounded probabilities. appendSymbols() codes symbols by
+// their own probabilities only if that is shorter.
 double symbolBits(int bits, int components) {
   return bits * components + std::log2(bits + 1.0) + 1;
 }
 
 struct DracoOptions {
-  double maxError = 0;  // m
+  double maxError = 0;  // m, largest error of a position
   int speed = 0;
   int intensityBits = 0;
   bool time = false;
 };
 
 bool allFinite(std::span<const float> values) {
-  // The sum of v * 0 is 0 unless some v is not finite. With several sums the loop can be vectorised.
+  // The sum of v * 0 is 0 exactly if all v are finite. With several sums the loop can be vectorised.
   float sums[16] = {};
   std::size_t i = 0;
   for (; i + 16 <= values.size(); i += 16) {
@@ -79,7 +81,7 @@ bool allFinite(std::span<const float> values) {
   return std::all_of(std::begin(sums), std::end(sums), [](float sum) { return sum == 0; });
 }
 
-// Returns the values as integers; empty unless each is exactly an integer from 0 to 65535 (-0 is not).
+// Returns the values as integers; empty unless each value is exactly an integer from 0 to 65535 (-0 is refused).
 std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
   std::vector<std::uint16_t> integers(values.size());
   std::uint32_t different = 0;
@@ -96,7 +98,7 @@ std::vector<std::uint16_t> asIntegers(std::span<const float> values) {
   return integers;
 }
 
-// Returns the grid indices of the values, valid until the next call on the same thread.
+// Returns the indices of the grid points nearest to the values. The memory is valid until the next call on this thread.
 SCANMILL_BEST_INSTRUCTIONS QuantisedColumn onGrid(std::span<const float> values, const Grid& grid) {
   thread_local Scratch<std::int32_t> scratch;
   std::int32_t* indices = scratch.get(values.size());
@@ -121,7 +123,7 @@ class DracoFormat : public Format {
       if (key.row.loss == ColumnLoss::AsPositions) {
         bits += symbolBits(mostIndexBits(outline.reach, 1, options_.maxError), 1);
       } else if (key.row.type == ColumnType::Float32) {
-        bits += 32;  // more than integers and quantised values take
+        bits += 32;  // an upper bound: integers and quantised values take fewer bits
       } else {
         const std::uint32_t largest = key.row.validity == ColumnValidity::Rings     ? outline.rings
                                       : key.row.validity == ColumnValidity::Columns ? outline.columns
@@ -191,7 +193,8 @@ class DracoFormat : public Format {
     }
   }
 
-  // True if the column may be rounded: a scan of another program may hold values that are not valid for its name.
+  // True if all values are valid for the column and may thus be rounded. A scan of another program may have invalid
+  // values.
   static bool allValid(const Column& column, const std::vector<float>& values) {
     if (!allFinite(values)) return false;
     if (column.validity != ColumnValidity::Interval) return true;
@@ -218,7 +221,8 @@ class DracoFormat : public Format {
     if (options_.intensityBits > 0 && allFinite(values)) {
       const auto [low, high] = std::minmax_element(values.begin(), values.end());
       const double bound = (double{*high} - double{*low}) / (std::exp2(options_.intensityBits) - 1) / 2;
-      // Over a narrow range far from zero float32 has hardly more than these bits: the values are stored exactly.
+      // If all values are in a narrow range far from zero, float32 has hardly more bits than intensity_bits, so the
+      // values are stored exactly.
       if (bound > std::max(std::fabs(*low), std::fabs(*high)) * 0x1p-21) {
         const Grid grid = chooseGrid({&*low, 1}, {&*high, 1}, bound, "draco: intensity");
         return writer.addQuantised(name, onGrid(values, grid));

@@ -15,15 +15,16 @@ namespace scanmill {
 
 namespace {
 
-// A header can announce any number of points, and Draco allocates memory for all of them: hence two limits. Points that
-// do not differ take no bits at all, so the first limit does not depend on the bytes: it is the largest sensor known
-// (2048 x 2048).
+// Limits on what a header may announce, since Draco allocates memory for all announced points. Identical points take no
+// bits at all, so a small file may announce many: kPointsWithoutBytes are always allowed, the points of the largest
+// known sensor (2048 x 2048).
 constexpr std::uint64_t kPointsWithoutBytes = std::uint64_t{1} << 22;
 constexpr std::uint64_t kPointsPerByte = 64;
 constexpr std::uint64_t kMostBytesPerPoint = 256;
 constexpr int kDeepestMetadata = 8;
 
-// Checks all that comes before the values, and refuses sizes for which the decoder would allocate memory without need.
+// Checks the part of the file before the values, and refuses sizes for which the decoder would allocate too much
+// memory.
 class HeaderCheck {
  public:
   HeaderCheck(std::string_view bytes, const std::string& what) : bytes_(bytes), where_{what, 0, 0} {}
@@ -182,7 +183,7 @@ class CloudReader {
     }
   }
 
-  // Writes the attribute's values to `to`: point by point, the components of a point one after the other.
+  // Writes the attribute's values to `to`: point by point, with the components of a point in succession.
   template <class T>
   void readAttribute(const draco::PointAttribute& attribute, std::string_view name, T* to) const {
     visitStored(attribute, name, [&]<class Stored>(Stored) { convert<Stored>(attribute, name, to); });

@@ -16,20 +16,20 @@ namespace {
 
 using Counts = std::vector<std::uint32_t>;
 
-constexpr int kMaxRawBits = 18;  // bits of the largest symbol that can have its own entry in the table of probabilities
+constexpr int kMaxRawBits = 18;  // largest number of bits of a symbol that is coded by its own probability
 constexpr std::uint8_t kTagged = 0;
 constexpr std::uint8_t kRaw = 1;
 constexpr int kTagPrecisionBits = 12;
 
 struct Histogram {
-  Counts counts;  // up to the largest symbol
+  Counts counts;  // number of occurrences, by symbol, up to the largest symbol
   std::uint64_t total = 0;
   std::uint32_t unique = 0;
-  double bits = 0;  // Shannon's bound for the symbols, without the table
+  double bits = 0;  // Shannon's bound for all coded symbols, without the table
 };
 
-// Counts the symbols. Long runs of one symbol (labels, columns) are common: with four tables an increment need not wait
-// for the one before.
+// Counts the symbols. Long sequences of one symbol (labels, columns) are common. Four tables are filled in turn, so
+// that an increment need not wait for the previous increment of the same counter.
 template <class Symbol>
 Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t largest) {
   constexpr std::size_t kTables = 4;
@@ -61,14 +61,15 @@ Histogram histogram(const Symbol* symbols, std::size_t count, std::uint32_t larg
   return result;
 }
 
-// Returns about how many bits the table takes: two bytes for each symbol that occurs, one byte for up to 64 in a row
-// that do not occur.
+// Returns about how many bits the table takes: two bytes for each symbol that occurs, and one byte for up to 64
+// successive symbols that do not occur.
 double tableBits(const Histogram& h) {
   return 16.0 * h.unique + 8.0 * std::min<double>(h.unique, static_cast<double>(h.counts.size() - h.unique)) +
          static_cast<double>(h.counts.size()) / 8;
 }
 
-// Returns probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs, their sum exactly 1.
+// Returns the symbols' probabilities in units of 2^-precisionBits: at least 1 unit for a symbol that occurs; their sum
+// is exactly 1.
 std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) {
   const std::int64_t whole = std::int64_t{1} << precisionBits;
   std::vector<std::uint32_t> result(h.counts.size());
@@ -85,7 +86,7 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
     result[largest] += static_cast<std::uint32_t>(whole - sum);
     return result;
   }
-  // Many rare symbols were rounded up to 1: the others are reduced in proportion.
+  // Many rare symbols were rounded up to 1 unit: reduces the other probabilities in proportion.
   while (sum > whole) {
     std::int64_t shrinkable = 0;
     for (const std::uint32_t p : result) shrinkable += p > 1 ? p - 1 : 0;
@@ -105,8 +106,8 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
   for (std::size_t s = 0; s < probability.size(); ++s) {
     const std::uint32_t p = probability[s];
     if (p == 0) {
-      // The two low bits are 3, the others count further symbols that do not occur. The last symbol of the table always
-      // occurs.
+      // The two low bits are 3; the six high bits count further symbols that do not occur. The last symbol of the table
+      // always occurs.
       std::size_t more = 0;
       while (more < 63 && probability[s + more + 1] == 0) ++more;
       out.push_back(static_cast<char>((more << 2) | 3));
@@ -119,17 +120,17 @@ void appendTable(const std::vector<std::uint32_t>& probability, std::string& out
   }
 }
 
-// Coding a symbol of probability p writes the low bytes of the state until the state is below 1024 p. Then the state
-// becomes (state / p) * 2^precision + state % p + start, which is state + (state / p) * rest + start. The state lies
-// between 4 and 1024 times 2^precision, so each symbol writes either `bits` or `bits` + 8 bits. The division is a
-// multiplication by the reciprocal, exact for states below 2^31, and starts from the state before its bits are written.
-// So only two multiplications lie between one state and the next, where Draco has a division and unpredictable
-// branches.
+// The coder codes a symbol of probability p in this way: it writes the low bytes of its state until the state is below
+// 1024 p. Then the state becomes (state / p) * 2^precision + state % p + start, which equals state + (state / p) * rest
+// + start. The state is always between 4 and 1024 times 2^precision, so each symbol writes either `bits` or `bits` + 8
+// bits. The division is a multiplication by the reciprocal, exact for states below 2^31, and uses the state before its
+// low bytes are written. Thus only two multiplications separate successive states, while Draco's coder has a division
+// and unpredictable branches.
 struct Step {
   std::uint32_t reciprocal;  // 2^(shift - bits) / p, rounded up
-  std::uint32_t limit;       // from this state on, 8 more bits are written
+  std::uint32_t limit;       // least state from which 8 more bits are written
   std::uint32_t rest;        // 2^precision - p
-  std::uint32_t start;       // sum of the probabilities of the symbols before
+  std::uint32_t start;       // sum of the probabilities of all earlier symbols
   std::uint16_t bits;
   std::uint16_t shift;
 };
@@ -164,7 +165,7 @@ void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, st
   thread_local Scratch<char> scratch;
   char* const room = scratch.get(3 * h.total + 8);
   char* to = room;
-  if (h.unique > 1) {  // one symbol alone has probability 1 and takes no bits
+  if (h.unique > 1) {  // a single symbol has probability 1 and takes no bits
     const std::vector<Step> table = steps(probability, precisionBits);
     for (std::size_t i = h.total; i-- > 0;) {
       const Step& step = table[symbols[i]];
@@ -190,7 +191,8 @@ std::uint8_t bitLength(std::uint32_t value) {
   return static_cast<std::uint8_t>(std::bit_width(value | 1u));
 }
 
-// Returns the length in bits of each entry's widest component, valid until the next call on the same thread.
+// Returns for each entry the length in bits of its widest component. The memory is valid until the next call on this
+// thread.
 template <std::size_t kComponents>
 std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols) {
   thread_local Scratch<std::uint8_t> scratch;
@@ -204,7 +206,7 @@ std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols)
   return {lengths, entries};
 }
 
-// Appends every entry's length through rANS, then the components of each entry with that many bits each.
+// Appends the length of every entry by rANS, then the components of each entry with as many bits each as its length.
 void appendTagged(std::span<const std::uint32_t> symbols, int components, std::span<const std::uint8_t> lengths,
                   const Histogram& h, std::string& out) {
   out.push_back(static_cast<char>(kTagged));
@@ -226,7 +228,8 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
   out.append(room, to);
 }
 
-// Returns the precision by Draco's rule, from the number of different symbols and the level.
+// Returns the precision of the probabilities (bits) by Draco's rule, from the number of different symbols and the
+// level.
 int symbolBits(std::uint32_t unique, int level) {
   const int more = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
   return std::clamp(static_cast<int>(std::bit_width(unique)) + more, 1, kMaxRawBits);

@@ -16,7 +16,8 @@ namespace scanmill {
 
 namespace {
 
-// A decoder's step = range / float(2^bits - 1) equals the encoder's step, range / 2^bits, from 25 bits on.
+// Least number of bits of a quantised attribute. From 25 bits on, float32 rounds 2^bits - 1 to 2^bits, so that a
+// decoder's step, range / float(2^bits - 1), equals the encoder's step, range / 2^bits.
 constexpr int kLeastBits = 25;
 
 template <class T>
@@ -36,13 +37,13 @@ std::uint32_t zigzag(std::int32_t value) {
 }
 
 struct Symbols {
-  std::span<std::uint32_t> values;  // valid until the next call of correct() on the thread
+  std::span<std::uint32_t> values;  // valid until the thread's next call of correct()
   std::int32_t low = 0;
   std::int32_t high = 0;
-  bool predicted = true;  // differences to the point before; else the values themselves
+  bool predicted = true;  // true: `values` are differences to the previous point; false: the values themselves
 };
 
-// Returns the differences to the point before, wrapped around the range of the values ("wrap transform" of the
+// Returns the differences to the previous point, wrapped around the range of the values ("wrap transform" of the
 // specification).
 template <class T>
 Symbols correct(std::span<const T> values, std::size_t components) {
@@ -179,7 +180,7 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
     appendRaw(symbols.high, values_);
   } else {
     values_.push_back(static_cast<char>(draco::PREDICTION_NONE));
-    values_.push_back(0);  // not entropy coded, but as integers of this many bytes:
+    values_.push_back(0);  // not entropy coded, but stored as integers of this many bytes:
     values_.push_back(sizeof(std::uint32_t));
     values_.append(reinterpret_cast<const char*>(symbols.values.data()), symbols.values.size_bytes());
   }

@@ -2,9 +2,9 @@
 
 // Writes point clouds in Draco's bit stream, version 2.3, sequential method (https://google.github.io/draco/spec).
 //
-// Draco's own encoder copies every column into an attribute, from there into 32-bit integers and from there into
-// corrections, value by value, and computes the entropy of each: draco.cpp says what that costs. This writer turns a
-// column into symbols in one pass. Any Draco decoder reads the result.
+// Draco's own encoder copies every column into an attribute, then into 32-bit integers, then into corrections, value by
+// value, and computes the entropy of each column; draco.cpp has the speeds. This writer turns a column into symbols in
+// one pass. Any Draco decoder reads the result.
 
 #include <cstdint>
 #include <span>
@@ -15,8 +15,8 @@ namespace scanmill {
 
 // A column of values on a regular grid. A component of a value is low + index * step.
 struct QuantisedColumn {
-  std::span<const std::int32_t> indices;  // point by point, a point's components in succession; 0 or more
-  std::span<const float> low;             // one per component
+  std::span<const std::int32_t> indices;  // all 0 or more; point by point, with a point's components in succession
+  std::span<const float> low;             // one number per component
   float step = 0;
 };
 
@@ -29,13 +29,13 @@ class DracoWriter {
   void addEntry(std::string_view key, std::string_view value);
 
   // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name".
-  // Integers are stored in the narrowest type that holds all values, floats as they are.
+  // Integers are stored in the narrowest type that can represent all values, floats without a change.
   void addPosition(const QuantisedColumn& column);
   void addQuantised(std::string_view name, const QuantisedColumn& column);
   void addIntegers(std::string_view name, std::span<const std::uint8_t> values);
-  void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // u8 where they all fit
-  void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // u8, u16 or u32
-  void addFloats(std::string_view name, std::span<const float> values);            // as they are
+  void addIntegers(std::string_view name, std::span<const std::uint16_t> values);  // stored as u8 if all values fit
+  void addIntegers(std::string_view name, std::span<const std::uint32_t> values);  // stored as u8, u16 or u32
+  void addFloats(std::string_view name, std::span<const float> values);            // stored unchanged
 
   // Returns the bytes of the whole point cloud.
   [[nodiscard]] std::string finish() const;

@@ -21,11 +21,11 @@ namespace scanmill {
 
 // Properties of a scan that are known before it is made, for an estimate of its size.
 struct ScanOutline {
-  std::uint64_t points = 0;   // at most
-  std::uint32_t rings = 0;    // of the sensor
-  std::uint32_t columns = 0;  // of the sensor
-  double reach = 0;           // m, largest absolute coordinate
-  ColumnSet held;             // columns besides the position
+  std::uint64_t points = 0;   // largest number of points
+  std::uint32_t rings = 0;    // number of the sensor's rings
+  std::uint32_t columns = 0;  // number of the sensor's columns
+  double reach = 0;           // m, largest absolute value of a coordinate
+  ColumnSet held;             // columns of the scan, besides the position
 };
 
 class Format {
@@ -34,8 +34,8 @@ class Format {
   virtual std::string_view suffix() const = 0;  // "pcd", "drc", "csv": lower-case, no dot
   // Returns the largest Euclidean error of a position that encode() makes, in metres; 0 for lossless.
   virtual double maxError() const = 0;
-  virtual bool keepsMisses() const = 0;  // whether it can hold an organised scan
-  // Returns an upper bound of the bytes that encode() makes of a scan with this outline.
+  virtual bool keepsMisses() const = 0;  // true if encode() can store an organised scan
+  // Returns an upper bound of the bytes that encode() produces for a scan with this outline.
   virtual double mostBytes(const ScanOutline& outline) const = 0;
   // Turns a scan, also one without points, into the bytes of a file. Several threads may call this at once. Throws
   // Error for an inconsistent scan (see requireConsistent()).
@@ -49,7 +49,7 @@ struct FormatEntry {
   std::string_view name;  // "pcd", "draco", "csv"
   std::string_view suffix;
   std::string_view summary;
-  std::string_view keys;  // its options, as "name: default, what it is; ..."
+  std::string_view keys;  // description of its options: "name: default, what it is; ..."
   std::unique_ptr<Format> (*make)(Fields& options);
 };
 

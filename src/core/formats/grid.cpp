@@ -25,10 +25,10 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
     magnitude = std::max({magnitude, std::fabs(double{low[c]}), std::fabs(double{high[c]})});
   }
   Grid grid;
-  const double diagonal = std::sqrt(static_cast<double>(low.size()));  // the diagonal of a cube of side 1
+  const double diagonal = std::sqrt(static_cast<double>(low.size()));  // diagonal of a cube of side 1
   const double axisBound = bound / diagonal;
-  const double widest = 2 * axisBound * (1 - 1e-9);  // less a margin for the rounding of the index in double
-  // The step and all grid points are multiples of `unit`, of at most 2^24 units, hence exact in float32.
+  const double widest = 2 * axisBound * (1 - 1e-9);  // largest step, minus a margin for rounding the index in double
+  // The step and all coordinates of grid points are multiples of `unit`, by at most 2^24, hence exact in float32.
   const double reach = std::max(extent, magnitude) + 2 * widest;
   const double unit =
       std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(widest)) - 20));
@@ -38,7 +38,7 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
     for (const float l : low) grid.low.push_back(static_cast<float>(std::floor(l / unit) * unit));
     return grid;
   }
-  // The bound must include the reader's rounding of the index, the product and the sum.
+  // The bound must include three roundings by the reader: of the index, of the product and of the sum.
   const double rounding = kHalfUlp * (2 * extent + magnitude + 4 * axisBound);
   const double possible = rounding + extent / kMaxIndex;
   if (!(axisBound >= possible)) {

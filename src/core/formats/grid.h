@@ -17,16 +17,18 @@ struct Grid {
   float step = 1;
 };
 
-// Chooses a grid for values between `low` and `high`, which have one entry per component. No value is moved by more
-// than `bound`, a Euclidean distance over the components that includes the reader's rounding. A side of the grid has at
-// most 2^30 points. If float32 has enough bits, the grid's points are exact and the step uses all of the bound. If the
-// bound is too small, throws an InputError that names `what` and says which bound is possible.
+// Chooses a grid for values between `low` and `high`, which have one entry per component. Quantising moves no point by
+// more than `bound`, a Euclidean distance over all components that includes the reader's rounding. A side of the grid
+// has at most 2^30 points. If float32 has enough bits, the grid's points are exact in float32 and the step is as large
+// as the bound allows. If the bound is too small, throws an InputError that names `what` and the smallest possible
+// bound.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
-// Returns the most bits that an index has on the grid that chooseGrid() chooses for values between -reach and reach.
+// Returns an upper bound of the bits of an index, on the grid that chooseGrid() chooses for values between -reach and
+// reach.
 int mostIndexBits(double reach, std::size_t components, double bound);
 
-// Writes the index of the nearest grid point for each value; the components of a point follow each other. `indices`
+// Writes for each value the index of the nearest grid point; the components of a point follow each other. `indices`
 // must have room for one index per value.
 void quantise(std::span<const float> values, const Grid& grid, std::int32_t* indices);
 

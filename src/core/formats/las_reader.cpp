@@ -12,12 +12,13 @@
 namespace scanmill {
 namespace {
 
-// Table 1 of the specification: offsets in the header.
+// Offsets (bytes) in the header, from table 1 of the specification.
 constexpr std::size_t kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kFormat = 104, kRecordSize = 105,
                       kLegacyPoints = 107, kScale = 131, kOffset = 155, kPoints = 247;
-constexpr std::size_t kLeastHeader = 227;  // bytes of the header in versions 1.0 to 1.2
+constexpr std::size_t kLeastHeader = 227;  // bytes; versions 1.0 to 1.2
 constexpr std::array<std::size_t, 11> kLeastRecord{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
-constexpr std::array<std::size_t, 11> kGpsTimeAt{0, 20, 0, 20, 20, 20, 22, 22, 22, 22, 22};  // 0: there is none
+constexpr std::array<std::size_t, 11> kGpsTimeAt{0,  20, 0,  20, 20, 20,
+                                                 22, 22, 22, 22, 22};  // byte in a record; 0: none
 constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::uint8_t kCompressed = 0x80;
 
@@ -118,7 +119,7 @@ class Reader {
   std::string_view bytes_;
   Location where_;
   std::uint8_t format_ = 0;
-  std::uint64_t record_ = 0;  // bytes per point
+  std::uint64_t record_ = 0;  // size of a point (bytes)
   std::array<double, 3> scale_{}, offset_{};
   Cloud cloud_;
 };

@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// Reads the points, except those marked as withheld. Coordinates are taken for metres, as nearly all files have them;
-// the units that a file may state in its coordinate system are not read. Throws an InputError that begins with `what`,
-// the name of the bytes, if they are not LAS, of another version, truncated, or compressed (LAZ).
+// Reads the points, except points marked as withheld. Coordinates are taken as metres, the unit of nearly all files; a
+// unit in the file's coordinate system is ignored. Throws an InputError that begins with `what`, the name of the bytes,
+// if they are not LAS, of another version, truncated, or compressed (LAZ).
 Cloud readLas(std::string_view bytes, const std::string& what);
 
 }  // namespace scanmill

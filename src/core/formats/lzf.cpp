@@ -11,11 +11,11 @@ namespace {
 
 constexpr std::ptrdiff_t kLeastMatch = 3;
 constexpr std::size_t kMostMatch = 264;
-constexpr std::size_t kFarthest = 8192;    // bytes back to the earlier occurrence
-constexpr std::size_t kMostLiterals = 32;  // literals announced by one control byte
+constexpr std::size_t kFarthest = 8192;    // largest distance (bytes) back to an earlier occurrence
+constexpr std::size_t kMostLiterals = 32;  // the most literals after one control byte
 constexpr unsigned kTableBits = 16;
 
-// Returns the table index of the next three bytes.
+// Returns the index of the next three bytes in the hash table.
 std::uint32_t hashAt(const unsigned char* p) {
   const std::uint32_t bytes = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16;
   return bytes * 2654435761u >> (32 - kTableBits);  // Knuth, The Art of Computer Programming 3, 6.4
@@ -46,9 +46,9 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
   const auto* const begin = reinterpret_cast<const unsigned char*>(in);
   const unsigned char* const end = begin + size;
   const char* const start = out;
-  thread_local std::vector<std::uint32_t> latest;  // last position, counted from 1, of each hash
+  thread_local std::vector<std::uint32_t> latest;  // position + 1 of the last occurrence, by hash; 0: none
   latest.assign(std::size_t{1} << kTableBits, 0);
-  const unsigned char* literals = begin;  // start of the literals not written yet
+  const unsigned char* literals = begin;  // start of the literals that are not written yet
   const unsigned char* p = begin;
   while (end - p >= kLeastMatch) {
     std::uint32_t& slot = latest[hashAt(p)];
@@ -67,7 +67,7 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
     out = putMatch(back, length, out);
     p += length;
     literals = p;
-    // Enters only the last two positions of a match into the table.
+    // Only the last two positions of a match are entered into the table.
     for (const unsigned char* q = p - 2; q < p && end - q >= kLeastMatch; ++q) {
       latest[hashAt(q)] = static_cast<std::uint32_t>(q - begin + 1);
     }

@@ -15,7 +15,7 @@ constexpr std::size_t mostLzfBytes(std::size_t size) {
 }
 
 // Compresses `size` bytes from `in` to `out`, which must have room for mostLzfBytes(size) bytes, and returns how many
-// bytes it wrote. Any reader of LZF takes the result. Format: M. A. Lehmann, liblzf, lzf_d.c.
+// bytes it wrote. Any LZF decompressor can read the result. Format: M. A. Lehmann, liblzf, lzf_d.c.
 std::size_t compressLzf(const char* in, std::size_t size, char* out);
 
 }  // namespace scanmill

@@ -16,10 +16,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // bytes
+constexpr std::size_t kAlignment = 64;  // the elements begin at a multiple of this (bytes)
 constexpr std::size_t kBeforeHeader = 10;
 
-// Returns the bytes of an element, from a type such as "<f4": the number behind byte order and kind, times four for
+// Returns the bytes of an element from a NumPy type such as "<f4": the number after byte order and kind, times four for
 // text ('U').
 std::size_t elementSize(std::string_view descr) {
   std::size_t size = 0;

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // largest array
+constexpr std::size_t kMostBytes = std::size_t{4} << 30;  // largest size of an array (bytes)
 
 // Calls visit(name, bytes) for each .npy file of a ZIP archive.
 template <class Visit>
@@ -49,7 +49,7 @@ void readZip(std::string_view bytes, const std::string& what, const Visit& visit
   }
 }
 
-// Returns the text behind `key` in a Python dictionary, up to the end of the header; empty if the key is absent.
+// Returns the text that follows `key` in a Python dictionary, up to the end of the header; empty if the key is absent.
 std::string_view valueIn(std::string_view header, std::string_view key) {
   for (const char quote : {'\'', '"'}) {
     const std::string quoted = fmt::format("{}{}{}:", quote, key, quote);

@@ -11,9 +11,9 @@ namespace scanmill {
 
 struct NpyArray {
   std::string name;                // file name without .npy
-  std::string type;                // as NumPy writes it ("<f4"); empty if it has no plain name
+  std::string type;                // as NumPy writes it ("<f4"); empty for a structured type
   std::vector<std::size_t> shape;  // empty for a single number
-  std::string bytes;               // last index fastest; numbers: as many as shape and type say
+  std::string bytes;               // elements, last index fastest; if numbers, exactly as many as `shape` says
 };
 
 // Returns all .npy files of the archive, in its order. Throws an InputError that begins with `what` if the bytes are

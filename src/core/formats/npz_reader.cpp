@@ -16,7 +16,7 @@ namespace scanmill {
 
 namespace {
 
-// Calls visit(values) with the array's numbers in their own type.
+// Calls visit(values) with the array's numbers as a vector of their own type.
 template <class Visit>
 void visitNumbers(const NpyArray& array, const std::string& what, const Visit& visit) {
   const auto as = [&](auto sample) {
@@ -103,7 +103,7 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
   };
   scan.rings = most(scan[kRing]);
   scan.columns = most(scan[kColumn]);
-  if (shape.size() == 2) {  // one plane per return, one below the other, each with all rings
+  if (shape.size() == 2) {  // an image whose planes, one per return, follow each other, each with all rings
     const auto rows = static_cast<std::uint32_t>(shape[0]);
     scan.organised = true;
     scan.planes = scan.rings > 0 && rows % scan.rings == 0 ? rows / scan.rings : 1;

@@ -9,12 +9,12 @@
 
 namespace scanmill {
 
-// Reads a scan. Its positions are the array `xyz` or `points`, of shape (N, 3) or (rings, columns, 3); misses of the
-// latter are NaN. Further numbers per point, as in (N, 4), are intensity and ring. Every other array with one number
-// per point is the column of its name: a foreign column if the table of columns lacks the name, and `label` if it is
-// called `labels`, `classes` or `semantic`. All else is left out. Throws an InputError that begins with `what` if the
-// bytes are not a ZIP archive, an array is damaged, in Fortran's order or big-endian, or the positions are missing or
-// not numbers.
+// Reads a scan. Its positions are the array `xyz` or `points`, of shape (N, 3) or (rings, columns, 3); misses of an
+// array of the second shape are NaN. A fourth and a fifth number per point are intensity and ring. Every other array
+// with one number per point becomes the column of its name: `label` if its name is `labels`, `classes` or `semantic`; a
+// foreign column if the table of columns lacks the name. All other arrays are left out. Throws an InputError that
+// begins with `what` if the bytes are not a ZIP archive, an array is damaged, in Fortran's order or big-endian, or the
+// positions are missing or not numbers.
 Scan readNpz(std::string_view bytes, const std::string& what);
 
 }  // namespace scanmill

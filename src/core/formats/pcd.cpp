@@ -1,7 +1,7 @@
 // pcd: PCD 0.7, the Point Cloud Library's own format, lossless.
 //
 //   format: pcd
-//   encoding: binary_compressed   # LZF over whole columns; or binary, rows as they are; or ascii
+//   encoding: binary_compressed   # columns compressed by LZF; or binary: uncompressed rows; or ascii
 //
 // Fields: x y z F 4, then the scan's columns in the types of the table of columns (scan/columns.h), except the label,
 // which is U 4 as in PCL's PointXYZL. An organised scan keeps WIDTH and HEIGHT, and its misses are NaN. A comment in
@@ -27,7 +27,7 @@ namespace {
 
 enum class Encoding { Compressed, Binary, Ascii };
 
-constexpr double kMostLzfGrowth = 33.0 / 32;  // one more byte for up to 32 bytes that do not shrink
+constexpr double kMostLzfGrowth = 33.0 / 32;  // LZF adds one byte per 32 bytes that it cannot shrink
 
 template <class T>
 constexpr std::size_t storedSize(std::string_view name) {
@@ -48,7 +48,7 @@ std::size_t rowSize(const Scan& scan) {
 }
 
 double mostHeaderBytes(ColumnSet columns) {
-  std::size_t bytes = 350;  // without columns, numbers at their longest
+  std::size_t bytes = 350;  // upper bound for the header without columns
   for (const std::string& name : columns.names()) bytes += name.size() + std::string_view(" , 4 F 1").size();
   return static_cast<double>(bytes);
 }
@@ -85,7 +85,7 @@ void scatter(const T* values, std::size_t count, char* to, std::size_t stride) {
   for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * stride, values + i, sizeof(T));
 }
 
-// Labels are wider in files than in scans.
+// Writes a column of the scan into rows `stride` bytes apart. A label has 32 bits in files and 16 bits in scans.
 template <class T>
 void scatterColumn(std::string_view name, const T* values, std::size_t count, char* to, std::size_t stride) {
   if constexpr (std::is_same_v<T, decltype(kLabel)::Value>) {
@@ -100,8 +100,8 @@ void scatterColumn(std::string_view name, const T* values, std::size_t count, ch
   scatter(values, count, to, stride);
 }
 
-// Appends the points as rows. Each block of rows stays in the first-level cache while its columns are written one after
-// the other.
+// Appends the points as rows. A block of rows is filled column by column, and is small enough for the first-level
+// cache.
 void appendBinary(const Scan& scan, std::string& out) {
   constexpr std::size_t kBlockBytes = 12 * 1024;
   const std::size_t stride = rowSize(scan);
@@ -122,7 +122,7 @@ void appendBinary(const Scan& scan, std::string& out) {
   }
 }
 
-// Appends the sizes before and after decompression, then the columns one after the other, compressed together by LZF.
+// Appends the sizes after and before compression, then the columns in succession, compressed together by LZF.
 void appendCompressed(const Scan& scan, std::string& out) {
   const std::size_t size = scan.size();
   const std::size_t raw = rowSize(scan) * size;
@@ -176,7 +176,7 @@ class Pcd : public Format {
       out = header(scan, "ascii");
       appendRows(scan, ' ', out);
     } else if (encoding_ == Encoding::Binary || scan.size() == 0) {
-      // LZF has no empty block: without points the header is enough.
+      // LZF cannot encode an empty block: a scan without points is written without compression.
       out = header(scan, "binary");
       appendBinary(scan, out);
     } else {

@@ -23,9 +23,9 @@ using Words = std::vector<std::string_view>;
 
 struct PcdField {
   std::string_view name;
-  std::uint64_t size = 0;   // bytes of one element
+  std::uint64_t size = 0;   // bytes per element
   char type = 0;            // F, U or I
-  std::uint64_t count = 1;  // elements
+  std::uint64_t count = 1;  // elements per point
   std::uint64_t offset = 0;
 };
 
@@ -35,17 +35,17 @@ struct PcdHeader {
   std::uint64_t height = 0;
   std::uint64_t points = 0;
   std::uint64_t rowBytes = 0;
-  std::uint64_t rowWords = 0;  // elements in a row
+  std::uint64_t rowWords = 0;  // elements per row, over all fields
   std::string_view data;
   std::string_view body;
   int bodyLine = 0;                                    // line where the body starts
-  std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns
+  std::optional<std::array<std::uint64_t, 2>> sensor;  // rings and columns, if a comment states them
   bool organised = false;
 };
 
 constexpr std::uint64_t kMostFields = 1024;
 constexpr std::uint64_t kMostElements = 65536;
-// LZF expands at most by its longest back reference, 3 bytes to 264.
+// The most that LZF expands data: its longest back reference turns 3 bytes into 264.
 constexpr std::uint64_t kLzfGain = 88;
 
 Words split(std::string_view line) {
@@ -262,7 +262,7 @@ class BodyReader {
     return &*found;
   }
 
-  // The name of the intensity in recordings of some sensors (Ouster).
+  // The name of the intensity column in recordings of some sensors (Ouster).
   static constexpr std::string_view kReflectivity = "reflectivity";
 
   const PcdField* findColumn(std::string_view name) const {
@@ -270,8 +270,8 @@ class BodyReader {
     return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
   }
 
-  // True if the field is kept as a foreign column: it belongs to no column of the table, has one value per point, and
-  // is not padding, which PCL calls "_".
+  // True if the field becomes a foreign column: it is in no column of the table, has one value per point, and is not
+  // padding, which PCL calls "_".
   static bool isForeign(const PcdField& field) {
     return field.count == 1 && field.name != "_" && field.name != "x" && field.name != "y" && field.name != "z" &&
            columnIndex(field.name) == kColumnCount;
@@ -329,7 +329,7 @@ class BodyReader {
     return readTable(planes.get(), true);
   }
 
-  // Reads rows of fields or, if `planar`, one field after the other.
+  // Reads a table of all points: row by row or, if `planar`, field by field.
   Scan readTable(const char* table, bool planar) {
     Scan scan = newScan();
     const std::size_t points = header_.points;
@@ -363,8 +363,8 @@ class BodyReader {
   }
 
   Scan readAscii() {
-    // Each element takes at least a digit and a separator, so the size of the body bounds the memory that a false
-    // header can make this function reserve.
+    // Each element takes at least a digit and a separator. The size of the body therefore bounds the memory that this
+    // function reserves if the header announces too many points.
     if (header_.points > 0 && header_.points > header_.body.size() / (2 * header_.rowWords) + 1) {
       throw InputError(where_,
                        fmt::format("truncated: {} points do not fit in {} bytes", header_.points, header_.body.size()));
@@ -430,7 +430,7 @@ class BodyReader {
   const PcdHeader& header_;
   Location where_;
   Vec3d* origin_;
-  std::vector<Vec3d> exact_;  // m, positions before the origin is subtracted; used if an origin is asked for
+  std::vector<Vec3d> exact_;  // m, positions before the origin is subtracted; empty without `origin`
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMaxHeader = 1 << 16;  // bytes
+constexpr std::size_t kMaxHeader = 1 << 16;  // largest header (bytes)
 
 PlyType typeOf(const std::string& name, const Location& where) {
   using enum PlyType::Kind;
@@ -93,7 +93,7 @@ PlyHeader readPlyHeader(const std::filesystem::path& file) {
     const std::size_t end = text.find_first_of("\r\n", at);
     if (end == std::string::npos) throw InputError({file.string()}, "is truncated: the PLY header has no end_header");
     const std::vector<std::string> line = words(text.substr(at, end - at));
-    const bool isTwo = text.compare(end, 2, "\r\n") == 0 && !header.isMac;  // else the line feed is data
+    const bool isTwo = text.compare(end, 2, "\r\n") == 0 && !header.isMac;  // otherwise "\n" is the first byte of data
     at = end + (isTwo ? 2 : 1);
     const Location where{file.string(), ++header.lines};
     if (header.lines == 1) {

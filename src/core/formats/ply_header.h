@@ -11,7 +11,7 @@ struct PlyType {
   enum class Kind { Unsigned, Signed, Float };
 
   Kind kind = Kind::Unsigned;
-  std::uint64_t size = 0;  // bytes in a binary file
+  std::uint64_t size = 0;  // bytes per value in a binary file
 };
 
 struct PlyProperty {
@@ -33,9 +33,9 @@ struct PlyHeader {
 
   Format format = Format::Ascii;
   std::vector<PlyElement> elements;
-  std::uint64_t size = 0;  // bytes of the header
+  std::uint64_t size = 0;  // bytes
   int lines = 0;
-  bool isMac = false;  // lines end with a carriage return alone
+  bool isMac = false;  // true: lines end with "\r" (old Mac OS)
 };
 
 // Reads the header of a PLY file. Throws an InputError that names the file, the line and the fault: there is no

@@ -22,8 +22,8 @@
 namespace scanmill {
 namespace {
 
-// Returns the name of a property's column: lower case, without CloudCompare's prefix, and the table's name for a
-// synonym.
+// Returns the name of the column for a property: in lower case, without CloudCompare's prefix; a synonym becomes the
+// name in the table of columns.
 std::string columnNameOf(const std::string& property) {
   static const std::map<std::string, std::string> kOthers{{"class", "label"},
                                                           {"classification", "label"},
@@ -49,7 +49,7 @@ std::string columnNameOf(const std::string& property) {
   return other == kOthers.end() ? name : other->second;
 }
 
-// The values of one property of all vertices.
+// One property of all vertices.
 struct PlyColumn {
   std::string name;
   PlyType type;
@@ -121,7 +121,7 @@ class Reader {
       return type.size == 8 ? std::bit_cast<double>(bits)
                             : static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
     }
-    // Integers have four bytes at most.
+    // Integers have at most four bytes, which a double represents exactly.
     const double range = std::ldexp(1.0, static_cast<int>(8 * type.size));
     const auto value = static_cast<double>(bits);
     return type.kind == PlyType::Kind::Signed && value >= range / 2 ? value - range : value;

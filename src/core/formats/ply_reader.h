@@ -8,7 +8,8 @@
 
 namespace scanmill {
 
-// For the names of columns see readCloud() in formats/cloud_file.h. Throws an InputError with the file and line.
+// Reads the vertices as points. For the names of columns see readCloud() in formats/cloud_file.h. Throws an InputError
+// with the file and line.
 Cloud readPly(const std::filesystem::path& file);
 
 }  // namespace scanmill

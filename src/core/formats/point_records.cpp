@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "records are read as t
 
 namespace {
 
-constexpr float kFarthest = 1e5f;  // m
+constexpr float kFarthest = 1e5f;  // m, largest coordinate of a point
 
 template <class T>
 std::vector<T> valuesOf(std::string_view bytes) {
@@ -27,11 +27,11 @@ std::vector<T> valuesOf(std::string_view bytes) {
 }
 
 // Returns the ring of each point, if the points are ordered by ring and each ring is one turn that starts straight
-// ahead; empty if they are ordered otherwise. A ring ends where the azimuth passes straight ahead after at least half a
-// turn, so that points slightly out of order at that azimuth do not begin another ring.
+// ahead; empty for other orders. A new ring begins where the azimuth crosses straight ahead after at least half a turn,
+// so that points slightly out of order there do not begin further rings.
 std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   constexpr std::size_t kFewest = 8, kMost = 256;
-  constexpr double kOrdered = 0.9;  // share of the rings that must lie below the ring before
+  constexpr double kOrdered = 0.9;  // least fraction of the rings that are lower than the previous ring
   std::vector<double> azimuth;
   double way = 0;
   for (const Vec3f& p : points) {
@@ -57,7 +57,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   }
   if (begins.size() < kFewest) return {};
   begins.push_back(points.size());
-  std::vector<double> elevations;  // rad, each ring's median
+  std::vector<double> elevations;  // rad, median of the ring's points, by ring
   for (std::size_t r = 0; r + 1 < begins.size(); ++r) {
     std::vector<double> own;
     for (std::size_t i = begins[r]; i < begins[r + 1]; ++i) {
@@ -99,7 +99,7 @@ Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::st
   std::uint32_t rings = 0;
   for (std::size_t at = 0; at < values.size(); at += numbers) {
     const Vec3f p{values[at], values[at + 1], values[at + 2]};
-    // Written so that NaN fails the test, too.
+    // The comparison is written so that NaN fails it, too.
     const auto near = [](float c) { return std::fabs(c) <= kFarthest; };
     if (!near(p.x) || !near(p.y) || !near(p.z)) {
       throw InputError({what}, fmt::format("point {} lies at {}, {}, {}: these are no records of {} float32 ({})",

@@ -12,14 +12,14 @@
 
 namespace scanmill {
 
-// Returns how many numbers a record of a file has, by the file's name: 4 for .bin (x, y, z, intensity: KITTI), 5 for
-// .pcd.bin (also the ring: nuScenes); 0 for other names.
+// Returns how many numbers each record of a file has, by the file's name: 4 for .bin (x, y, z, intensity: KITTI), 5 for
+// .pcd.bin (with the ring: nuScenes); 0 for other names.
 std::size_t numbersOfRecord(const std::filesystem::path& file);
 
-// Reads records of 4 or 5 numbers. KITTI's files hold ring after ring, from the top, each one turn from straight ahead:
-// their column `ring` is derived from the order of the points, and left out if they are ordered otherwise. Throws an
-// InputError that begins with `what` if the bytes are not whole records, a coordinate is not finite or beyond 100 km,
-// or a ring is not a whole number from 0 to 65535.
+// Reads records of 4 or 5 numbers. Records of 4 numbers have no ring. KITTI's files contain the rings in succession,
+// from the top, each starting straight ahead; in such files the column `ring` is derived from the order of the points,
+// in others it stays empty. Throws an InputError that begins with `what` if the bytes are not complete records, a
+// coordinate is not finite or beyond 100 km, or a ring is not a whole number from 0 to 65535.
 Scan readPointRecords(std::string_view bytes, std::size_t numbers, const std::string& what);
 
 // Adds the columns `label` and `instance` from a .label file of SemanticKITTI: one uint32 per point, class in the lower
@@ -30,7 +30,8 @@ void addSemanticKittiLabels(std::string_view bytes, const std::string& what, Sca
 // Adds the column `label` from a lidarseg file of nuScenes, one uint8 per point. Throws like addSemanticKittiLabels().
 void addLidarsegLabels(std::string_view bytes, const std::string& what, Scan& scan);
 
-// Returns SemanticKITTI's label file of a scan: labels/000000.label beside velodyne/000000.bin; empty if there is none.
+// Returns the label file of a scan of SemanticKITTI: for velodyne/000000.bin the file labels/000000.label beside the
+// folder velodyne; empty if there is none.
 std::filesystem::path labelsBeside(const std::filesystem::path& scan);
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostReason = 31;  // palette entries above it are not written
+constexpr std::size_t kMostReason = 31;  // largest value with an entry in the palette
 
 std::array<std::uint8_t, 3 * (kMostReason + 1)> palette() {
   std::array<std::uint8_t, 3 * (kMostReason + 1)> colors{};
@@ -77,7 +77,7 @@ ReasonsImage decodeReasons(std::string_view bytes, const std::string& what) {
 
 std::uint64_t mostReasonsBytes(std::uint32_t rings, std::uint32_t columns) {
   const std::uint64_t plain = std::uint64_t{rings} * (columns + 1);
-  return plain + plain / 100 + 4096;  // deflate stores incompressible data as it is
+  return plain + plain / 100 + 4096;  // deflate adds little to data that it cannot compress
 }
 
 }  // namespace scanmill

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Takes the place of a format's suffix in the names of shard members.
+// The ending of the names of images of reasons in shards; scans have the suffix of their format instead.
 inline constexpr std::string_view kReasonsSuffix = "reasons.png";
 
 // Encodes the image. Throws Error if there are not rings * columns values.
@@ -25,7 +25,7 @@ struct ReasonsImage {
 // Decodes the image. Throws an InputError that begins with `what` if the bytes are no image of reasons.
 ReasonsImage decodeReasons(std::string_view bytes, const std::string& what);
 
-// Returns an upper bound of the bytes that encodeReasons() makes.
+// Returns an upper bound of the bytes that encodeReasons() returns.
 std::uint64_t mostReasonsBytes(std::uint32_t rings, std::uint32_t columns);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 #pragma once
 
-// Working memory that a thread keeps from one scan to the next. New memory from the system for each scan would cost a
-// quarter of the time of encoding.
+// Working memory that a thread reuses from scan to scan. Allocating new memory for each scan would take a quarter of
+// the time of encoding.
 
 #include <cstddef>
 #include <memory>
@@ -11,7 +11,7 @@ namespace scanmill {
 template <class T>
 class Scratch {
  public:
-  // Returns room for `count` undefined values. The memory that an earlier call returned may no longer be used.
+  // Returns memory for `count` undefined values. Memory that an earlier call returned becomes invalid.
   T* get(std::size_t count) {
     if (count > size_) {
       values_.reset();

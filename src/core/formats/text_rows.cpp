@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::size_t kBuffer = 1 << 16;
 
-// The characters of a type's longest number and a separator.
+// The most characters that a number of this type takes, with the separator after it.
 template <class T>
 constexpr std::size_t kLongest = std::is_same_v<T, float> ? 16  // "-1.17549435e-38"
                                  : std::is_same_v<T, double>
-                                     ? 25  // "-2.2250738585072014e-308"
+                                     ? 25  // for example "-2.2250738585072014e-308"
                                      : std::numeric_limits<T>::digits10 + 2 + (std::is_signed_v<T> ? 1 : 0);
 
 std::size_t longestRowOf(const Scan& scan) {

@@ -15,11 +15,11 @@ namespace scanmill {
 // to the same bits.
 void appendRows(const Scan& scan, char separator, std::string& out);
 
-// Returns how many characters the longest line of a scan with these columns of the table can have.
+// Returns an upper bound of the characters in a line of a scan with these columns.
 std::size_t longestRow(ColumnSet columns);
 
-// Reads a whole word as a number of any type that a column may have. Throws an InputError at `where` that names
-// `column` if the word is no number or the type cannot hold it.
+// Reads all of `word` as a number of any type that a column may have. Throws an InputError at `where` that names
+// `column` if the word is not a number or the type cannot represent it.
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where);
 

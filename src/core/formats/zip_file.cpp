@@ -35,7 +35,7 @@ std::string zipOf(std::span<const std::pair<std::string, std::string>> files) {
     archive_entry_set_size(entry.get(), static_cast<la_int64_t>(content.size()));
     archive_entry_set_filetype(entry.get(), AE_IFREG);
     archive_entry_set_perm(entry.get(), 0644);
-    archive_entry_set_mtime(entry.get(), 0, 0);  // earlier than ZIP can state, hence stored as 1980 in every time zone
+    archive_entry_set_mtime(entry.get(), 0, 0);  // stored as 1980, the earliest time of ZIP
     require(archive_write_header(zip.get(), entry.get()));
     require(archive_write_data(zip.get(), content.data(), content.size()));
   }

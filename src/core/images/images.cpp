@@ -27,9 +27,9 @@ namespace {
 
 constexpr int kMaxSize = 16384;
 constexpr int kMostSide = 4096;
-constexpr int kBand = 64;  // rows decoded at a time
+constexpr int kBand = 64;  // number of rows that are decoded at a time
 
-// Returns the kind of an image by its first bytes; empty if only the ending of its name can tell the kind.
+// Returns the kind of an image ("png", "jpg", ...) by its first bytes; empty if they do not show the kind.
 std::string kindOf(std::string_view bytes) {
   const auto starts = [&](std::string_view magic, std::size_t at = 0) {
     return bytes.size() >= at + magic.size() && bytes.substr(at, magic.size()) == magic;
@@ -46,7 +46,7 @@ std::string kindOf(std::string_view bytes) {
   return {};
 }
 
-// True for the kinds that libpng and libjpeg read; OpenImageIO reads all others.
+// True for the kinds that libpng and libjpeg read. OpenImageIO reads all other kinds.
 bool isReadHere(std::string_view kind) {
   return kind == "png" || kind == "jpg";
 }
@@ -73,7 +73,7 @@ std::string reason(const std::exception& error) {
   return text.empty() ? "not an image that can be decoded" : text;
 }
 
-// Returns OpenImageIO, which this image needs. Throws Error, not InputError, if it is missing: the image may be sound.
+// Returns the module of OpenImageIO. If it is missing, throws Error and not InputError, since the image may be sound.
 const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   try {
     return moduleOf<ImagesModule>();
@@ -82,8 +82,8 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   }
 }
 
-// Opens an image: the bytes, whose kind is the ending of `kind`, or without bytes the file named `kind`. `name` stands
-// for the image in messages.
+// Opens an image. It is `bytes`, whose kind is the ending of `kind`; if `bytes` is empty, it is the file `kind`. `name`
+// is the name of the image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   try {
     const std::string known = kindOf(bytes);
@@ -111,7 +111,8 @@ void readRows(ImageReader& image, int count, std::uint8_t* pixels, const std::st
   }
 }
 
-// Returns, for each alpha, the factor that undoes the multiplication of an 8-bit colour by that alpha.
+// Returns for each alpha (0 to 255) the factor that turns an 8-bit colour that was multiplied by this alpha into the
+// colour before the multiplication.
 std::array<float, 256> divisionByAlpha(double gamma) {
   std::array<float, 256> gain{};
   for (std::size_t i = 1; i < gain.size(); ++i) {
@@ -120,8 +121,8 @@ std::array<float, 256> divisionByAlpha(double gamma) {
   return gain;
 }
 
-// The most pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, with 8 pixels in
-// each. The header of a small file may claim any size; this bound exposes false claims. It holds for the kinds below.
+// The most pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, and a byte contains
+// at most 8 pixels. The bound exposes headers that claim a false size. It holds for the kinds in isBoundedByBytes().
 constexpr double kMostPixelsPerByte = 8 * 1032;
 
 bool isBoundedByBytes(const std::string& kind) {
@@ -140,7 +141,7 @@ void checkSize(const ImageHeader& header, const std::string& kind, std::uint64_t
   if (isBoundedByBytes(kind) && pixels > kMostPixelsPerByte * static_cast<double>(bytes)) {
     fail(fmt::format("the image is damaged: its {} bytes cannot hold {}", bytes, size));
   }
-  // Most readers decode the whole image at once, in the depth in which it is stored.
+  // Most readers decode the complete image at once, with up to four bytes per channel.
   const bool byRows = kind == "png" || kind == "jpg" || kind == "jpeg";
   const double needed = pixels * header.channels * 4;
   const auto limit = static_cast<double>(memoryLimitBytes());
@@ -156,7 +157,7 @@ DecodedImage decode(ImageReader& image, const std::string& name) {
   const ImageHeader info = image.header();
   const int channels = info.channels;
   const int alpha = info.alphaChannel;
-  const int colors = alpha >= 0 ? alpha : channels;  // alpha comes after the colours
+  const int colors = alpha >= 0 ? alpha : channels;  // number of colour channels; alpha follows them
   const std::array<int, 3> from = colors >= 3 ? std::array{0, 1, 2} : std::array{0, 0, 0};
   const bool multiplied = info.alphaGamma > 0;
   const auto gain = divisionByAlpha(multiplied ? info.alphaGamma : 1.0);

@@ -15,8 +15,8 @@ struct ImageHeader {
   int width = 0;   // px
   int height = 0;  // px
   int channels = 0;
-  int alphaChannel = -1;  // -1: none
-  double alphaGamma = 0;  // colours^gamma were multiplied by alpha; 0: they were not
+  int alphaChannel = -1;  // index of the alpha channel; -1: none
+  double alphaGamma = 0;  // if above 0, colours^gamma were multiplied by alpha
 };
 
 // An image that is open for reading.
@@ -24,7 +24,7 @@ class ImageReader {
  public:
   virtual ~ImageReader() = default;
   virtual ImageHeader header() const = 0;
-  // Reads the next `count` rows, from the top one on: 8 bits per channel, interleaved, width * count * channels bytes.
+  // Reads the next `count` rows, starting at the top: 8 bits per channel, interleaved, width * count * channels bytes.
   // Throws std::runtime_error with the library's message.
   virtual void rows(int count, std::uint8_t* pixels) = 0;
 };
@@ -35,9 +35,9 @@ class ImagesModule {
                                     "images that are neither PNG nor JPEG in RGB cannot be read",
                                     "install OpenImageIO (on Debian the package libopenimageio-dev)"};
   virtual ~ImagesModule() = default;
-  // Opens an image and reads its header: `bytes`, of the kind that the ending of `name` gives, or if there are none the
-  // file `name`. The caller must keep the bytes as long as the reader. Throws std::runtime_error with OpenImageIO's
-  // message.
+  // Opens an image and reads its header. The image is `bytes`, whose kind is the ending of `name`; if `bytes` is empty,
+  // it is the file `name`. The caller must keep the bytes as long as the reader. Throws std::runtime_error with
+  // OpenImageIO's message.
   virtual std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const = 0;
 };
 

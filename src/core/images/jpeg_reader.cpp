@@ -15,7 +15,8 @@ namespace scanmill {
 
 namespace {
 
-// Each scan of a progressive JPEG refines the whole image, and a small file may hold very many. Encoders write ten.
+// The most scans of a progressive JPEG: encoders write about ten, but a small hostile file may contain very many, each
+// of which is decoded over the complete image.
 constexpr int kMostScans = 500;
 
 class JpegReader final : public ImageReader {
@@ -25,7 +26,7 @@ class JpegReader final : public ImageReader {
     jpeg_.client_data = this;
     errors_.error_exit = fail;
     errors_.emit_message = failWhereDamaged;
-    errors_.output_message = [](j_common_ptr) {};  // libjpeg's own function prints
+    errors_.output_message = [](j_common_ptr) {};  // drops messages, which libjpeg would print
     progress_.progress_monitor = limitScans;
     try {
       guarded([&] { readHeader(bytes); });
@@ -59,7 +60,7 @@ class JpegReader final : public ImageReader {
   }
 
  private:
-  // libjpeg jumps back to this place when it fails: `work` must not hold objects that need to be destroyed.
+  // libjpeg jumps back into this function when it fails: `work` must not contain objects that need to be destroyed.
   template <class Work>
   void guarded(const Work& work) {
     if (setjmp(jump_) != 0) throw std::runtime_error(message_.data());
@@ -72,7 +73,7 @@ class JpegReader final : public ImageReader {
     std::longjmp(self.jump_, 1);
   }
 
-  // A negative level is a warning; other levels trace what libjpeg does.
+  // libjpeg calls this function with a negative level for a warning, and with other levels for traces of its work.
   static void failWhereDamaged(j_common_ptr common, int level) {
     const int code = common->err->msg_code;
     if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR && code != JWRN_NOT_SEQUENTIAL) {

@@ -8,8 +8,8 @@
 namespace scanmill {
 
 // Opens a JPEG and reads its header. The caller must keep the bytes as long as the reader. Returns null for an image of
-// four inks (CMYK), which OpenImageIO converts. Throws std::runtime_error with libjpeg's message for damage, and for
-// anything else that libjpeg warns of, unless it leaves the pixels unchanged.
+// four inks (CMYK), which OpenImageIO must convert. Throws std::runtime_error with libjpeg's message if the file is
+// damaged, and for all other warnings of libjpeg except those that leave the pixels unchanged.
 std::unique_ptr<ImageReader> openJpeg(std::string_view bytes);
 
 }  // namespace scanmill

@@ -19,8 +19,8 @@ namespace scanmill {
 
 namespace {
 
-// Fetches the messages of the thread and of the reader: OpenImageIO prints a message that nobody has fetched when
-// either ends.
+// Throws with the error message of the reader or else of this thread. Both messages are fetched, since OpenImageIO
+// prints messages that were never fetched.
 [[noreturn]] void fail(const OIIO::ImageInput* reader) {
   const std::string text = reader != nullptr ? reader->geterror() : std::string();
   const std::string global = OIIO::geterror();
@@ -32,7 +32,7 @@ class OpenImageIoReader final : public ImageReader {
   OpenImageIoReader(const std::string& name, std::string_view bytes) : memory_(bytes.data(), bytes.size()) {
     OIIO::Filesystem::IOProxy* memory = bytes.empty() ? nullptr : &memory_;
     OIIO::ImageSpec config;
-    config.attribute("oiio:UnassociatedAlpha", 1);  // colours as painted, not multiplied by alpha
+    config.attribute("oiio:UnassociatedAlpha", 1);  // colours are not multiplied by alpha
     if (memory != nullptr) config.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &memory);
     input_ = OIIO::ImageInput::open(name, &config, memory);
     if (!input_) fail(nullptr);
@@ -41,8 +41,8 @@ class OpenImageIoReader final : public ImageReader {
   ImageHeader header() const override {
     const OIIO::ImageSpec& spec = input_->spec();
     const bool alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels;
-    // Some readers multiply colours by alpha although they are asked not to; they do not set this attribute. The reader
-    // of WebP multiplies in linear light.
+    // Readers that multiply colours by alpha, although the configuration forbids it, do not set this attribute. The
+    // reader of WebP multiplies in linear light.
     const bool multiplied = alpha && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
     const double gamma = std::string_view(input_->format_name()) == "webp" ? 2.2 : 1.0;
     return {spec.width, spec.height, spec.nchannels, alpha ? spec.alpha_channel : -1, multiplied ? gamma : 0.0};
@@ -70,13 +70,14 @@ class OpenImageIoReader final : public ImageReader {
 
  private:
   OIIO::Filesystem::IOMemReader memory_;
-  std::unique_ptr<OIIO::ImageInput> input_;  // reads memory_, so it is destroyed before that
-  std::vector<std::uint8_t> whole_;          // all rows, of an image in tiles
-  int next_ = 0;                             // next row
+  std::unique_ptr<OIIO::ImageInput> input_;  // uses memory_, and must be destroyed before memory_
+  std::vector<std::uint8_t> whole_;          // all rows of an image that is stored in tiles
+  int next_ = 0;                             // index of the next row
 };
 
 // Keeps libtiff from printing. OpenImageIO tries all its readers on a damaged file, and from 2.5 on (Debian 13) libtiff
-// then prints complaints about files of other kinds. OpenImageIO links libtiff, this module does not: hence dlsym().
+// then prints complaints about files of other kinds. dlsym() finds libtiff, which OpenImageIO links and this module
+// does not.
 void silenceLibtiff() {
   using Handler = void (*)(const char* module, const char* format, va_list arguments);
   for (const char* name : {"TIFFSetErrorHandler", "TIFFSetWarningHandler"}) {

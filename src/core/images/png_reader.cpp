@@ -50,7 +50,7 @@ class PngReader final : public ImageReader {
   }
 
  private:
-  // libpng jumps back to this place when it fails: `work` must not hold objects that need to be destroyed.
+  // libpng jumps back into this function when it fails: `work` must not contain objects that need to be destroyed.
   template <class Work>
   void guarded(const Work& work) {
     if (setjmp(jump_) != 0) throw std::runtime_error(message_.data());
@@ -76,8 +76,8 @@ class PngReader final : public ImageReader {
 
   void readHeader() {
     png_set_read_fn(png_, this, take);
-    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // chunks that the pixels do not need
-    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() limits the size
+    png_set_keep_unknown_chunks(png_, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);  // skips chunks that do not affect pixels
+    png_set_user_limits(png_, 1 << 30, 1 << 30);                             // checkSize() checks the size later
     png_read_info(png_, info_);
     png_set_expand(png_);
     png_set_scale_16(png_);
@@ -104,8 +104,8 @@ class PngReader final : public ImageReader {
   std::array<char, 200> message_{};
   ImageHeader header_;
   bool interlaced_ = false;
-  std::vector<std::uint8_t> whole_;  // all rows, of an interlaced image
-  int next_ = 0;                     // next row
+  std::vector<std::uint8_t> whole_;  // all rows of an interlaced image
+  int next_ = 0;                     // index of the next row
 };
 
 }  // namespace

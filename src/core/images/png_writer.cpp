@@ -32,7 +32,8 @@ class PngWriter {
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 8, PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png_, 9);
-    png_set_filter(png_, PNG_FILTER_TYPE_DEFAULT, PNG_FILTER_NONE);  // images of points have no gradients: 1/4 smaller
+    png_set_filter(png_, PNG_FILTER_TYPE_DEFAULT, PNG_FILTER_NONE);  // makes images of points, which have no gradients,
+                                                                     // 1/4 smaller
     png_write_info(png_, info_);
     for (int i = 0; i < height; ++i)
       png_write_row(png_, rgb + std::size_t{3} * static_cast<std::size_t>(width) * static_cast<std::size_t>(i));

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the sRGB byte whose linear value is nearest to `light`.
+// Returns the sRGB byte whose linear value is nearest to `light` (linear, 0 to 1).
 std::uint8_t encoded(float light) {
   const std::array<float, 256>& linear = linearOfBytes();
   const auto above = std::lower_bound(linear.begin(), linear.end(), light);
@@ -29,7 +29,7 @@ void Reduction::add(const std::uint8_t* rgba) {
   const std::array<float, 256>& linear = linearOfBytes();
   for (int x = 0; x < width_; ++x, rgba += 4) {
     Sum& sum = sums_[static_cast<std::size_t>(x / factor_)];
-    // A small weight even for alpha 0, so that fully transparent pixels keep their colour.
+    // The weight is above 0 even for alpha 0, so that a square of fully transparent pixels keeps its colour.
     const float weight = static_cast<float>(rgba[3]) + 1e-3f;
     for (std::size_t c = 0; c < 3; ++c) sum.light[c] += weight * linear[rgba[c]];
     sum.weight += weight;

@@ -1,4 +1,4 @@
-// Animals: a trunk and a neck of pipes, a head, legs, a tail; standing or grazing.
+// Builds animals from a trunk and a neck of pipes, a head, legs and a tail. They stand or graze.
 
 #include <array>
 #include <cmath>
@@ -8,17 +8,17 @@
 namespace scanmill::models {
 namespace {
 
-// Dimensions of a grown animal (m).
+// Dimensions of an adult animal (m).
 struct AnimalForm {
   double length;    // from chest to rump
-  double height;    // height of the back
-  double depth;     // depth of the chest
-  double width;     // half width of the chest
-  double neck;      // length
-  double head;      // length
-  double leg;       // thickness
-  double tail;      // length
-  double tailRise;  // 1 up, -1 down
+  double height;    // height of the back above the ground
+  double depth;     // from the back to the underside of the chest
+  double width;     // half of the chest's width
+  double neck;      // length of the neck
+  double head;      // length of the head
+  double leg;       // radius of a leg
+  double tail;      // length of the tail
+  double tailRise;  // direction of the tail: 1 up, -1 down
   double ear;
 };
 

@@ -1,4 +1,4 @@
-// Buildings over any outline: walls with windows, floors and inner walls behind them, a flat roof.
+// Builds buildings with any outline: walls with windows, floors and inner walls behind them, a flat roof.
 
 #include <algorithm>
 #include <boost/polygon/polygon.hpp>
@@ -11,9 +11,9 @@ namespace {
 
 namespace gtl = boost::polygon;
 
-constexpr double kBelowSlopes = -3;  // m, foot of the walls on sloping ground
-constexpr double kRooms = 3.6;       // m, depth of rooms
-constexpr double kUnit = 1e-3;       // m per unit of Boost's integer coordinates
+constexpr double kBelowSlopes = -3;  // m, lower edge of the walls on sloping ground
+constexpr double kRooms = 3.6;       // m, depth of the rooms behind the walls
+constexpr double kUnit = 1e-3;       // m per unit of the integer coordinates of Boost.Polygon
 
 using Ring = gtl::polygon_data<int>;
 using Shape2 = gtl::polygon_set_data<int>;
@@ -97,14 +97,14 @@ class BlockMaker {
     return nearest;
   }
 
-  // Adds the wall from a to b; the building lies to its left.
+  // Adds the wall from a to b. The building is at the left of the direction from a to b.
   void wall(const Point2& a, const Point2& b, bool door) {
     const double width = std::hypot(b.x - a.x, b.y - a.y);
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
     const Affine frame{{along, {0, 0, 1}, {along.y, -along.x, 0}}, {a.x, a.y, 0}};
     addFacade(s_, look_, frame, width, openings(width, door), false);
     if (b_.floors == 0) return;
-    // The parapet's coping.
+    // Adds the coping of the parapet.
     const Affine place = s_.frame * frame;
     const Affine outer = s_.frame;
     s_.frame = place;
@@ -151,7 +151,7 @@ class BlockMaker {
     }
   }
 
-  // Adds walls at the back of the rooms, all round the building.
+  // Adds the rear walls of the rooms, all round the building.
   void innerWalls() {
     Shape2 core = plan_;
     core.shrink(static_cast<unsigned>(kRooms / kUnit));

@@ -1,4 +1,4 @@
-// Houses: walls with real openings, windows and doors inset into them, roofs with eaves, chimneys, balconies.
+// Builds houses: walls with openings, windows and doors set back in them, roofs with eaves, chimneys, balconies.
 
 #include <algorithm>
 #include <cmath>
@@ -9,19 +9,19 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kFoundation = -0.4;  // m, foot of the walls, below the ground
-constexpr double kStorey = 2.9;       // m
+constexpr double kFoundation = -0.4;  // m, lower edge of the walls, below the ground
+constexpr double kStorey = 2.9;       // m, height of a storey
 
-// Returns the material of a plastered facade; most are tinted, or grey with age. The choice has its own random stream,
-// so that the houses' shapes do not depend on it.
+// Returns the material of a plastered facade. Most facades are tinted, or grey with age. The choice has its own random
+// stream, so that the shapes of houses do not depend on it.
 const char* facadeOf(std::uint64_t seed, const House& house) {
   constexpr std::uint32_t kFacadeDraw = 1000000;
   return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";
 }
 
-constexpr double kThickness = 0.16;  // m, of pitched roofs
-constexpr double kHipEaves = 0.45;   // m, beyond the walls
-constexpr double kInRoof = 0.05;     // m that walls reach into hip roofs
+constexpr double kThickness = 0.16;  // m, thickness of pitched roofs
+constexpr double kHipEaves = 0.45;   // m that hip roofs extend beyond the walls
+constexpr double kInRoof = 0.05;     // m that walls extend into hip roofs
 
 class HouseMaker {
  public:
@@ -76,10 +76,10 @@ class HouseMaker {
   }
 
  private:
-  // Adapts the house to a given top of its roof (m): the storeys are as high as fits, at least kLeastStorey; if even
-  // these do not fit, the roof's slope is reduced, to no less than 6 degrees.
+  // Adapts the house to the given height of its top (m). The storeys get the height that fits, at least kLeastStorey.
+  // If the house is still too high, the slope of the roof is reduced, to no less than 6 degrees.
   void reach(double top) {
-    constexpr double kLeastStorey = 2.3;  // m
+    constexpr double kLeastStorey = 2.3;  // m, least height of a storey
     const double shorter = std::min(h_.width, h_.depth);
     const bool flat = h_.roof == Roof::Flat;
     const double span = flat                          ? 0
@@ -87,7 +87,7 @@ class HouseMaker {
                         : h_.roof == Roof::CrossGable ? h_.width / 2
                                                       : shorter / 2 + kHipEaves;
     const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
-    const double above = flat ? 0.5 : 0.1;  // m that the walls end above the last storey
+    const double above = flat ? 0.5 : 0.1;  // m between the ceiling of the top floor and the top of the walls
     const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
     if (!flat) pitch_ = std::clamp(room / span, std::tan(radians(6.0)), pitch_);
     storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);
@@ -157,7 +157,7 @@ class HouseMaker {
     }
   }
 
-  // Adds a base that protrudes 3 cm from the walls.
+  // Adds a plinth that protrudes 3 cm from the walls.
   void plinth() {
     const double z = (base_ - 0.12 + kFoundation) / 2;
     const double height = base_ - 0.12 - kFoundation;
@@ -174,7 +174,7 @@ class HouseMaker {
   void flatRoof() {
     const double z = wallTop_ - 0.35;
     s_.quad(trim_, {0, 0, z}, {h_.width, 0, z}, {h_.width, h_.depth, z}, {0, h_.depth, z});
-    // The inner side of the parapet, and its coping.
+    // Adds the inner side of the parapet and its coping.
     const double t = 0.2;
     const double w = h_.width;
     const double d = h_.depth;
@@ -189,8 +189,8 @@ class HouseMaker {
     s_.tube(metal_, {w - 1.2, d - 1.5, z - 0.1}, {w - 1.2, d - 1.5, z + 1.2}, 0.15, 0.15, 10);
   }
 
-  // Adds a flat slab: a, b along the eaves, c, d along the ridge, counter-clockwise seen from outside. The side at the
-  // ridge is hidden and left out.
+  // Adds a flat slab of a roof. Its corners are counter-clockwise as seen from outside: a and b at the eaves, c and d
+  // at the ridge. The side at the ridge is hidden and left out.
   void slab(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d, double thickness) {
     const Vec3d down{0, 0, -thickness};
     s_.quad(tile_, a, b, c, d);
@@ -200,7 +200,7 @@ class HouseMaker {
     s_.quad(tile_, d + down, a + down, a, d);
   }
 
-  // Adds a gable roof over a plan of width x depth; its ridge runs along x of the given frame.
+  // Adds a gable roof over a plan of width x depth; the ridge is along x of the given frame.
   void gableRoof(const Mat3& turn, const Vec3d& origin, double width, double depth) {
     const Affine outer = s_.frame;
     s_.frame = outer * Affine{turn, origin};

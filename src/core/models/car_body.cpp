@@ -1,5 +1,5 @@
 // A body is lofted: cross-sections along x follow a side profile (bonnet, windscreen, roof, rear) and leave out the
-// wheel arches; whether the surface is paint or glass depends on the position.
+// wheel arches. The position on the surface decides whether it is paint or glass.
 
 #include "models/car_body.h"
 
@@ -9,7 +9,7 @@
 namespace scanmill::models {
 namespace {
 
-// Chaikin's corner cutting: rounds a profile but keeps its ends.
+// Rounds a profile by Chaikin's corner cutting, but keeps its ends.
 std::vector<Point2> rounded(std::vector<Point2> line, int times) {
   for (; times > 0; --times) {
     std::vector<Point2> next{line.front()};
@@ -107,7 +107,7 @@ class BodyMaker {
         {x, top * 0.6, t - crown * 0.2},
         {x, 0, t},
     };
-    // Bumpers: the ends protrude around a height of 0.5 m.
+    // Bumpers: the front and the rear protrude at heights around 0.5 m.
     const double end = std::clamp((std::abs(x) - f_.length / 2 + 0.3) / 0.3, 0.0, 1.0);
     for (Vec3d& v : p) v.x += std::copysign(end * bulgeAt(v.y, v.z, w), x);
     return p;
@@ -173,21 +173,21 @@ class BodyMaker {
     cap(left.back(), false);
   }
 
-  // Returns how far the bumpers protrude (m) at a height `z` and a distance `y` from the middle: most at z = 0.48 m,
-  // less towards the sides.
+  // Returns how far the bumpers protrude (m) at a height `z` and a distance `y` from the vehicle's middle plane: most
+  // at z = 0.48 m, less towards the sides.
   double bulgeAt(double y, double z, double width) const {
     const double height = (z - 0.48) / 0.42;
     return f_.bulge * std::max(0.0, 1 - height * height) * (1 - 0.5 * std::pow(std::abs(y) / width, 4.0));
   }
 
-  // Closes the front or rear between the left and the right half of its section.
+  // Closes the front or the rear between the left and the right half of its cross-section; `half` is the left half.
   void cap(const std::vector<Vec3d>& half, bool rear) {
     constexpr int kAcross = 8;
     const double end = rear ? -f_.length / 2 : f_.length / 2;
     const double width = halfWidth(end);
     std::vector<std::vector<Vec3d>> rows;
     for (std::size_t i = 1; i < half.size(); ++i) {
-      if (i == 2) continue;  // same height as the next point
+      if (i == 2) continue;  // this point is as high as the next one
       std::vector<Vec3d> row;
       for (int c = 0; c <= kAcross; ++c) {
         const double y = lerp(half[i].y, -half[i].y, double(c) / kAcross) * (rear ? 1 : -1);
@@ -201,7 +201,7 @@ class BodyMaker {
   void trim() {
     const double end = f_.length / 2;
     const double nose = std::min(topAt(end - 0.05), 0.95);
-    // Number plates, grille, lights. Boxes are half sunk into the body.
+    // Adds number plates, grille and lights. Boxes are half sunk into the body.
     const auto tip = [&](double z) { return end + bulgeAt(0, z, 1); };
     const double plate = std::min(0.75, f_.belt - 0.2);
     s_.box(reflector_, {tip(0.42), 0, 0.42}, {0.03, 0.52, 0.11});
@@ -241,7 +241,7 @@ void appendWheel(Shape& shape, std::string_view className, const Affine& place, 
   const SurfaceIndex rubber = shape.surface(className, "rubber");
   const SurfaceIndex rim = shape.surface(className, "metal_bare");
   const SurfaceIndex dark = shape.surface(className, "plastic_black");
-  // The axle is the y axis: z of the profile points outwards along the axle.
+  // The axle is along y: z of the profile becomes the outward direction of the axle.
   const Affine axle = place * Affine{{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, {}};
   const double w = width / 2;
   const double inner = radius * 0.64;

@@ -8,23 +8,23 @@
 
 namespace scanmill::models {
 
-// All lengths in metres, x measured from the middle of the vehicle, forward.
+// All lengths are in metres; x is measured forward from the middle of the vehicle.
 struct BodyForm {
   const char* className = "car";
   double length = 4.3, width = 1.78;
   double floor = 0.2;
-  double belt = 0.92, beltRise = 0.02;  // height of the windows' lower edge in the middle; rise per metre to the rear
-  double roofHalf = 0.56;               // half width of the roof
-  double noseTaper = 0.13, tailTaper = 0.1;  // share of the width lost at the ends in plan
-  double bulge = 0.09;                       // m, how far the bumpers bulge
+  double belt = 0.92, beltRise = 0.02;       // lower edge of the windows amidships; its rise per metre to the rear
+  double roofHalf = 0.56;                    // half of the roof's width
+  double noseTaper = 0.13, tailTaper = 0.1;  // fraction of the width lost at the nose and at the tail
+  double bulge = 0.09;                       // how far the bumpers protrude
   std::vector<Point2> profile;               // (x, z) of the upper edge, from the tail to the nose
-  Span windscreen, rearWindow;               // along x; empty where there is none
-  std::vector<Span> sideWindows;             // along x
-  std::vector<double> axles;                 // along x
+  Span windscreen, rearWindow;               // extents along x; empty: there is none
+  std::vector<Span> sideWindows;             // extents along x
+  std::vector<double> axles;                 // positions along x
   double wheelRadius = 0.31, wheelWidth = 0.2;
-  Span bed;                         // the bed of a pickup, which is covered
-  bool mirrors = true;              // and door handles
-  const char* paint = "car_paint";  // material
+  Span bed;                         // extent along x of a pickup's covered bed
+  bool mirrors = true;              // true: the body has mirrors and door handles
+  const char* paint = "car_paint";  // material of the body
 };
 
 // Appends the body, its wheels, lights and plates.

@@ -7,7 +7,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kClutterSunk = 0.05;  // m below the ground
+constexpr double kClutterSunk = 0.05;  // m that bases extend below the ground
 
 void appendCone(Shape& s, Draw& draw) {
   const SurfaceIndex body = s.surface("object", "plastic_black");
@@ -36,7 +36,7 @@ void appendBarrier(Shape& s) {
   for (const double z : {0.3, 0.95}) s.box(board, {0, 0, z}, {2, 0.03, 0.22});
 }
 
-// Appends a full container for rubble.
+// Appends a rubble container that is full.
 void appendSkip(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("object", "painted_metal");
   const SurfaceIndex rubble = s.surface("object", "soil");
@@ -114,7 +114,7 @@ void appendShed(Shape& s, Draw& draw) {
   s.box(wood, {0, -y - 0.02, 0.85}, {0.8, 0.04, 1.7});
 }
 
-// Appends a basin with a rim of stone; a fountain has a column in its middle.
+// Appends a pond, or a fountain with a column in its middle: a basin with a stone rim.
 void appendBasin(Shape& s, Draw& draw, bool fountain) {
   const SurfaceIndex stone = s.surface(fountain ? "structure" : "object", "concrete");
   const SurfaceIndex water = s.surface("water", "water");

@@ -9,12 +9,12 @@
 namespace scanmill::models {
 namespace {
 
-// Returns the frame that turns z to y, so that tori and wheels stand upright in a plane y = const.
+// Returns a frame that rotates z to y, so that tori and wheels stand upright in a plane of constant y.
 Affine upright(const Vec3d& center) {
   return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, center};
 }
 
-// Appends half of a ring over a wheel, as a thin strip with two sides.
+// Appends half of a ring over a wheel, as a thin strip with two sides. `from` and `to` are angles (rad).
 void appendMudguard(Shape& s, SurfaceIndex surface, const Vec3d& hub, double radius, double width, double from,
                     double to) {
   std::vector<std::vector<Vec3d>> rows;
@@ -93,7 +93,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
   for (const Vec3d& grip : {left, right})
     s.tube(black, grip, grip + Vec3d{back * 0.55, grip.y * 0.12, 0}, 0.017, 0.017, 7);
 
-  // Chain wheel, chain guard, cranks with pedals (one up and forward, one down and back).
+  // Adds the chain wheel, the chain guard, and the cranks with pedals (one up and forward, one down and back).
   s.revolve(metal, upright(bracket + Vec3d{0, -0.045, 0}), {{0, -0.004}, {0.09, -0.004}, {0.09, 0.004}, {0, 0.004}},
             20);
   s.box(black, {(bracket.x + rear.x) / 2, -0.062, 0.31}, {std::abs(rear.x - bracket.x), 0.015, 0.075});
@@ -107,7 +107,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
   if (!sporty) {
     appendMudguard(s, paint, rear, r + 0.025, 0.05, radians(-5), radians(175));
     appendMudguard(s, paint, front, r + 0.025, 0.05, radians(25), radians(190));
-    const double rack = r * 2 + 0.06;  // luggage rack
+    const double rack = r * 2 + 0.06;  // height of the luggage rack
     for (const double y : {-0.055, 0.055}) {
       s.tube(metal, {rear.x - 0.2, y, rack}, {seatTop.x - 0.05, y, rack}, 0.006, 0.006, 5);
       s.tube(metal, {rear.x - 0.1, y, rack}, {rear.x, y, r}, 0.005, 0.005, 5);
@@ -164,7 +164,7 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form) {
     s.tube(metal, {-0.1, y, 0.45}, rear + Vec3d{0, y * 1.1, 0}, 0.025, 0.022, 8);
     s.tube(black, {-0.38, y, 0.68}, rear + Vec3d{0.05, y * 1.1, 0.02}, 0.03, 0.022, 10);
   }
-  // Engine, tank, seat, tail.
+  // Adds engine, tank, seat and tail.
   s.box(metal, {0.06, 0, 0.42}, {0.42, 0.3, 0.3});
   for (int k = 0; k < 5; ++k) s.box(metal, {0.14, 0, 0.58 + 0.03 * k}, {0.24, 0.26, 0.014});
   s.tube(metal, {0.14, 0, 0.5}, {0.14, 0, 0.72}, 0.09, 0.09, 12);
@@ -176,10 +176,10 @@ Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form) {
   s.box(paint, {-0.08, 0, 0.63}, {0.3, 0.22, 0.16});
   appendMudguard(s, paint, front, r + 0.04, 0.13, radians(20), radians(150));
   appendMudguard(s, black, rear, r + 0.05, 0.18, radians(60), radians(190));
-  // Exhaust on the right.
+  // Adds the exhaust on the right.
   s.pipe(metal, {{0.28, -0.1, 0.5}, {0.33, -0.15, 0.32}, {0.1, -0.18, 0.24}, {-0.35, -0.19, 0.28}, {-0.85, -0.2, 0.4}},
          {0.022, 0.022, 0.024, 0.045, 0.05}, 10);
-  // Handlebar, mirrors, lamp, plate, stand.
+  // Adds handlebar, mirrors, lamp, plate and stand.
   const Vec3d bar = head + Vec3d{-0.05, 0, 0.14};
   s.pipe(metal,
          {bar + Vec3d{-0.18, -0.38, 0.02}, bar + Vec3d{-0.04, -0.25, 0.05}, bar, bar + Vec3d{-0.04, 0.25, 0.05},

@@ -52,10 +52,10 @@ class FacadeMaker {
   void window(const Opening& o, bool front) {
     const auto [u0, u1] = o.u;
     const auto [v0, v1] = o.v;
-    constexpr double kFrame = 0.07;  // width of the casing, m
+    constexpr double kFrame = 0.07;  // m, width of the casing
     const double w = -kReveal;
     s_.quad(look_.glass, {u0, v0, w}, {u1, v0, w}, {u1, v1, w}, {u0, v1, w});
-    // The casing begins behind the plane of the reveals, so that no two faces share a plane.
+    // The casing begins behind the reveals' plane, so that no two faces are in the same plane.
     const double middleU = (u0 + u1) / 2;
     const double middleV = (v0 + v1) / 2;
     const double inside = v1 - v0 - kFrame * 2;
@@ -92,7 +92,7 @@ class FacadeMaker {
     s_.quad(look_.glass, {u0 + 0.2, v1 - 0.5, w + 0.02}, {u1 - 0.2, v1 - 0.5, w + 0.02},
             {u1 - 0.2, v1 - 0.15, w + 0.02}, {u0 + 0.2, v1 - 0.15, w + 0.02});
     s_.tube(look_.metal, {u1 - 0.12, v0 + 1.0, w + 0.05}, {u1 - 0.12, v0 + 1.15, w + 0.05}, 0.015, 0.015, 6);
-    // Steps down to the path, and a small roof.
+    // Adds steps down to the path, and a small roof.
     const int steps = std::max(1, static_cast<int>(std::ceil(v0 / 0.17)));
     for (int k = 0; k < steps; ++k) {
       const double top = v0 - 0.01 - k * v0 / steps;

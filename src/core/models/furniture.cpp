@@ -1,5 +1,5 @@
-// Street furniture, bus shelters, poster columns, fences and garden walls. Posts and bases begin a little below the
-// ground.
+// Builds street furniture, bus shelters, poster columns, fences and garden walls. Posts and bases extend a little below
+// the ground.
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kSunk = 0.06;  // m below the ground
+constexpr double kSunk = 0.06;  // m that posts and bases extend below the ground
 
 void appendBench(Shape& s) {
   const SurfaceIndex wood = s.surface("object", "wood");

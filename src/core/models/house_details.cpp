@@ -7,8 +7,8 @@
 namespace scanmill::models {
 namespace {
 
-constexpr std::uint32_t kDetails = 2000000;  // added to the house's number: a separate random stream
-constexpr double kWall = 0.25;               // thickness of the outer walls, m
+constexpr std::uint32_t kDetails = 2000000;  // added to a house's number to get a separate random stream
+constexpr double kWall = 0.25;               // m, thickness of the outer walls
 
 class Details {
  public:
@@ -38,7 +38,8 @@ class Details {
   double pitch() const { return h_.width / h_.columns; }
   double windowMiddle(int column) const { return (column + 0.5) * pitch(); }
 
-  // Adds floors, a wall along the house, walls across it between the columns of windows, and a few pieces of furniture.
+  // Adds floors, a wall along the middle of the house, walls across the house between the columns of windows, and a few
+  // pieces of furniture.
   void rooms() {
     const SurfaceIndex inside = s_.surface("building", "plaster");
     const SurfaceIndex boards = s_.surface("building", "wood");
@@ -68,7 +69,7 @@ class Details {
     }
   }
 
-  // Adds curtains at the left and the right of a front window, or a blind that is partly lowered.
+  // Adds curtains at both sides of a front window, or a blind that is partly lowered.
   void curtains(int floor, int column) {
     const bool door = floor == 0 && column == h_.doorColumn;
     if (door || (floor == 0 && h_.shop) || !draw_.chance(0.6)) return;
@@ -86,7 +87,7 @@ class Details {
     }
     const double width = half * draw_.in(0.3, 0.95);
     for (const double side : {-1.0, 1.0}) {
-      // The curtains hang in folds.
+      // The curtains have folds.
       constexpr int kFolds = 6;
       for (int k = 0; k < kFolds; ++k) {
         const double a = middle + side * (half - width * k / kFolds);
@@ -98,7 +99,7 @@ class Details {
     }
   }
 
-  // Adds bands around the house between its storeys, and under the eaves.
+  // Adds protruding bands around the house between its storeys, and under the eaves.
   void courses() {
     const double out = draw_.in(0.05, 0.12);
     const double height = draw_.in(0.12, 0.3);
@@ -127,7 +128,7 @@ class Details {
     }
   }
 
-  // Adds the wall between two points of the plan, with a window in each storey.
+  // Adds the wall of a bay window between two points of the plan, with a window in each storey.
   void bayWall(const Point2& a, const Point2& b, int floors) {
     const auto at = [&](double t, double z) { return Vec3d{lerp(a.x, b.x, t), lerp(a.y, b.y, t), z}; };
     const auto panel = [&](SurfaceIndex surface, double t0, double t1, double z0, double z1) {
@@ -181,7 +182,8 @@ class Details {
     s_.box(m_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
   }
 
-  // Adds leaves up to 0.35 m in front of the front wall, from the ground upwards; windows and the door stay free.
+  // Adds leaves of ivy up to 0.35 m in front of the front wall, from the ground upwards, but not over windows and the
+  // door.
   void ivy() {
     const SurfaceIndex leaf = s_.surface("vegetation", "leaf");
     const double from = draw_.in(0, 0.6) * h_.width;
@@ -213,8 +215,8 @@ class Details {
     return height > m_.sill && height < m_.sill + m_.windowHeight;
   }
 
-  // Adds to a shop's front the board with its name, and often an awning (a slanted cloth on a frame) and a sign that
-  // protrudes from the wall.
+  // Adds the name board to a shop's front, and often an awning (a slanted cloth on a frame) and a sign that protrudes
+  // from the wall.
   void awning() {
     const SurfaceIndex cloth = s_.surface("building", "cloth");
     const double z = m_.base + 2.55;
@@ -234,7 +236,7 @@ class Details {
     for (const double x : {0.45, h_.width - 0.45}) s_.tube(m_.metal, {x, -0.02, low}, {x, -out, low}, 0.02, 0.02, 6);
   }
 
-  // Adds a lamp at the door, a box for meters, now and then a dish or a cooler.
+  // Adds a lamp at the door, a meter box, and sometimes a satellite dish or an air conditioner.
   void fittings() {
     const double door = h_.doorX();
     s_.ball(m_.metal, {door + 0.75, -0.12, m_.base + 1.9}, {0.09, 0.1, 0.14}, 8);
@@ -253,7 +255,8 @@ class Details {
     }
   }
 
-  // Adds a garage at the end of the driveway, to the right of the house; its gate is 6.2 m behind the house's front.
+  // Adds a garage at the end of the driveway, at the right of the house as seen from the street. Its gate is 6.2 m
+  // behind the house's front.
   void garage() {
     constexpr double kWallFoot = -1.5;
     const double x0 = h_.width + kGarageBeside;
@@ -271,7 +274,7 @@ class Details {
       s_.box(m_.wall, {x, y0 + 0.1, (2.1 + kWallFoot) / 2}, {0.35, 0.2, 2.1 - kWallFoot});
     }
     s_.box(m_.wall, {(x0 + x1) / 2, y0 + 0.1, (2.1 + top) / 2}, {x1 - x0, 0.2, top - 2.1});
-    const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // lower edge; an open gate leaves a strip under the lintel
+    const double gate = draw_.chance(0.15) ? 1.9 : 0.0;  // m, lower edge of the gate; 1.9: almost open
     s_.quad(m_.metal, {x0 + 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, gate}, {x1 - 0.3, y0 + 0.15, 2.12},
             {x0 + 0.3, y0 + 0.15, 2.12});
     for (int k = 1; k < 6 && gate == 0; ++k) {

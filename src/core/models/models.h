@@ -22,8 +22,9 @@
 
 namespace scanmill::models {
 
-// The kind of object that random numbers are for. Each kind has its own random stream, so that more objects of one kind
-// leave the other kinds unchanged. What a seed yields depends on these values: append, never renumber.
+// The kind of object for which random numbers are generated. Each kind has its own random stream, so that more objects
+// of one kind leave the other kinds unchanged. What a seed generates depends on these values: append new kinds, never
+// renumber.
 enum class Kind : std::uint32_t {
   Plot = 1,
   Lot,
@@ -63,11 +64,11 @@ enum class Kind : std::uint32_t {
   Grass,
 };
 
-// The random stream of one object: each call returns the stream's next number.
+// The random stream of an object: each call returns the next number of the stream.
 class Draw {
  public:
   Draw(std::uint64_t seed, Kind kind, std::uint32_t object = 0);
-  double next();  // in (0, 1)
+  double next();  // uniform in (0, 1)
   double in(double low, double high) { return low + (high - low) * next(); }
   double around(double mean, double share) { return mean * in(1 - share, 1 + share); }
   int below(int count) { return static_cast<int>(next() * count); }
@@ -81,7 +82,7 @@ class Draw {
   std::size_t used_ = 4;
 };
 
-// Returns from, from + step, from + 2 * step, ... as long as they are below `to`.
+// Returns the numbers from, from + step, from + 2 * step, ... that are below `to`.
 std::vector<double> steps(double from, double to, double step);
 
 // Returns make(0), ..., make(count - 1).
@@ -103,11 +104,11 @@ struct Point2 {
 constexpr double lerp(double a, double b, double t) {
   return a + (b - a) * t;
 }
-double smooth(double t);  // smoothstep of t, which is clamped to [0, 1]
+double smooth(double t);  // smoothstep of t, with t clamped to [0, 1]
 
 Affine at(const Vec3d& position);
 Affine at(const Vec3d& position, double yaw);
-// Maps the origin to `position` and the z axis to `direction`; the directions of x and y are arbitrary.
+// Returns a frame with its origin at `position` and its z axis along `direction`; its x and y axes are arbitrary.
 Affine along(const Vec3d& position, const Vec3d& direction);
 
 // A mesh of the scene and its bounding box (m).
@@ -116,7 +117,7 @@ struct Model {
   Box bounds;
 };
 
-// A mesh under construction. Everything appended is transformed by `frame`. Lengths are in metres.
+// A mesh under construction. `frame` transforms everything that is appended. Lengths are in metres.
 class Shape {
  public:
   Shape(SceneBuilder& builder, std::string name);
@@ -128,21 +129,23 @@ class Shape {
   void box(SurfaceIndex surface, const Vec3d& center, const Vec3d& size);
   void boxAt(SurfaceIndex surface, const Affine& place, const Vec3d& size);
   void ball(SurfaceIndex surface, const Vec3d& center, const Vec3d& radii, int segments = 12);
-  // Appends a closed pipe along a polyline with a radius at each point.
+  // Appends a pipe with closed ends along a polyline. `radii` has the radius at each point.
   void pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const std::vector<double>& radii, int segments = 8);
   void tube(SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double radiusA, double radiusB, int segments = 8);
-  // Revolves a profile of (radius, z) about the z axis. The surface faces to the right of the profile's direction:
-  // outwards where the profile goes upwards.
+  // Appends the surface that a profile of (radius, z) describes when it turns about the z axis. The surface faces to
+  // the right of the profile's direction: outwards where the profile goes upwards. `closed` joins the last point to the
+  // first.
   void revolve(SurfaceIndex surface, const Affine& place, const std::vector<Point2>& profile, int segments,
                bool closed = false);
   void torus(SurfaceIndex surface, const Affine& place, double radius, double thickness, int segments, int around = 8);
-  // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. Its top has the
-  // surface `front`, the rest `rim`.
+  // Appends a prism over a convex polygon (counter-clockwise in x, y), from z = 0 to `thickness`. The top has the
+  // surface `front`; the sides and the bottom have the surface `rim`.
   void prism(SurfaceIndex front, SurfaceIndex rim, const Affine& place, const std::vector<Point2>& polygon,
              double thickness);
-  // Appends quads between rows of points, all rows being equally long. `wrap` joins the last point of a row to its
-  // first; `of` returns the surface of a quad. A quad whose corners coincide becomes a triangle. Seen from outside, the
-  // corners of a quad run counter-clockwise from a point to the next point of its row.
+  // Appends quads between rows of points; all rows have the same number of points. `wrap` joins the last point of a row
+  // to its first; `of` returns the surface of a quad. A quad with two equal corners becomes a triangle. Seen from
+  // outside, the corners of a quad go counter-clockwise, and its first side leads from a point to the next point of the
+  // same row.
   void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
             const std::function<SurfaceIndex(int row, int column)>& of);
 
@@ -172,8 +175,8 @@ constexpr double kGarageDepth = 5.8;
 
 enum class Roof { Flat, Gable, CrossGable, Hip };
 
-// A house. In its own frame the front wall lies in y = 0, faces -y and extends from x = 0 to `width`; the house extends
-// from y = 0 to `depth` (m).
+// A house. In its frame, the front wall is in the plane y = 0, faces -y and extends from x = 0 to `width`; the house
+// extends from y = 0 to `depth` (m).
 struct House {
   Affine place;  // pose of the house
   double width = 10, depth = 9;
@@ -181,9 +184,9 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
-  std::optional<double> top;  // m, top of the roof; none: as floors and slope need
-  // Depth of the ground in front of the house that details may use (m), see house_details.h. None: bare walls, no
-  // rooms.
+  std::optional<double> top;  // m, top of the roof; not set: it follows from floors and slope
+  // Depth (m) of the ground in front of the house that details may cover, see house_details.h. If it is not set, the
+  // house has bare walls and no rooms.
   std::optional<double> forecourt;
   bool garage = false, ivy = false;
 
@@ -191,12 +194,12 @@ struct House {
   Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }
 };
 
-// A building over any outline, with a flat roof and rooms behind its windows. Its ground is at z = 0.
+// A building with any outline, a flat roof, and rooms behind its windows. The ground is at z = 0.
 struct Block {
-  std::vector<Point2> outline;              // counter-clockwise, without its first point at the end
+  std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
   std::vector<std::vector<Point2>> courts;  // clockwise
   int floors = 2;                           // 0: a shed without windows
-  double height = 0;                        // m, top of the walls, 0.35 m above the roof; 0: as the floors need
+  double height = 0;                        // m, top of the walls, 0.35 m above the roof; 0: follows from `floors`
   Point2 entrance;                          // the door is in the wall nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
@@ -212,10 +215,10 @@ struct TreeModel {
   double crownRadius = 2;
 };
 constexpr int kTreeForms = 8;
-constexpr int kBroadleafForms = 6;  // the first of the tree forms
-// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: share of its leaves that a
-// broadleaf has kept, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round) to 1:
-// heavier on one side, with limbs that protrude and gaps between them.
+constexpr int kBroadleafForms = 6;  // these come first among the tree forms
+// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of its leaves that a
+// broadleaf tree still has, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round)
+// to 1: heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
                    double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
@@ -252,7 +255,7 @@ Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
 
 constexpr int kAnimalForms = 6;
-constexpr int kPetForms = 3;  // the first of the animal forms: dogs and cats; the others are grazing animals
+constexpr int kPetForms = 3;  // dogs and cats, which come first among the forms; the others are grazing animals
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
 
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };

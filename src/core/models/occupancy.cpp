@@ -6,9 +6,9 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kCell = 8;  // m
+constexpr double kCell = 8;  // m, side of a grid cell
 
-// True if the projections of two rectangles on both axes of `a` overlap.
+// True if the two rectangles overlap when projected onto each of the two axes of `a`.
 bool overlapOnAxes(const Footprint& a, const Footprint& b) {
   const double c = std::cos(b.yaw - a.yaw);
   const double s = std::sin(b.yaw - a.yaw);
@@ -20,7 +20,7 @@ bool overlapOnAxes(const Footprint& a, const Footprint& b) {
          std::abs(y) < a.halfY + b.halfX * std::abs(s) + b.halfY * std::abs(c);
 }
 
-// Calls visit(key) for all cells that the circumcircle of the rectangle may reach into.
+// Calls visit(key) for all grid cells that the circumcircle of the rectangle may overlap.
 template <class Visit>
 void forCells(const Footprint& f, const Visit& visit) {
   const double reach = std::hypot(f.halfX, f.halfY);
@@ -34,7 +34,7 @@ void forCells(const Footprint& f, const Visit& visit) {
 
 }  // namespace
 
-// Uses the separating axis theorem for rectangles.
+// Two rectangles overlap if their projections overlap on all four axes (separating axis theorem).
 bool Occupancy::isFree(const Footprint& f) const {
   bool free = true;
   forCells(f, [&](std::uint64_t key) {

@@ -17,7 +17,7 @@ struct Footprint {
   double halfX = 0, halfY = 0;
   double yaw = 0;
 
-  // Returns the point `u` and `v` metres from the centre along the rectangle's x and y axes.
+  // Returns the point at a distance of `u` and `v` metres from the centre along the rectangle's x and y axes.
   Point2 at(double u, double v) const {
     const double c = std::cos(yaw);
     const double s = std::sin(yaw);
@@ -37,7 +37,7 @@ class Occupancy {
 
  private:
   std::vector<Footprint> taken_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // rectangles whose circumcircle may reach in
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices of rectangles near a cell
 };
 
 }  // namespace scanmill::models

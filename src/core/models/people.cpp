@@ -1,4 +1,5 @@
-// People: limbs between joints; the positions of elbows and knees follow from those of hands and feet.
+// Builds people from limbs between joints. The positions of elbows and knees follow from the positions of hands and
+// feet.
 
 #include <algorithm>
 #include <cmath>
@@ -8,15 +9,15 @@
 namespace scanmill::models {
 namespace {
 
-// Joints in the frame of the person: x forward, y left, z up, metres, for a height of 1.75 m.
+// Positions of joints in the person's frame (x forward, y left, z up; m), for a height of 1.75 m.
 struct Pose {
   Vec3d hips{0, 0, 0.93};
   Vec3d shoulders{0, 0, 1.43};
   Vec3d head{0.02, 0, 1.64};
   Vec3d leftAnkle{0, 0.1, 0.09}, rightAnkle{0, -0.1, 0.09};
   Vec3d leftHand{0.04, 0.27, 0.83}, rightHand{0.04, -0.27, 0.83};
-  double leftFoot = 0, rightFoot = 0;  // pitch of the feet, positive: heel up
-  Vec3d elbowTo{-1, 0, -0.2};          // where elbows point
+  double leftFoot = 0, rightFoot = 0;  // rad, pitch of the feet; positive lifts the heel
+  Vec3d elbowTo{-1, 0, -0.2};          // direction in which elbows point
 };
 
 struct Clothes {
@@ -26,7 +27,8 @@ struct Clothes {
   double girth = 1;
 };
 
-// Returns the middle joint of a limb from a to b with the two given lengths, bent towards `pole`.
+// Returns the middle joint (elbow or knee) of a limb from a to b. `first` and `second` are the lengths of its two parts
+// (m); the joint bends towards `pole`.
 Vec3d bend(const Vec3d& a, const Vec3d& b, double first, double second, const Vec3d& pole) {
   const Vec3d d = b - a;
   const double reach = std::min(length(d), (first + second) * 0.999);
@@ -68,14 +70,14 @@ class PersonMaker {
   }
 
  private:
-  // Elliptic rings from the seat to the neck.
+  // Adds the trunk: elliptic rings from the seat to the neck.
   void torso(const Pose& p) {
     const Vec3d up = normalized(p.shoulders - p.hips);
     const Vec3d left{0, 1, 0};
     const Vec3d forward = normalized(cross(left, up));
     const double trunk = length(p.shoulders - p.hips);
     struct Ring {
-      double t, halfX, halfY, offset;  // t from the hips (0) to the shoulders (1)
+      double t, halfX, halfY, offset;  // t is 0 at the hips, 1 at the shoulders
     };
     const double g = c_.girth;
     std::vector<Ring> rings{
@@ -100,7 +102,7 @@ class PersonMaker {
     std::vector<std::vector<Vec3d>> rows;
     rows.reserve(rings.size());
     for (const Ring& r : rings) rows.push_back(place(r));
-    const int seat = c_.coat ? 0 : 2;  // rows of the trousers
+    const int seat = c_.coat ? 0 : 2;  // number of rows that belong to the trousers
     s_.grid(rows, true, [&](int row, int) { return row < seat ? lower_ : upper_; });
     if (c_.skirt) {
       s_.grid({place({0.1, 0.12 * g, 0.165 * g, 0}), place({-0.35, 0.19, 0.22, 0}), place({-0.95, 0.26, 0.27, 0}),
@@ -132,7 +134,7 @@ class PersonMaker {
     s_.ball(lower_, knee, {0.06, 0.06, 0.06}, 10);
     const double c = std::cos(pitch);
     const double s = std::sin(pitch);
-    // The shoe turns about the ankle; its sole is flat.
+    // The shoe is rotated about the ankle; its sole is flat.
     const Affine foot{{{c, 0, -s}, {0, 1, 0}, {s, 0, c}}, ankle};
     const Affine outer = s_.frame;
     s_.frame = outer * foot;
@@ -156,7 +158,7 @@ class PersonMaker {
   SurfaceIndex skin_, upper_, lower_, dark_, plastic_;
 };
 
-// Returns the pose of a walker with the left leg in front.
+// Returns the pose of a walking person with the left leg in front.
 Pose walking(double stride, double swing, double lean) {
   Pose p;
   p.hips.z = 0.905;
@@ -178,8 +180,8 @@ void mirror(Pose& p) {
   for (Vec3d* v : {&p.leftAnkle, &p.rightAnkle, &p.leftHand, &p.rightHand}) v->y = -v->y;
 }
 
-// Returns the pose at a phase (rad) of a stride: the left foot touches the ground in front of the body at 0 and leaves
-// the ground behind the body at pi.
+// Returns the pose at a phase (rad) of a walking cycle: the left foot touches the ground in front of the body at 0 and
+// leaves the ground behind the body at pi.
 Pose striding(double phase, double reach, double swing, double lean) {
   Pose p;
   p.hips.z = 0.89 + 0.02 * std::pow(std::sin(phase), 2);
@@ -265,7 +267,7 @@ Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const Bicyc
   Pose p;
   p.hips = fit.saddle + Vec3d{0.02, 0, 0.1};
   const Vec3d grips = (fit.leftGrip + fit.rightGrip) * 0.5;
-  const double low = std::clamp(1.12 - grips.z, 0.0, 0.25);  // low bars make the rider lean
+  const double low = std::clamp(1.12 - grips.z, 0.0, 0.25);  // low handlebars make the rider lean
   p.shoulders = p.hips + normalized(Vec3d{0.3 + low * 1.4, 0, 1}) * 0.5;
   p.head = p.shoulders + Vec3d{0.08, 0, 0.2};
   p.leftAnkle = fit.leftPedal + Vec3d{-0.06, -0.02, 0.1};

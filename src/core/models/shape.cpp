@@ -129,7 +129,7 @@ void Shape::pipe(SurfaceIndex surface, const std::vector<Vec3d>& points, const s
   rows.emplace_back(segments, points.front());
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3d d = normalized(points[std::min(i + 1, n - 1)] - points[i == 0 ? 0 : i - 1]);
-    u = normalized(u - d * dot(u, d));  // parallel transport, so that the pipe does not twist
+    u = normalized(u - d * dot(u, d));  // parallel transport keeps the pipe from twisting
     rows.push_back(ringOf(points[i], u, cross(d, u), radii[i]));
   }
   rows.emplace_back(segments, points.back());

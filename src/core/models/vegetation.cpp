@@ -1,6 +1,6 @@
-// Trees, bushes and hedges with real leaves: small folded polygons, denser towards the outside of a crown, without
-// alpha testing. A leaf polygon is about 15 cm long and represents a spray of leaves, so that a crown of 6000 polygons
-// has the leaf area of a tree (leaf area index 3 to 5).
+// Builds trees, bushes and hedges with leaves of their own: small folded polygons, denser towards the outside of a
+// crown, without alpha testing. A leaf polygon is about 15 cm long and represents several leaves, so that a crown of
+// 6000 polygons has the leaf area of a tree (leaf area index 3 to 5).
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +15,10 @@ struct Habit {
   bool conifer;
   double height, crownBase, crownRadius;  // m
   double trunkRadius;                     // m
-  int clusters;                           // lumps of the crown
-  double clusterSize;                     // radius of a lump relative to the crown's
+  int clusters;                           // number of clusters of leaves
+  double clusterSize;                     // radius of a cluster as a fraction of the crown's radius
   int leaves;
-  double leaf;  // length, m
+  double leaf;  // length of a leaf polygon, m
 };
 
 // Heights and radii vary by 12 % with the seed.
@@ -33,7 +33,7 @@ constexpr std::array<Habit, kTreeForms> kHabits{{
     {"pine", true, 9.0, 2.4, 2.2, 0.15, 0, 0, 4800, 0.30},
 }};
 
-// Appends a pointed leaf of two triangles, folded along its midrib, in the plane with the given normal.
+// Appends a pointed leaf of two triangles, folded along its midrib. `normal` is normal to the plane of the leaf.
 void appendLeaf(Shape& s, SurfaceIndex surface, const Vec3d& stem, const Vec3d& tip, const Vec3d& normal,
                 double width) {
   const Vec3d axis = tip - stem;
@@ -56,21 +56,21 @@ void appendFoliageBall(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& 
     const Vec3d position = center + Vec3d{out.x * r, out.y * r, out.z * r * flatness};
     const Vec3d normal = normalized(out * 0.6 + Vec3d{0, 0, 0.5} + draw.direction() * 0.7);
     Vec3d axis = crossways(normal, draw);
-    if (axis.z > 0) axis = -axis;  // leaves hang
+    if (axis.z > 0) axis = -axis;  // leaves point downwards
     const double size = draw.around(leaf, 0.3);
     appendLeaf(s, surface, position - axis * (size / 2), position + axis * (size / 2), normal,
                size * draw.in(0.55, 0.75));
   }
 }
 
-// Returns the crown's radius relative to its largest, at a height from 0 (base) to 1 (top).
+// Returns the crown's radius at a height from 0 (base) to 1 (top), as a fraction of the crown's largest radius.
 double crownProfile(const Habit& habit, double t) {
   const bool column = habit.crownRadius < 0.15 * habit.height;
   return column ? 0.55 + 0.45 * std::sin(kPi * std::min(1.0, t * 0.9 + 0.15))
                 : std::sqrt(std::sin(kPi * (t * 0.86 + 0.1)));
 }
 
-// Appends the twigs inside a cluster of leaves, visible once leaves have fallen.
+// Appends the twigs inside a cluster of leaves, which become visible when leaves have fallen.
 void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center, double radius, int count,
                  double thick) {
   for (int k = 0; k < count; ++k) {
@@ -80,7 +80,7 @@ void appendTwigs(Shape& s, SurfaceIndex surface, Draw& draw, const Vec3d& center
   }
 }
 
-// The irregularity of one crown. It has its own random stream, so that round crowns do not depend on it.
+// The irregularity of a crown. It has its own random stream, so that regular crowns do not depend on it.
 class Raggedness {
  public:
   Raggedness(std::uint64_t seed, int form, double share)
@@ -89,12 +89,12 @@ class Raggedness {
     long_ = draw_.in(0, 2 * kPi);
   }
 
-  // Returns a factor on the distance from the trunk of a cluster of leaves in the direction `angle` (azimuth, rad).
+  // Returns a factor on the distance between the trunk and a cluster of leaves in the direction `angle` (azimuth, rad).
   double reach(double angle) const {
     return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
   }
   double size() { return share_ > 0 ? lerp(1, draw_.in(0.45, 1.4), share_) : 1; }
-  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // as a share of the crown's height
+  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // as a fraction of the crown's height
   bool missing() { return share_ > 0 && draw_.chance(0.22 * share_); }
 
  private:
@@ -163,7 +163,7 @@ void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, do
   }
 }
 
-// Appends whorls of branches, each with sprays of needles on both sides.
+// Appends whorls of branches with needles on both sides of each branch.
 void appendConifer(Shape& s, Draw& draw, const Habit& habit, double height, double radius) {
   const SurfaceIndex bark = s.surface("trunk", "bark");
   const SurfaceIndex branch = s.surface("tree", "bark");
@@ -256,7 +256,7 @@ Model makeHedge(SceneBuilder& builder, std::uint64_t seed) {
   const SurfaceIndex leaf = s.surface("vegetation", "leaf");
   const double height = draw.in(0.9, 1.4);
   const Vec3d half{1.0, 0.3, height / 2};
-  // A solid core represents the dense, dark twigs inside.
+  // A solid core represents the dense, dark twigs inside the hedge.
   s.box(s.surface("vegetation", "bark"), {0, 0, height / 2 - 0.1}, {1.9, 0.34, height - 0.04});
   constexpr int kLeaves = 1200;
   for (int k = 0; k < kLeaves; ++k) {
@@ -294,7 +294,8 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     s.tube(bark, root, {root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)}, 0.02,
            0.006, 5);
   }
-  // Enough leaves for a leaf area index of 4 across the hedge, at most 3500; more of them outside, where the light is.
+  // Adds enough leaves for a leaf area index of 4 across the hedge, but at most 3500; more of them near the surface,
+  // where the light is.
   const double size = draw.in(0.09, 0.14);
   const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {

@@ -1,4 +1,4 @@
-// Vehicles that are no car, lorry or bus: trailers, caravans, tractors, excavators. x forward, the hitch in front.
+// Builds trailers, caravans, tractors and excavators. x is forward; a hitch is in front.
 
 #include <cmath>
 
@@ -14,7 +14,7 @@ void wheels(Shape& s, double x, double y, double radius, double width) {
   appendWheel(s, kClass, at({x, -y, radius}, kPi), radius, width);
 }
 
-// Appends the frame with its hitch and the box on it, sometimes with a cover.
+// Appends a trailer: a frame with its hitch and a box, sometimes with a cover.
 void appendTrailer(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface(kClass, "metal_galvanised");
   const SurfaceIndex black = s.surface(kClass, "plastic_black");
@@ -46,7 +46,7 @@ void appendCaravan(Shape& s, Draw& draw) {
   const double length = draw.in(4.2, 6.2);
   const double half = 1.12;
   const double top = draw.in(2.5, 2.65);
-  // The side view, from the bottom of the front over the roof to the rear.
+  // The outline in side view, from the bottom of the front over the roof to the rear.
   const double e = length / 2;
   const std::vector<Point2> side{{e - 0.25, 0.45},      {e, 0.9},       {e - 0.12, 1.5},
                                  {e - 0.5, top - 0.15}, {e - 0.9, top}, {-e + 0.5, top},
@@ -64,7 +64,7 @@ void appendCaravan(Shape& s, Draw& draw) {
   s.box(black, {e + 0.35, 0, 0.75}, {0.55, 0.8, 0.45});
 }
 
-// Appends a cab with glass all round, on posts.
+// Appends a cab with posts and glass on all sides.
 void appendCab(Shape& s, const Vec3d& middle, const Vec3d& size) {
   const SurfaceIndex paint = s.surface(kClass, "painted_metal");
   const SurfaceIndex glass = s.surface(kClass, "glass");
@@ -120,7 +120,7 @@ void appendExcavator(Shape& s, Draw& draw) {
   s.box(paint, {-0.45, 0, 1.05}, {1.7, 1.7, 0.7});
   s.box(metal, {-1.25, 0, 1.0}, {0.35, 1.6, 0.8});
   appendCab(s, {0.3, 0.45, 1.75}, {1.2, 0.8, 1.4});
-  // Boom, arm and bucket.
+  // Adds boom, arm and bucket.
   const Vec3d foot{0.6, -0.25, 1.2};
   const Vec3d elbow = foot + Vec3d{draw.in(1.2, 1.7), 0, draw.in(1.3, 1.8)};
   const Vec3d wrist = elbow + Vec3d{draw.in(0.5, 1.0), 0, draw.in(-1.9, -1.4)};

@@ -22,7 +22,7 @@ namespace {
   throw std::runtime_error(text.empty() ? otherwise : text);
 }
 
-// A coordinate system whose axes are in the order of the raster's x and y.
+// A coordinate system whose first axis is x (east) and whose second is y (north), as in the raster.
 class Reference {
  public:
   explicit Reference(const std::string& definition) : handle_(OSRNewSpatialReference(nullptr)) {
@@ -104,7 +104,7 @@ class Gdal final : public RastersModule {
  public:
   Gdal() {
     GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);  // fail() fetches the messages
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // prints nothing; fail() gets the messages
     // GDAL must not write files of statistics beside the user's files.
     CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
   }

@@ -34,8 +34,8 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// Throws an InputError for words that are not numbers in a text grid (Esri's .asc), since GDAL reads them as 0. Allowed
-// are nan and 1.#IND for "not a number", and * for "no sample" (GRASS).
+// Throws an InputError for words that are not numbers in a text grid (Esri's .asc), since GDAL reads such words as 0.
+// These words are allowed: nan and 1.#IND for "not a number", and * for "no sample" (GRASS).
 void refuseWords(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::size_t line = 0;
@@ -59,7 +59,8 @@ void refuseWords(const std::filesystem::path& file) {
   }
 }
 
-// Returns {first column, first row, end column, end row} of the samples whose centres lie within; ends are excluded.
+// Returns {first column, first row, end column, end row} of the samples whose centres lie in the bounds; the end column
+// and row are excluded.
 std::array<int, 4> windowOf(const Raster& whole, const RasterBounds& within) {
   double left = std::numeric_limits<double>::infinity(), top = left, right = -left, bottom = -left;
   for (const double x : {within[0], within[2]}) {
@@ -133,7 +134,7 @@ Raster readRaster(const std::filesystem::path& file, const RasterRequest& reques
     fail(file, fmt::format("has {} x {} samples; at most {} are read: take fewer by `every` or `within`", raster.width,
                            raster.height, request.mostSamples));
   }
-  // If the window does not divide evenly, its last samples are left out.
+  // If the window does not divide evenly by `every`, its last columns and rows are left out.
   const int taken = raster.width * std::min(request.every, across);
   const int takenDown = raster.height * std::min(request.every, down);
   const double columnsEach = static_cast<double>(taken) / raster.width;

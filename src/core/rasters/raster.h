@@ -1,7 +1,7 @@
 #pragma once
 
-// Georeferenced rasters (GeoTIFF and all other formats that GDAL reads). The module of GDAL is loaded at the first
-// call, from any thread. If it cannot be loaded, calls throw an Error that says what to install.
+// Georeferenced rasters (GeoTIFF and all other formats that GDAL reads). The module that links GDAL is loaded at the
+// first call, from any thread. If it cannot be loaded, calls throw an Error that says what to install.
 
 #include <array>
 #include <cstdint>
@@ -17,33 +17,33 @@ using RasterBounds = std::array<double, 4>;
 
 struct Raster {
   int width = 0, height = 0;
-  std::vector<float> values;        // row by row; NaN where there is no value
-  std::array<double, 6> transform;  // from column and row, counted from the raster's outer edges, to x and y
-  bool geographic = false;          // x and y are longitude and latitude in degrees
-  double metresPerUnit = 1;         // metres per unit of x and y, if the raster is not geographic
-  std::string reference;            // definition of the coordinate system
+  std::vector<float> values;        // row by row; NaN for a sample without a value
+  std::array<double, 6> transform;  // GDAL's geotransform; column and row are 0 at the raster's outer edges
+  bool geographic = false;          // true: x and y are longitude and latitude in degrees
+  double metresPerUnit = 1;         // metres per unit of x and y, if not geographic
+  std::string reference;            // definition of the coordinate system (WKT); empty: unknown
 
-  // Returns x and y of a sample's centre.
+  // Returns x and y of the centre of a sample.
   std::array<double, 2> place(int column, int row) const;
-  // Returns column and row of a place, counted from the raster's outer edges; fractions are parts of samples.
+  // Returns the column and row of the point (x, y), with fractions; 0 is the raster's outer edge.
   std::array<double, 2> sample(double x, double y) const;
-  // Returns the value at a place; NaN outside of the raster.
+  // Returns the value of the sample that contains the point (x, y); NaN outside of the raster.
   float at(double x, double y) const;
 };
 
 struct RasterRequest {
   int band = 1;
-  int every = 1;     // this many samples along each axis become one
-  bool mean = true;  // their mean; else the middle sample, as for class numbers
+  int every = 1;     // reduces squares of this many samples a side to one
+  bool mean = true;  // to their mean; false: to the middle sample, for class numbers
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;
 };
 
 // Reads a raster. Throws an InputError that names the file and says what is wrong: it is absent, damaged or no raster,
-// does not say where it lies, has no such band, has more than `mostSamples` samples, or has none within the bounds.
+// has no geotransform, has no such band, has more than `mostSamples` samples, or has no samples within the bounds.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
-// True if both have the same coordinate system, or if one does not state its own.
+// True if the rasters have the same coordinate system, or if the system of one is unknown.
 bool sameReference(const Raster& a, const Raster& b);
 
 // Returns how many bands a raster has. Throws as readRaster() does.

@@ -14,10 +14,11 @@ struct RasterHeader {
   int width = 0;   // samples
   int height = 0;  // samples; the first row is usually the northernmost
   int bands = 0;
-  bool placed = false;                                // whether the file states a geotransform
-  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5, c and r from edges
-  bool geographic = false;                            // x and y are longitude and latitude, in degrees
-  double metresPerUnit = 1;                           // metres per unit of x and y, if the raster is not geographic
+  bool placed = false;                                // true if the file states a geotransform
+  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; column c and row r
+                                                      // are 0 at the edges
+  bool geographic = false;                            // true: x and y are longitude and latitude in degrees
+  double metresPerUnit = 1;                           // metres per unit of x and y, if not geographic
   std::string reference;                              // the coordinate system's definition (WKT); empty: not stated
 };
 
@@ -26,9 +27,9 @@ class RasterReader {
  public:
   virtual ~RasterReader() = default;
   virtual RasterHeader header() const = 0;
-  // Reads a window of a band (counted from 1) into columns x rows floats. Each float is the mean of its samples if
-  // `mean` is set, else the nearest sample; NaN where there is no value. Scale, offset and unit of the band are
-  // applied, so that heights are metres. Throws std::runtime_error with GDAL's message.
+  // Reads a window of a band (counted from 1; xywh in samples) into columns x rows floats. Each float is the mean of
+  // the samples that it covers if `mean` is set, else the nearest sample; NaN if they have no value. Scale, offset and
+  // unit of the band are applied, so that heights are metres. Throws std::runtime_error with GDAL's message.
   virtual void read(int band, const std::array<int, 4>& xywh, int columns, int rows, bool mean, float* values) = 0;
 };
 
@@ -39,7 +40,7 @@ class RastersModule {
   virtual ~RastersModule() = default;
   // Opens a raster. Throws std::runtime_error with GDAL's message.
   virtual std::unique_ptr<RasterReader> open(const std::string& file) const = 0;
-  // True if two coordinate systems are the same, whatever their names, or if one of them is not known.
+  // True if two coordinate systems are the same, whatever their names, or if one of them is unknown.
   virtual bool same(const std::string& reference, const std::string& other) const = 0;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 
-// Channels are the properties of a hit that may be computed. Only those that an effect, a column or a recording asks
-// for are allocated and computed. A channel has a row of kChannels, a member of Hits (scan/hits.h) and code that fills
-// it.
+// Channels are the properties of a hit that may be computed. A channel is allocated and computed only if an effect, a
+// column or a recording asks for it. A channel has a row of kChannels, a member of Hits (scan/hits.h) and code that
+// fills that member.
 
 #include <array>
 #include <cstddef>
@@ -50,20 +50,20 @@ constexpr Channels operator|(Channel a, Channel b) {
 struct ChannelRow {
   Channel channel;
   std::string_view name;  // in messages and plans
-  std::string_view exr;   // name of its EXR channel in files of hits; of a vector, that of x
-  bool drawn;             // renderers render it as a pass
-  bool kept;              // `generate --keep-hits` stores it
+  std::string_view exr;   // name in EXR files of hits; for a vector the name of its x component
+  bool drawn;             // true: renderers render it as an image
+  bool kept;              // true: `generate --keep-hits` stores it
 };
 
 inline constexpr std::array<ChannelRow, 8> kChannels{{
-    {Channel::Range, "range", "range", true, true},  // rendered as depth
+    {Channel::Range, "range", "range", true, true},  // rendered as a depth image
     {Channel::Normal, "normal", "N.X", true, false},
     {Channel::Instance, "instance", "instance", true, true},
     {Channel::Semantic, "semantic", "semantic", true, true},
     {Channel::Material, "material", "material", true, true},
     {Channel::Primitive, "primitive", "primitive", true, false},
     {Channel::Reflectance, "reflectance", "reflectance", true, true},
-    {Channel::Incidence, "incidence", "incidence", false, true},  // follows from the normal
+    {Channel::Incidence, "incidence", "incidence", false, true},  // computed from the normal
 }};
 
 // Returns the row of a channel.

@@ -1,8 +1,8 @@
 #pragma once
 
 // The table of the columns that a point of a scan may have besides its position. Each column is defined only here: all
-// code that writes, reads, checks, plans, describes or colours columns goes over this table. A new column is a row here
-// and the lines of sense/gather.cpp that fill it.
+// code that writes, reads, checks, plans, describes or colours columns iterates over this table. To add a column, add a
+// row here and the lines in sense/gather.cpp that fill it.
 
 #include <array>
 #include <cstddef>
@@ -23,7 +23,7 @@ enum class ColumnType : std::uint8_t { Float32, UInt8, UInt16, UInt32 };
 
 // Says what the values of a column describe.
 enum class ColumnOrigin : std::uint8_t {
-  Beam,    // the beam, whatever it hits
+  Beam,    // the beam, independent of its hit
   Hit,     // the surface that the beam hits, exact and noise-free
   Return,  // what the receiver makes of the hit, after all effects
 };
@@ -31,7 +31,7 @@ enum class ColumnOrigin : std::uint8_t {
 // The error that a format with bounded errors (Draco) may add to a column. Integers are always exact.
 enum class ColumnLoss : std::uint8_t {
   Exact,
-  AsPositions,  // an error as large as that of the format's positions
+  AsPositions,  // at most the error of the format's positions
   Bounded,      // an error of at most Column::lossBound
 };
 
@@ -39,15 +39,15 @@ enum class ColumnLoss : std::uint8_t {
 enum class ColumnValidity : std::uint8_t {
   Any,
   Finite,
-  Rings,        // below the sensor's number of rings
-  Columns,      // below the sensor's number of columns
-  SensorRange,  // within the sensor's range limits
+  Rings,        // integers below the sensor's number of rings
+  Columns,      // integers below the sensor's number of columns
+  SensorRange,  // metres within the sensor's range limits
   Interval,     // from Column::low to Column::high, or NaN
 };
 
 enum class ColumnColors : std::uint8_t {
   Classes,    // each value is a class of the ontology
-  Instances,  // each value has a colour of its own, 0 is grey
+  Instances,  // each value has its own colour; 0 is grey
   Scale,      // a colour map from the least to the greatest value
 };
 
@@ -58,26 +58,27 @@ struct ColumnDisplay {
   double factor = 1;
   int decimals = -1;  // -1: five significant digits
   ColumnColors colors = ColumnColors::Scale;
-  double scalePower = 1;         // the colour at the part t of the map stands for low + (high - low) * t^scalePower
-  double scaleClipped = 0;       // share of the values that lie beyond each end of the scale
-  bool scaleOfValidity = false;  // the scale runs from Column::low to Column::high, whatever the values
+  double scalePower = 1;         // the colour map's position t shows the value low + (high - low) * t^scalePower
+  double scaleClipped = 0;       // fraction of the values that are cut off at each end of the scale
+  bool scaleOfValidity = false;  // true: the scale is Column::low to Column::high; false: the least to the greatest
+                                 // value
   char key = 0;                  // the viewer's key that colours by this column; 0: none
-  bool inReport = false;         // a dataset's report colours its points by this column too
+  bool inReport = false;         // true: a dataset's report has an image coloured by this column
 };
 
 struct Column {
-  std::string_view name;  // in files and in output.columns
+  std::string_view name;  // name in files and in the key output.columns
   ColumnType type;
-  std::string_view unit;     // the unit of the stored values; empty: no unit
+  std::string_view unit;     // unit of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
-  double none;               // stored where a point has no value, such as a miss of an organised scan
+  double none;               // stored for a point without a value, such as a miss in an organised scan
   ColumnOrigin origin;
   Channels channels{};    // channels of Hits that the column is computed from
-  bool byDefault = true;  // written if a pipeline does not name output.columns
+  bool byDefault = true;  // true: written if the pipeline does not name output.columns
   ColumnLoss loss = ColumnLoss::Exact;
-  double lossBound = 0;  // in `unit`
+  double lossBound = 0;  // largest error of a lossy format, in `unit`
   ColumnValidity validity = ColumnValidity::Any;
-  double low = 0;  // bounds of ColumnValidity::Interval
+  double low = 0;  // bounds for ColumnValidity::Interval
   double high = 0;
   ColumnDisplay display{};
 };
@@ -99,7 +100,7 @@ constexpr Column motionColumn(std::string_view name, std::string_view unit, Chan
           .display = {.unit = unit, .decimals = 3}};
 }
 
-// The columns in the order in which files hold them, behind x, y and z.
+// The columns in the order in which files store them, after x, y and z.
 inline constexpr auto kColumns = std::to_array<Column>({
     {.name = "intensity",
      .type = ColumnType::Float32,
@@ -300,8 +301,7 @@ struct ColumnTypeOf<ColumnType::UInt32> {
   using Value = std::uint32_t;
 };
 
-// Names a row of the table at compile time, and with it the type of its values: scan[kLabel] is a
-// std::vector<std::uint16_t>.
+// Names a row of the table and the type of its values at compile time: scan[kLabel] is a std::vector<std::uint16_t>.
 template <std::size_t Index>
 struct ColumnKey {
   static_assert(Index < kColumnCount, "the table of columns has no row of this name");
@@ -310,7 +310,7 @@ struct ColumnKey {
   using Value = typename ColumnTypeOf<kColumns[Index].type>::Value;
 };
 
-// Keys of the columns that code names one by one.
+// Keys of the columns that code accesses by name.
 inline constexpr ColumnKey<columnIndex("intensity")> kIntensity;
 inline constexpr ColumnKey<columnIndex("label")> kLabel;
 inline constexpr ColumnKey<columnIndex("instance")> kInstance;
@@ -352,7 +352,7 @@ class ColumnSet {
     for (std::size_t i = 0; i < kColumnCount; ++i) set.add(i);
     return set;
   }
-  // Returns the columns that are written if a pipeline does not name any.
+  // Returns the columns that are written if the pipeline has no key output.columns.
   static constexpr ColumnSet byDefault() {
     ColumnSet set;
     for (std::size_t i = 0; i < kColumnCount; ++i) {
@@ -400,20 +400,20 @@ class ColumnSet {
   std::uint64_t bits_ = 0;
 };
 
-// Selects the columns of a scan, and whether the scan has its misses and its reasons.
+// Selects the columns of a scan, whether it is organised (with misses), and whether it has the reasons of beams.
 struct ScanLayout {
   ColumnSet columns = ColumnSet::byDefault();
   bool organised = false;
-  bool reasons = false;  // whether Scan::reasonOfBeam is filled
+  bool reasons = false;  // true: Scan::reasonOfBeam is filled
 };
 
 // Returns the names of all rows, in their order.
 std::vector<std::string> allColumnNames();
 
-// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and those of the set.
+// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and the names of the set.
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 
-// Returns a text with a unit behind it, such as "time (s)"; the text alone if the unit is empty.
+// Returns a text followed by its unit in brackets, such as "time (s)"; only the text if the unit is empty.
 std::string withUnit(std::string_view text, std::string_view unit);
 
 // Returns a stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".

@@ -15,44 +15,44 @@ namespace scanmill {
 // The range of a ray that hits nothing between the sensor's minimum and maximum range.
 constexpr float kMiss = std::numeric_limits<float>::infinity();
 
-// The material of a hit whose surface has no material of the scene: it counts as matt.
+// Stands for the material of a hit whose surface has none in Scene::materials; such a surface is matt.
 constexpr std::uint16_t kNoMaterial = 0xFFFF;
 
 // How a ray reached its hit.
 enum class RayPath : std::uint8_t {
   Direct,
   ThroughGlass,
-  Mirrored,    // reflected by a mirror at least once
+  Mirrored,    // a mirror reflected the ray at least once
   OwnVehicle,  // the ray ends at the vehicle that carries the sensor
 };
 
-// A structure of arrays with one entry per ray. Most often a beam fires one ray: then ray i belongs to beam i, and each
-// array is an image of rings x columns, indexed by ring * columns + column. An array is empty if its channel was not
-// asked for. A ray that misses has the range kMiss and zero in all other arrays.
+// A structure of arrays with one entry per ray. If each beam fires one ray, as most sensors do, ray i belongs to beam
+// i, and each array is an image of rings x columns, indexed by ring * columns + column. An array is empty if its
+// channel was not asked for. A ray that misses has the range kMiss and zero in all other arrays.
 struct Hits {
-  std::uint32_t rings = 0;    // of the sensor
-  std::uint32_t columns = 0;  // of the sensor
+  std::uint32_t rings = 0;    // number of the sensor's rings
+  std::uint32_t columns = 0;  // number of the sensor's columns
   Channels channels;
 
-  // If beams fire several rays: the beam of each ray, and the ray's share of the beam's power. Both are empty if every
-  // beam fires one ray.
+  // If beams fire several rays: the beam of each ray, and the fraction of the beam's power that the ray carries. Both
+  // arrays are empty if every beam fires one ray.
   std::vector<std::uint32_t> beamOfRay;
   std::vector<float> weightOfRay;
   std::vector<RayPath> pathOfRay;  // empty: all rays are direct
-  bool glassIsClear = false;       // rays continue through panes, which then reflect nothing diffusely
+  bool glassIsClear = false;       // true: rays pass through panes, which reflect nothing diffusely
 
-  std::vector<float> range;              // m, from the ray's own origin along the ray
+  std::vector<float> range;              // m, from the ray's origin along the ray
   std::vector<Vec3f> normal;             // unit normal of the triangle, world axes, turned towards the sensor
   std::vector<std::uint32_t> instance;   // id of the object instance; 0: none (stuff)
   std::vector<std::uint16_t> semantic;   // class id of the ontology; 0: unlabeled
   std::vector<std::uint16_t> material;   // index into Scene::materials
-  std::vector<std::uint32_t> primitive;  // triangle index in its mesh
-  std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
+  std::vector<std::uint32_t> primitive;  // index of the triangle in its mesh
+  std::vector<float> reflectance;        // near-infrared, 0 to 1, with the texture applied
   std::vector<float> incidence;          // cosine of the angle between the normal and the beam, 0 to 1
 
-  // How the material reflects at the hit. A method fills these three arrays if it knows the values for each ray, as
-  // from passes that another program rendered. If they are empty, the values of Scene::materials apply. Either all
-  // three are filled or none.
+  // How the material reflects at the hit. A method fills these three arrays only if it has a value for each ray, for
+  // example from images that another program rendered. If they are empty, the values of Scene::materials apply. Either
+  // all three are filled or none.
   std::vector<float> roughness;         // 0 mirror to 1 matt
   std::vector<float> metallic;          // 0 to 1
   std::vector<float> retroreflectance;  // in units of a white Lambertian target
@@ -65,12 +65,12 @@ struct Hits {
   std::size_t rays() const { return range.size(); }
   bool hit(std::size_t ray) const { return range[ray] < kMiss; }
 
-  // Sizes the arrays for one ray per beam: those of the channels in `asked`, and `range` in any case. Empties all
-  // others. The values are undefined afterwards.
+  // Sets the size of `range` and of the arrays whose channels are in `asked` to one ray per beam; their values are
+  // undefined. Empties all other arrays.
   void reset(std::uint32_t ringCount, std::uint32_t columnCount, Channels asked);
 };
 
-// Calls visit(row of kChannels, pointer to the member of Hits that holds it) for each channel.
+// Calls visit(row, member) for each channel: its row of kChannels and the pointer to its member of Hits.
 template <class Visit>
 void forEachChannel(const Visit& visit) {
   visit(rowOf(Channel::Range), &Hits::range);

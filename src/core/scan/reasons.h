@@ -1,6 +1,6 @@
 #pragma once
 
-// The reason of a beam: what its return comes from, or why it has none.
+// The reason of a beam: what its return comes from, or why it has no return.
 
 #include <array>
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace scanmill {
 
-// A value below 16 is also the column `cause` of the beam's nearest return.
+// A value below 16 is also the value of the column `cause` for the beam's nearest return.
 enum class Reason : std::uint8_t {
-  None = 0,  // not known yet
+  None = 0,  // not determined yet
   Surface = 1,
   FalsePositive = 2,
   ThroughGlass = 3,
@@ -37,14 +37,14 @@ struct ReasonEntry {
   std::array<std::uint8_t, 3> color;  // sRGB
 };
 
-// Returns the rows of all reasons except None; those of beams with a return come first.
+// Returns the rows of all reasons except None; reasons of beams with a return come first.
 std::span<const ReasonEntry> reasons();
-// Returns null if no row has the value.
+// Returns the row with this value; null if there is none.
 const ReasonEntry* findReason(std::uint8_t value);
-// Returns null if no row has this name.
+// Returns the row with this name; null if there is none.
 const ReasonEntry* findReason(std::string_view name);
 
-// How many beams have each reason; reasons without beams are left out.
+// Number of beams by the value of their reason; reasons without beams are left out.
 using ReasonCounts = std::map<std::uint8_t, std::uint64_t>;
 ReasonCounts countReasons(std::span<const std::uint8_t> reasonOfBeam);
 

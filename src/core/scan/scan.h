@@ -1,6 +1,6 @@
 #pragma once
 
-// A scan: the points that the sensor reports in one revolution, one row per point, as they are written to files.
+// A scan: the points that the sensor reports in one revolution, one row per point, as files store them.
 //
 //   for (std::size_t i = 0; i < scan.size(); ++i) {
 //     if (scan[kLabel][i] == 10) std::printf("%g m ahead\n", static_cast<double>(scan.position[i].x));
@@ -21,8 +21,7 @@
 
 namespace scanmill {
 
-// A column of a recorded file that the table of columns does not know (near_ir, ambient, ...), in the type that it was
-// stored in.
+// A column of a recorded file that is not in the table of columns (near_ir, ambient, ...), in its stored type.
 struct ForeignColumn {
   using Values = std::variant<std::vector<float>, std::vector<std::uint8_t>, std::vector<std::uint16_t>,
                               std::vector<std::uint32_t>, std::vector<std::uint64_t>, std::vector<std::int8_t>,
@@ -32,32 +31,32 @@ struct ForeignColumn {
   Values values;
 };
 
-// A scan is dense or organised. A dense scan leaves misses out; its points are ordered by column, then ring, then
-// return. An organised scan is an image of `columns` x (planes * rings) pixels, row by row: plane n holds the (n + 1)th
-// return of each beam. Its misses have a NaN position and each column's value for "none".
+// A scan is dense or organised. A dense scan has no misses; its points are ordered by column, then ring, then return.
+// An organised scan is an image of `columns` x (planes * rings) pixels, row by row: plane n holds the (n + 1)th return
+// of each beam. Its misses have NaN as position and Column::none in each column.
 //
 // A point is identified by its beam, ring * columns + column, and the number of its return. This key joins a noisy scan
-// to its noise-free reference, except for beams that have lost or gained returns: their remaining returns are numbered
-// anew, the nearest first. Columns that nobody asked for are empty.
+// to its noise-free reference. The key fails for beams that have lost or gained returns, since their remaining returns
+// are numbered anew, the nearest first. Columns that were not asked for are empty.
 class Scan {
  public:
-  std::uint32_t rings = 0;    // of the sensor
-  std::uint32_t columns = 0;  // of the sensor
+  std::uint32_t rings = 0;    // number of the sensor's rings
+  std::uint32_t columns = 0;  // number of the sensor's columns
   bool organised = false;
-  std::uint32_t planes = 1;  // of an organised scan; 1 in a dense scan
+  std::uint32_t planes = 1;  // number of images in an organised scan, one per return; 1 in a dense scan
 
   std::vector<Vec3f> position;         // m, sensor frame
-  std::vector<ForeignColumn> foreign;  // each as long as the scan
+  std::vector<ForeignColumn> foreign;  // each has one value per point
 
-  // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column. Empty
-  // if nobody asked for it. It is not a column, since beams without a return have a reason too.
+  // The reason of each beam of the sensor (values of Reason, scan/reasons.h), indexed by ring * columns + column; empty
+  // if it was not asked for. It is not a column, since beams without a return have a reason too.
   std::vector<std::uint8_t> reasonOfBeam;
 
   std::size_t size() const { return position.size(); }
   std::uint32_t width() const { return organised ? columns : static_cast<std::uint32_t>(size()); }
   std::uint32_t height() const { return organised ? planes * rings : 1; }
 
-  // Returns the values of a column of the table, one per point; empty if the scan does not have it.
+  // Returns the values of a column of the table, one per point; empty if the scan does not have the column.
   template <std::size_t Index>
   std::vector<typename ColumnKey<Index>::Value>& operator[](ColumnKey<Index>) {
     return std::get<Index>(values_);
@@ -75,13 +74,14 @@ class Scan {
   decltype(columnsOfTable(std::make_index_sequence<kColumnCount>())) values_;
 };
 
-// Calls visit(key, values) for every row of the table, the columns that the scan does not have (empty) included.
+// Calls visit(key, values) for every row of the table; the values are empty for columns that the scan does not have.
 template <class ScanType, class Visit>
 void visitTable(ScanType& scan, Visit&& visit) {
   forEachColumn([&](auto key) { visit(key, scan[key]); });
 }
 
-// Calls visit(name, values) for the columns that the scan has besides its position, those of the table first.
+// Calls visit(name, values) for the columns that the scan has besides its position: first the columns of the table,
+// then the foreign columns.
 template <class ScanType, class Visit>
 void visitColumns(ScanType& scan, Visit&& visit) {
   visitTable(scan, [&](auto key, auto& values) {
@@ -114,11 +114,11 @@ struct PointKey {
   bool operator==(const PointKey&) const = default;
 };
 
-// True if the scan says which beam each of its points belongs to: an organised scan by its order, a dense scan by its
+// True if the beam of each point is known: in an organised scan from the order of its points, in a dense scan from its
 // columns ring and column. True for a scan without points.
 [[nodiscard]] bool knowsBeams(const Scan& scan);
 
-// Returns the key of a point of a scan that knows its beams. If a dense scan has no column `return`, every point counts
+// Returns the key of a point; knowsBeams(scan) must be true. If a dense scan has no column `return`, every point counts
 // as a first return.
 PointKey keyOf(const Scan& scan, std::size_t point);
 

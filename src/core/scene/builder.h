@@ -23,8 +23,8 @@ class SceneBuilder {
   const Ontology& ontology() const { return scene_.ontology; }
   const MaterialLibrary& library() const { return library_; }
 
-  // Returns the index in Scene::materials of a material of the library. Adds it at its first use. Throws an InputError
-  // at `where`, with a suggestion, for a name that the library does not have.
+  // Returns the index in Scene::materials of the library's material with this name, which is added at its first use.
+  // Throws an InputError at `where`, with a suggestion, if the library has no such material.
   std::uint16_t material(std::string_view name, const Location& where);
   // Adds a material of an asset and returns its index in Scene::materials. Materials whose fields are all equal share
   // an index.
@@ -56,13 +56,13 @@ class SceneBuilder {
   // Counts triangles to which no rule gives a class.
   void addUnlabeled(const UnlabeledPart& what, std::uint64_t triangles) { scene_.unlabeled[what] += triangles; }
 
-  // Adds the counts to those of the same rule (by RuleUse::where) in Scene::rules.
+  // Adds the counts of a rule to Scene::rules. RuleUse::where identifies the rule.
   void countRule(const RuleUse& more);
 
-  // Sets Scene::about, the description of the place.
+  // Sets Scene::about, the description of a random place.
   void describe(const std::string& about) { scene_.about = about; }
 
-  // Sets Scene::shares, the bounds that the scene's town has.
+  // Sets Scene::shares, the bounds on classes' shares of the hits in the scene's town.
   void ask(std::vector<ShareBound> shares) { scene_.shares = std::move(shares); }
 
   // Returns the scene. Throws InputError if it has no triangle.
@@ -72,7 +72,7 @@ class SceneBuilder {
   Scene scene_;
   MaterialLibrary library_;
   std::uint32_t nextInstanceId_ = 1;
-  std::map<std::string, std::uint32_t> things_;  // name of a thing -> instance id
+  std::map<std::string, std::uint32_t> things_;  // name of a thing -> its instance id
 };
 
 }  // namespace scanmill

@@ -41,7 +41,7 @@ inline void intersectOne(RTCScene scene, EmbreeContext& context, RTCRayHit& ray)
 #endif
 }
 
-// Does the same for sixteen coherent rays. `valid` is -1 for each active ray, else 0.
+// Does the same as intersectOne() for sixteen coherent rays. `valid` is -1 for each active ray, else 0.
 inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* valid, RTCRayHit16& rays) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCIntersectArguments arguments;

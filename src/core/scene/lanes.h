@@ -1,6 +1,6 @@
 #pragma once
 
-// Paths through the towns of scenes that vehicles can drive along.
+// Lanes of a scene's town, along which vehicles can drive.
 
 #include <vector>
 
@@ -11,7 +11,7 @@ namespace scanmill {
 // Points on the road's surface, some metres apart (m, world frame).
 struct SceneLanes {
   std::vector<Vec3d> lane;   // the main road's right-hand lane
-  std::vector<Vec3d> turns;  // from a side road into that lane, and from the lane into another side road, if they exist
+  std::vector<Vec3d> turns;  // path from a side road into `lane` and into another side road; may be empty
   int turnCount = 0;         // number of turns along `turns`
 };
 

@@ -15,12 +15,12 @@
 
 namespace scanmill {
 
-// An image in memory, 8 bit per channel. Red, green and blue are sRGB values as they are stored; alpha is linear.
+// An image in memory, 8 bit per channel. Red, green and blue are stored sRGB values; alpha is linear.
 struct Texture {
   std::string file;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  bool hasAlpha = false;           // the alpha of some texel is below 255
+  bool hasAlpha = false;           // true: a texel has an alpha below 255
   std::vector<std::uint8_t> rgba;  // width * height * 4, the first row is v = 0 (the image's bottom)
 
   // Returns a pointer to the four bytes of the nearest texel at the texture coordinates u, v. The texture repeats
@@ -30,7 +30,7 @@ struct Texture {
 
 // How much the reflectance differs from place to place, over distances of about `size`.
 struct Variation {
-  float size = 1;      // m
+  float size = 1;      // m, distance over which the reflectance varies
   float contrast = 0;  // standard deviation of the reflectance's natural logarithm
   bool operator==(const Variation&) const = default;
 };
@@ -39,7 +39,7 @@ constexpr std::size_t kMostVariations = 4;
 
 // How rough a surface is, over distances of about `size`.
 struct Relief {
-  float size = 1;    // m
+  float size = 1;    // m, horizontal size of the bumps
   float height = 0;  // m, standard deviation (rms height)
   bool operator==(const Relief&) const = default;
 };
@@ -56,12 +56,12 @@ struct Material {
   float transmission = 0.0f;      // part of the light that the inside of a pane lets through, 0 to 1; 0: opaque
   float index = 1.52f;            // refractive index
   std::string source;             // where the reflectance comes from
-  std::vector<Variation> variations = {};  // for the effect reflectance_variation; at most kMostVariations
-  std::vector<Relief> relief = {};         // for the effect relief; at most kMostReliefs
-  bool textured = false;  // reflectance is scaled by the base colour's luminance at the hit, divided by textureMean
-  std::shared_ptr<const Texture> texture;  // base colour; null if none is needed
+  std::vector<Variation> variations = {};  // used by the effect reflectance_variation; at most kMostVariations
+  std::vector<Relief> relief = {};         // used by the effect relief; at most kMostReliefs
+  bool textured = false;                   // true: the reflectance is multiplied by the hit's luminance / textureMean
+  std::shared_ptr<const Texture> texture;  // base colour; null: none
   float textureMean = 1.0f;                // mean linear luminance of the texture
-  bool alphaTested = false;                // texels with alpha below alphaCutoff let the beam pass
+  bool alphaTested = false;                // true: beams pass texels with alpha below alphaCutoff
   float alphaCutoff = 0.5f;
 };
 

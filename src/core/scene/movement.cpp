@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kFastest = 300;  // m/s
+constexpr double kFastest = 300;  // m/s, largest speed
 
 }  // namespace
 

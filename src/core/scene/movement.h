@@ -17,8 +17,8 @@ class Movement {
   explicit Movement(const Vec3d& velocity);
   // Moves along a path at a constant speed (m/s), from the distance `start` (m) to its end, and stops there.
   Movement(std::shared_ptr<const Path> path, double start, double speed);
-  // Moves along a path. `travelled`: distances along the path (m) at the times 0, interval, 2 interval, ... (s),
-  // linearly interpolated in between. The object stops at the last of them.
+  // Moves along a path. `travelled` has the distances along the path (m) at the times 0, interval, 2 interval, ... (s);
+  // distances between these times are interpolated linearly. The object stops at the last distance.
   Movement(std::shared_ptr<const Path> path, std::vector<double> travelled, double interval);
 
   // Returns the pose of the object in the world at a time (s since the drive began; earlier times count as 0). In its
@@ -29,7 +29,7 @@ class Movement {
 
  private:
   Vec3d velocity_;
-  std::shared_ptr<const Path> path_;  // null: a straight line
+  std::shared_ptr<const Path> path_;  // null: the object moves in a straight line
   std::vector<double> travelled_;
   double interval_ = 1;
 };

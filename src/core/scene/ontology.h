@@ -18,9 +18,9 @@ struct SemanticClass {
   std::uint16_t id = 0;
   std::string name;
   std::array<std::uint8_t, 3> color{};      // RGB
-  bool thing = false;                       // countable: its objects get instance ids
+  bool thing = false;                       // true: its objects can be counted and get instance ids
   std::vector<std::string> aliases;         // names that scenes may use for this class
-  std::optional<std::uint16_t> movingOf{};  // set for a class of moving things: id of the class that they have at rest
+  std::optional<std::uint16_t> movingOf{};  // for a class of moving objects: the class of the same objects at rest
 };
 
 // Class 0 is always "unlabeled".
@@ -33,11 +33,11 @@ struct Ontology {
   const SemanticClass* find(std::uint16_t id) const;
   // Returns the class with this name, else the class with this alias, else null.
   const SemanticClass* find(std::string_view nameOrAlias) const;
-  // Returns the same class. If there is none, throws an InputError at `where`, with a suggestion.
+  // Returns the class as find() does. If there is none, throws an InputError at `where`, with a suggestion.
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 
-// Returns true if both have the same ids, names and `thing` flags, whatever their colours and aliases.
+// Returns true if the ontologies have the same ids, names and `thing` flags; colours and aliases may differ.
 bool sameClasses(const Ontology& a, const Ontology& b);
 
 // Describes what is lost if the ontology `to` replaces `from`, one line each: classes that merge into one, and classes

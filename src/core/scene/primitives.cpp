@@ -6,8 +6,8 @@
 namespace scanmill {
 namespace {
 
-// Appends vertices and triangles in the primitive's frame. If `place` mirrors, triangles are flipped, so that their
-// normals keep pointing outwards.
+// Appends vertices and triangles, given in the primitive's frame. If `place` mirrors, triangles are flipped, so that
+// their normals still point outwards.
 class Appender {
  public:
   Appender(Mesh& mesh, std::uint16_t surface, const Affine& place)
@@ -44,7 +44,7 @@ struct ProfilePoint {
 };
 
 // Appends a closed solid of revolution about z. The profile starts at the bottom on the axis and ends at the top on the
-// axis. Points on the axis are one vertex each, so that no triangle is degenerate and no edge is open.
+// axis. Each profile point on the axis becomes a single vertex, so that no triangle is degenerate and no edge is open.
 void appendRevolution(Appender& out, const std::vector<ProfilePoint>& profile, int segments) {
   const auto n = static_cast<std::uint32_t>(std::max(segments, 3));
   struct Ring {

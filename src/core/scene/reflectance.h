@@ -15,19 +15,20 @@ namespace scanmill {
 struct CompactMaterial {
   float reflectance = 0;
   float textureGain = 0;             // reflectance / mean luminance of the texture; 0 if not textured
-  const Texture* texture = nullptr;  // null if no texture scales the reflectance
+  const Texture* texture = nullptr;  // null: no texture scales the reflectance
 
   // Returns the reflectance at these texture coordinates: the texture's luminance at that point, scaled so that the
   // texture's mean luminance gives the material's reflectance, and at most 1. The material must be textured.
   float texturedAt(const Vec2f& uv) const;
-  float ofTexel(const std::uint8_t* texel) const;  // returns the same for a texel (RGBA)
+  float ofTexel(const std::uint8_t* texel) const;  // returns the same for a texel (RGBA) of the texture
 };
 
 CompactMaterial compact(const Material& material);
 std::vector<CompactMaterial> compactMaterials(const Scene& scene);
 
-// Returns the barycentric coordinates for the second and the third corner of a point in a triangle's plane, clamped to
-// the triangle. The edges ab and ac and the point are relative to the first corner (m, all in one frame).
+// Returns the barycentric coordinates of a point in a triangle's plane, clamped to the triangle: the weights of the
+// second and of the third corner. The edges ab and ac and the point are relative to the first corner (m, all in one
+// frame).
 inline Vec2d barycentric(const Vec3d& ab, const Vec3d& ac, const Vec3d& point) {
   const Vec3d n = cross(ab, ac);
   const double square = dot(n, n);

@@ -43,7 +43,7 @@ std::uint64_t Scene::placedTriangles() const {
 }
 
 std::uint32_t Scene::things() const {
-  std::uint32_t last = 0;  // ids count from 1, and instances may share an id
+  std::uint32_t last = 0;  // largest id so far; several instances may share an id
   for (const Instance& instance : instances) {
     const std::uint32_t objects = meshes[instance.mesh].objects;
     if (objects > 0) last = std::max(last, instance.firstInstanceId + objects - 1);
@@ -57,8 +57,8 @@ std::vector<std::uint64_t> Scene::copies() const {
   return counts;
 }
 
-// Transforms the corners of each mesh's box instead of its vertices: a million copies cost a million boxes. The result
-// contains every vertex, and is tight if no mesh is rotated.
+// Uses the corners of each mesh's box and not its vertices, so that a scene with a million copies stays fast. The
+// result contains every vertex, and is tight if no mesh is rotated.
 Box Scene::bounds() const {
   if (whole != nullptr) return whole->bounds;
   std::vector<Box> meshBounds;

@@ -32,8 +32,8 @@ struct Surface {
   std::uint16_t material = 0;  // index into Scene::materials
   std::uint16_t semantic = 0;  // class id
   std::uint32_t object = 0;    // 0: stuff; n > 0: the n-th thing of this mesh (see Instance::firstInstanceId)
-  // For reports: names in the asset, and the location in the scene file of the rule or the key `class` that gave the
-  // class; its file is empty if neither did.
+  // For reports: names in the asset, and the place in the scene file of the rule or of the key `class` that gave the
+  // class. The place has no file if the class comes from neither.
   std::string node, texture;
   Location labelledBy;
 };
@@ -47,18 +47,18 @@ struct Mesh {
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position
   std::vector<Triangle> triangles;
-  std::vector<std::uint16_t> surfaceOf;  // per triangle: index into surfaces
+  std::vector<std::uint16_t> surfaceOf;  // index into `surfaces`, by triangle
   std::vector<Surface> surfaces;
-  std::uint32_t objects = 0;  // how many things the mesh holds
+  std::uint32_t objects = 0;  // number of things in the mesh
 
   Box bounds() const;
 };
 
 // How many triangles clean() has dropped, by reason.
 struct Dropped {
-  std::uint64_t nonFinite = 0;   // a vertex was NaN or infinite
-  std::uint64_t degenerate = 0;  // zero area, as with a repeated corner
-  std::uint64_t outOfRange = 0;  // an index was not below the number of vertices
+  std::uint64_t nonFinite = 0;   // triangles with a vertex that was NaN or infinite
+  std::uint64_t degenerate = 0;  // triangles with zero area, for example with a repeated corner
+  std::uint64_t outOfRange = 0;  // triangles with an index that was not below the number of vertices
   std::uint64_t total() const { return nonFinite + degenerate + outOfRange; }
   Dropped& operator+=(const Dropped& o);
 };
@@ -68,11 +68,11 @@ struct Dropped {
 [[nodiscard]] Dropped clean(Mesh& mesh);
 
 // Meshes of one object that are shown in turn, such as the phases of a stride. Mesh k of n is the object's shape at k/n
-// of the period, and is shown at the times that are nearest to it. All meshes have the same things.
+// of the period, and is shown while it is the nearest in time. All meshes have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
-  double period = 1;  // s, in which each mesh is shown once
-  double until = 0;   // s, when the animation stops
+  double period = 1;  // s, in which all meshes are shown once
+  double until = 0;   // s, time at which the animation stops
 
   std::uint32_t at(double time) const;
 };
@@ -80,13 +80,13 @@ struct Animation {
 // A mesh placed in the world.
 struct Instance {
   std::uint32_t mesh = 0;
-  Affine worldFromMesh;               // at time 0; the determinant may be negative (mirrored), but not zero
-  std::uint32_t firstInstanceId = 0;  // object n of the mesh has the id firstInstanceId + n - 1
+  Affine worldFromMesh;               // transform at time 0; mirrored if the determinant is negative; not singular
+  std::uint32_t firstInstanceId = 0;  // thing n of the mesh has the id firstInstanceId + n - 1
   std::string name;
-  std::shared_ptr<const Movement> movement = nullptr;    // null: does not move
-  std::shared_ptr<const Animation> animation = nullptr;  // null: always the same mesh
-  // The direction in which its things face (rad, from the mesh's x axis towards its y axis). Without a value, the thing
-  // of a mesh with a single thing faces along x.
+  std::shared_ptr<const Movement> movement = nullptr;    // null: the instance does not move
+  std::shared_ptr<const Animation> animation = nullptr;  // null: the instance always shows the same mesh
+  // The direction in which the instance's things face (rad, from the mesh's x axis towards its y axis). If it is not
+  // set, the thing of a mesh with a single thing faces along x.
   std::optional<double> facing = {};
 
   bool moves() const { return movement != nullptr || animation != nullptr; }
@@ -95,7 +95,7 @@ struct Instance {
   std::uint32_t meshAt(double time) const { return animation == nullptr ? mesh : animation->at(time); }
 };
 
-// A part of an asset to which no rule gives a class, by the names that it has in the asset.
+// A part of an asset to which no rule gives a class, identified by names in the asset.
 struct UnlabeledPart {
   std::string file, material, texture, node;
   bool operator==(const UnlabeledPart&) const = default;
@@ -108,43 +108,43 @@ struct UnlabeledPart {
 struct RuleUse {
   Location where;
   std::string match, gives;   // the conditions and the result of the rule, in words
-  std::uint64_t matched = 0;  // triangles that satisfy its conditions
-  std::uint64_t decided = 0;  // triangles to which it gave a class or a material, or which it dropped
+  std::uint64_t matched = 0;  // number of triangles that satisfy the conditions
+  std::uint64_t decided = 0;  // number of triangles that got a class or a material from the rule, or were dropped by it
 };
 
-// Properties that a scene had before objects were taken out of it (scene/without.h). They decide how the remaining
-// scene is traced, so that all other hits stay the same to the last bit.
+// Properties of a scene before objects were taken out of it (scene/without.h). They decide how the remaining scene is
+// traced, so that all other hits stay the same to the last bit.
 struct WholeScene {
   Box bounds;  // m, in the world's frame at time 0
   bool moves = false;
   std::uint64_t placedTriangles = 0;
-  std::vector<std::uint64_t> copies;  // by mesh: how many instances place it
-  std::vector<std::string> absent;    // classes that were to be taken out, but of which the scene had nothing
+  std::vector<std::uint64_t> copies;  // number of instances, by mesh
+  std::vector<std::string> absent;    // classes to take out of which the scene had no triangle
 };
 
 struct Scene {
   std::string name;
   std::uint64_t seed = 0;
   std::filesystem::path file;
-  bool procedural = false;         // some part of the scene depends on the seed
+  bool procedural = false;         // true: some part of the scene depends on the seed
   std::string about;               // description of a random place; empty if the scene has none
   std::vector<DrawnValue> draws;   // random values of keys of the scene file
-  std::vector<ShareBound> shares;  // bounds that the scene's town has
+  std::vector<ShareBound> shares;  // bounds on classes' shares of the hits in the scene's town
   Ontology ontology;
   std::vector<Material> materials;  // index 0 is the default material
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
   Dropped dropped;
-  std::map<UnlabeledPart, std::uint64_t> unlabeled;  // triangles to which no rule gives a class
-  std::vector<RuleUse> rules;                        // in the order of their locations
+  std::map<UnlabeledPart, std::uint64_t> unlabeled;  // number of triangles without a class, by part
+  std::vector<RuleUse> rules;                        // in the order of their places in files
   std::shared_ptr<const WholeScene> whole;           // null: nothing was taken out
 
-  bool moves() const;                         // true if some instance moves
-  std::uint64_t triangles() const;            // triangles of all meshes, each mesh counted once
-  std::uint64_t placedTriangles() const;      // triangles of all instances
+  bool moves() const;                         // true if an instance moves
+  std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once
+  std::uint64_t placedTriangles() const;      // number of triangles of all instances
   std::uint32_t things() const;               // the largest instance id
   Box bounds() const;                         // m, in the world's frame at time 0; WholeScene::bounds if set
-  std::vector<std::uint64_t> copies() const;  // by mesh: how many instances place it
+  std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };
 
 // Returns the instance id of an object (see Surface::object) of a mesh in an instance with this first id; 0 for stuff.

@@ -21,7 +21,8 @@ const std::array<SupplyRow, kSupplies>& supplies() {
   return rows;
 }
 
-// Returns the ids of a supply's classes in an ontology, each once: the ontology may merge several of them.
+// Returns the ids of a supply's classes in an ontology, each id once even if the ontology merges several of the
+// classes.
 std::vector<std::uint16_t> idsOf(const SupplyRow& row, const Ontology& ontology, const Location& where) {
   std::vector<std::uint16_t> ids;
   for (const std::string_view name : row.classes) {
@@ -31,7 +32,7 @@ std::vector<std::uint16_t> idsOf(const SupplyRow& row, const Ontology& ontology,
   return ids;
 }
 
-// Returns the bound for the name of a supply, or of a class in a supply. Throws InputError at `where` for other names.
+// Returns the bound on a supply or on a class that belongs to a supply. Throws InputError at `where` for other names.
 ShareBound ofClasses(const std::string& name, const Ontology& ontology, const Location& where) {
   std::string all;
   for (std::size_t s = 0; s < kSupplies; ++s) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Bounds on the share that a class shall have of a sensor's hits: the key `shares` of a town.
+// Bounds on the share of a class among a sensor's hits: the key `shares` of a town.
 
 #include <array>
 #include <cstdint>
@@ -17,16 +17,16 @@ namespace scanmill {
 enum class Supply : std::uint8_t { Greenery, Vehicles, People };
 constexpr std::size_t kSupplies = 3;
 
-// Factors on the numbers of objects that follow from the seed, indexed by Supply.
+// Factors by which the numbers of objects that the seed gives are multiplied, indexed by Supply.
 using SupplyFactors = std::array<double, kSupplies>;
 
 // Bounds on the share of some classes in the hits of a sensor above the lane.
 struct ShareBound {
-  std::string name;                    // the name of a class, or of a supply: all its classes together
-  std::vector<std::uint16_t> classes;  // ids
-  Supply supply = Supply::Vehicles;    // the supply that the share depends on
+  std::string name;                    // name of a class or of a supply
+  std::vector<std::uint16_t> classes;  // ids of the class, or of all classes of the supply
+  Supply supply = Supply::Vehicles;    // the supply that influences the share
   double least = 0, most = 1;
-  double found = 0;  // the share that was measured; 0 before
+  double found = 0;  // the measured share; 0 before the measurement
 
   bool met() const { return found >= least && found <= most; }
 };

@@ -17,17 +17,18 @@ namespace scanmill {
 
 namespace {
 
-// Meshes with at most this many triangles count as proxies already.
+// Meshes with at most this many triangles are not simplified.
 constexpr std::size_t kFewTriangles = 32;
 
 // Largest error in units of the mesh's extent: so large that only the share of triangles ends the simplification.
 constexpr float kAnyError = 1e6f;
 
-// Vertices with equal Welds are merged. Surfaces never share vertices, so that every triangle keeps its surface. Where
-// two surfaces meet there is a seam, which stays closed, since its two sides move together.
+// The vertices of triangles with equal Welds are merged. Vertices of different surfaces are never merged, so that every
+// triangle keeps its surface. The seam between two surfaces still stays closed, since meshoptimizer moves vertices at
+// equal positions together.
 struct Weld {
   Vec3f position;
-  Vec2f uv;  // zero if no texture needs it
+  Vec2f uv;  // zero if the surface has no texture
   std::uint16_t surface;
   bool operator==(const Weld&) const = default;
 };
@@ -104,8 +105,9 @@ std::vector<std::size_t> trianglesPerSurface(const Mesh& mesh) {
   return count;
 }
 
-// Restores surfaces that vanished when the whole mesh was simplified. A surface with more than kFewTriangles triangles
-// is simplified by itself. If it vanishes again, or if it is smaller, it gets all its triangles back.
+// Restores surfaces that vanished when the mesh was simplified. A surface of more than kFewTriangles triangles is
+// simplified again by itself. If it vanishes again, or has at most kFewTriangles triangles, all its original triangles
+// are restored.
 void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to) {
   const std::vector<std::size_t> before = trianglesPerSurface(from);
   const std::vector<std::size_t> after = trianglesPerSurface(to);
@@ -132,7 +134,7 @@ void restoreVanished(const Scene& scene, const Mesh& from, double keep, Mesh& to
   }
 }
 
-// Drops vertices that no triangle uses; the order of the others is kept.
+// Drops vertices that no triangle uses. The remaining vertices keep their order.
 void compact(Mesh& mesh) {
   constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> renamed(mesh.positions.size(), kUnused);

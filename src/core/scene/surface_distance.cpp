@@ -10,7 +10,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kMostCells = 512;  // cells along the longer side
+constexpr double kMostCells = 512;  // largest number of cells along the longer side
 constexpr std::size_t kMostTriangles = 10'000'000;
 
 double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
@@ -81,7 +81,7 @@ std::array<std::size_t, 2> SurfaceDistance::cellOf(double x, double y) const {
 double SurfaceDistance::at(double x, double y) const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (triangles_.empty()) return kNone;
-  // A cell is at least as large as the reach, so that the neighbours of the point's own cell are enough.
+  // A cell is at least as large as the reach, so that the cells around the point's cell are enough.
   const auto [fromX, fromY] = cellOf(x - reach_, y - reach_);
   const auto [toX, toY] = cellOf(x + reach_, y + reach_);
   double nearest = kNone;

@@ -13,8 +13,8 @@ namespace scanmill {
 
 class SurfaceDistance {
  public:
-  // Takes the triangles of these classes in all instances that are in the scene so far, except moving ones. Distances
-  // beyond `reach` (m) count as infinite.
+  // Reads the triangles of these classes from all instances that are already in the scene, except moving instances.
+  // Distances beyond `reach` (m) count as infinite.
   SurfaceDistance(const Scene& scene, const std::vector<std::uint16_t>& classes, double reach);
 
   // Returns the horizontal distance to the nearest triangle (m); 0 above or below a triangle; infinite beyond the
@@ -25,8 +25,8 @@ class SurfaceDistance {
  private:
   std::array<std::size_t, 2> cellOf(double x, double y) const;
 
-  std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame), of which only x and y are used
-  std::vector<std::vector<std::uint32_t>> cells_;  // by cell: indices of the triangles whose boxes overlap it
+  std::vector<std::array<Vec3d, 3>> triangles_;    // corners (m, world frame); only x and y are used
+  std::vector<std::vector<std::uint32_t>> cells_;  // indices of the triangles whose boxes overlap a cell, by cell
   Vec3d low_;
   double side_ = 1;  // m, edge of a cell, at least the reach
   double reach_ = 0;

@@ -11,7 +11,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kMargin = 1;  // m, by which rays start above and end below all surfaces
+constexpr double kMargin = 1;  // m; rays start this far above and end this far below all surfaces
 
 std::array<Vec3d, 3> cornersOf(const Scene& scene, std::uint32_t instance, std::uint32_t triangle) {
   const Instance& placed = scene.instances[instance];
@@ -45,8 +45,8 @@ void note(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-// Embree's hierarchy, in single precision relative to an anchor. It only finds the triangles: their heights are then
-// computed in double.
+// Embree's hierarchy, in single precision relative to an anchor. It only finds triangles; their heights are computed in
+// double afterwards.
 struct SurfaceHeights::Hierarchy {
   RTCDevice device = rtcNewDevice(nullptr);
   RTCScene all = rtcNewScene(device);
@@ -150,7 +150,7 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
     if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
     const auto [a, b, c] = cornersOf(scene_, found[i].instance, found[i].triangle);
     const Vec3d normal = cross(b - a, c - a);
-    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // vertical
+    if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // skips vertical triangles
     const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
     const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[found[i].triangle]].semantic;
     const SemanticClass* const own = scene_.ontology.find(semantic);

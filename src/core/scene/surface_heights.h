@@ -13,13 +13,14 @@
 
 namespace scanmill {
 
-constexpr double kAboveGround = 0.5;           // m, ground up to this far above a point still counts as below it
-constexpr double kSteepestGround = kPi / 3;    // rad, greatest slope of ground
+constexpr double kAboveGround = 0.5;           // m; ground up to this far above a point still counts as ground under it
+constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
-// Returns the ground under a point at the height `z`. `surfaces` are those above and below the point, the highest
-// first; `heightOf` returns a surface's height, and `holds` is true if the surface counts. The result is the highest
-// surface that is at most kAboveGround higher than `z`; if all are higher, the lowest; null if no surface counts.
+// Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
+// highest first; `heightOf` returns the height of a surface, and `holds` is true if the surface counts. The result is
+// the highest surface that is at most kAboveGround higher than `z`; if all are higher, the lowest; null if no surface
+// counts.
 template <class Surface, class HeightOf, class Holds>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
                            const Holds& holds) {
@@ -42,11 +43,11 @@ class SurfaceHeights {
     bool thing = false;
   };
 
-  // The scene must outlive this object. No instance is taken before the first update().
+  // The scene must outlive this object. The object knows no instance before the first update().
   explicit SurfaceHeights(const Scene& scene);
   ~SurfaceHeights();
 
-  // Takes the instances that were added to the scene since the last call, except moving ones.
+  // Adds the instances that were added to the scene since the last call, except moving instances.
   void update();
 
   // Returns all surfaces at a point (m, world frame), the highest first.
@@ -61,11 +62,11 @@ class SurfaceHeights {
     return found == nullptr ? std::nullopt : std::optional(*found);
   }
 
-  // The surfaces of given classes that face up. If none of them faces up, all surfaces of these classes, since files
-  // may have flipped triangles. Valid until the next update().
+  // The surfaces of given classes that face up, as an area to sample. If no surface faces up, the area has all surfaces
+  // of the classes, since files may have flipped triangles. Valid until the next update().
   class Area {
    public:
-    double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // as seen from above
+    double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // area as seen from above
     // Samples a point on the surfaces (m, world frame), uniformly by their area as seen from above, which must not be
     // 0. `u`: three random numbers from 0 to 1.
     Vec3d place(const std::array<double, 3>& u) const;
@@ -84,7 +85,7 @@ class SurfaceHeights {
  private:
   struct Hierarchy;
   const Scene& scene_;
-  std::size_t taken_ = 0;  // number of the scene's instances that update() has seen
+  std::size_t taken_ = 0;  // number of the scene's instances that update() has processed
   std::unique_ptr<Hierarchy> hierarchy_;
 };
 

@@ -64,7 +64,7 @@ std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path) {
   }
   auto texture = textureOf(readImage(path), path.string());
   const std::scoped_lock lock(mutex);
-  if (auto other = known()) return other;  // another thread has cached it meanwhile
+  if (auto other = known()) return other;  // another thread has cached the texture meanwhile
   cache[key] = {time, texture};
   return texture;
 }

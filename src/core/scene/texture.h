@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Reads an image with readImage() (images/images.h), and throws what that function throws. A file is not decoded again
-// while its texture is in use anywhere, unless the file has changed. Any thread may call this function.
+// Reads an image with readImage() (images/images.h), and throws the same errors. While the texture of a file is in use
+// anywhere, the file is not decoded again unless it has changed. Any thread may call this function.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
 // Decodes an image that is inside another file. `name` is its name in messages and in Texture::file.

@@ -94,8 +94,9 @@ class ObjectTriangles {
 
  private:
   const Mesh& mesh_;
-  std::vector<std::uint32_t> firstOf_;    // by object (0: stuff): first index into triangles_; last entry: their number
-  std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by object
+  std::vector<std::uint32_t> firstOf_;    // first index into triangles_, by object (0: stuff); last entry: size of
+                                          // triangles_
+  std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by their objects
 };
 
 // Caches the ObjectTriangles of meshes.
@@ -200,7 +201,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
     const Pose thingFromWorld = inverse(worldFromThing);
     for (Part& part : parts) {
       const Instance& instance = scene.instances[part.instance];
-      // The same at all times if this part moves like the first one; else at() moves the box.
+      // This transform is the same at all times if the part moves like the first part; else at() moves the box.
       const Affine thingFromMesh = toAffine(thingFromWorld) * instance.worldFromMesh;
       const auto add = [&](std::uint32_t mesh) {
         Box box;
@@ -242,7 +243,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
       box.add(own);
       continue;
     }
-    // This part moves differently from the first one: the corners of its moved box are enclosed.
+    // This part moves differently from the first part: encloses the corners of its moved box.
     const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * place.worldFromThing;
     for (const double x : {own.low.x, own.high.x}) {
       for (const double y : {own.low.y, own.high.y}) {
@@ -254,7 +255,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
 }
 
 Vec3d ThingBoxes::velocity(std::size_t thing, double time) const {
-  constexpr double kStep = 0.005;  // s, before and after the time
+  constexpr double kStep = 0.005;  // s; the velocity is measured over this time before and after `time`
   const Place& place = places_[thing];
   const Instance& main = scene_.instances[place.parts.front().instance];
   if (main.movement == nullptr) return {};

@@ -13,7 +13,7 @@ namespace scanmill {
 
 // The smallest box with given axes that encloses a thing.
 struct OrientedBox {
-  Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up, seen from the thing
+  Pose worldFromBox;  // pose of the box's centre; x forward, y left, z up for the thing
   Vec3d size;         // m: length along x, width along y, height along z
 
   // Returns the eight corners in the world's frame (m).
@@ -22,19 +22,19 @@ struct OrientedBox {
 
 struct Thing {
   std::uint32_t id = 0;            // instance id, 1 or more
-  std::uint16_t semantic = 0;      // the class of most of its triangles
-  std::string name;                // the name of the instance that has most of the thing's triangles
-  std::vector<std::string> parts;  // names of its nodes, sorted, each once; "": a node without a name
-  // True: the box has the axes of the placed object, turned so that x is the direction in which it faces
-  // (Instance::facing). False if its mesh has several things and `facing` is not set: then the box is the one with the
+  std::uint16_t semantic = 0;      // class of most of the thing's triangles
+  std::string name;                // name of the instance with most of the thing's triangles
+  std::vector<std::string> parts;  // names of the thing's nodes, sorted, without duplicates; "": a node without a name
+  // True: the box has the axes of the placed object, turned so that x is the direction in which the object faces
+  // (Instance::facing). False if the mesh has several things and `facing` is not set: then the box is the one with the
   // smallest footprint, its length is the longer side, and front and back are unknown.
   bool headingKnown = true;
   bool moves = false;
 };
 
-// The boxes of the things of a scene, which must outlive this object. Several threads may read it. Boxes are computed
-// in double from the corners of the triangles, so that they are exact, except where parts of a thing move differently.
-// If a thing consists of several objects, the one with the most triangles gives the axes.
+// Computes the boxes of the things of a scene, which must outlive this object. Several threads may use it. Boxes are
+// computed in double from the corners of the triangles. They are exact, unless the parts of a thing move differently.
+// If a thing consists of several objects, the object with the most triangles gives the axes.
 class ThingBoxes {
  public:
   explicit ThingBoxes(const Scene& scene);
@@ -55,8 +55,8 @@ class ThingBoxes {
     std::vector<Box> ofShape{};  // m, in the thing's frame at time 0; one per mesh of an animation, else one
   };
   struct Place {
-    Pose worldFromThing;      // at time 0
-    std::vector<Part> parts;  // the first gives the axes
+    Pose worldFromThing;      // pose at time 0
+    std::vector<Part> parts;  // the first part gives the axes
   };
 
   Pose motion(const Instance& instance, double time) const;

@@ -22,7 +22,7 @@ struct VoxelRange {
 class TrianglePiece {
  public:
   // Creates a polygon without corners.
-  TrianglePiece() {}  // does not initialize corners_, since many pieces are created
+  TrianglePiece() {}  // leaves corners_ uninitialised for speed
   explicit TrianglePiece(const std::array<Vec3d, 3>& corners) {
     for (const Vec3d& corner : corners) add({corner.x, corner.y, corner.z});
   }
@@ -48,7 +48,7 @@ class TrianglePiece {
     return length(sum) / 2;
   }
 
-  // Splits the polygon at a plane perpendicular to an axis into the part below the plane and the rest (Sutherland and
+  // Splits the polygon at a plane perpendicular to an axis into the parts below and above the plane (Sutherland and
   // Hodgman, "Reentrant polygon clipping", Communications of the ACM 17 (1974)). Points in the plane are not below it.
   void split(std::size_t axis, double plane, TrianglePiece& below, TrianglePiece& above) const {
     below.count_ = above.count_ = 0;

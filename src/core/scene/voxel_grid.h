@@ -16,24 +16,25 @@ namespace scanmill {
 struct VoxelGrid {
   double size = 0.2;                                  // m, edge of a voxel
   Vec3d low{0, -25.6, -2};                            // m, the corner with the smallest coordinates
-  std::array<std::uint32_t, 3> counts{256, 256, 32};  // voxels along x, y and z; together fewer than 2^32
+  std::array<std::uint32_t, 3> counts{256, 256, 32};  // number of voxels along x, y and z; their product is below 2^32
 
   std::size_t voxels() const { return std::size_t{counts[0]} * counts[1] * counts[2]; }
   std::size_t index(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
     return (std::size_t{x} * counts[1] + y) * counts[2] + z;
   }
 
-  // Returns a point (m) in units of voxels from the low corner: voxel i of an axis is [i, i + 1). Each point is thus in
-  // one voxel, and a point between two voxels is in the upper one. Floors and walls are often at round coordinates,
-  // exactly between two voxels, where rounding would scatter them over both layers. Therefore all voxels are shifted
-  // down along each axis by this part of their edge (0.1 mm of 0.2 m).
+  // Returns a point (m) in units of voxels from the low corner: voxel i of an axis is [i, i + 1). A point on the face
+  // between two voxels is thus in the upper voxel. Floors and walls are often at round coordinates, exactly between two
+  // voxels, where rounding would scatter them over both layers. Therefore the grid is shifted down along each axis by
+  // kLower times the edge of a voxel (0.1 mm for voxels of 0.2 m).
   static constexpr double kLower = 1.0 / 2048;
   Vec3d inVoxels(const Vec3d& place) const {
     const Vec3d p = (place - low) * (1 / size);
     return {p.x + kLower, p.y + kLower, p.z + kLower};
   }
 
-  // Returns the index of the voxel that contains a point (m); none outside of the grid or if the point is not finite.
+  // Returns the index of the voxel that contains a point (m); nullopt outside of the grid or if the point is not
+  // finite.
   std::optional<std::size_t> at(const Vec3d& place) const {
     const Vec3d p = inVoxels(place);
     const auto inside = [](double along, std::uint32_t count) { return along >= 0 && along < count; };

@@ -13,10 +13,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBlock = 128;  // triangles that share a box
+constexpr std::size_t kBlock = 128;  // consecutive triangles that share a box
 constexpr std::uint32_t kSlab = 8;   // layers of voxels along x that a thread processes at a time
-constexpr double kTie = 1e-9;        // relative difference of areas that count as equal
-constexpr double kMargin = 1e-6;     // voxels, added to boxes: more than rounding errors
+constexpr double kTie = 1e-9;        // areas that differ by at most this fraction count as equal
+constexpr double kMargin = 1e-6;     // voxels; boxes are enlarged by this margin, which exceeds rounding errors
 
 // Returns an axis-aligned box around a transformed box.
 Box placed(const Affine& place, const Box& box) {
@@ -36,8 +36,8 @@ bool meets(const Box& box, const VoxelRange& range) {
   return along(box.low.x, box.high.x, 0) && along(box.low.y, box.high.y, 1) && along(box.low.z, box.high.z, 2);
 }
 
-// Returns the transform from a mesh's frame to the grid's frame in units of voxels. The translations are subtracted
-// first, so that a scene far from the origin gives the same labels.
+// Returns the transform from a mesh's frame to the grid's frame, in units of voxels. It subtracts the translations
+// first, so that a scene far from the origin gets the same labels.
 Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Affine& worldFromMesh) {
   const Mat3 gridFromWorld = transposed(toMatrix(worldFromGrid.rotation));
   const Vec3d place = gridFromWorld * (worldFromMesh.translation - worldFromGrid.translation);
@@ -45,7 +45,7 @@ Affine voxelsFromMesh(const VoxelGrid& grid, const Pose& worldFromGrid, const Af
   return {Mat3::scale({perMetre, perMetre, perMetre}) * (gridFromWorld * worldFromMesh.linear), grid.inVoxels(place)};
 }
 
-// The area of each class in the voxels of a slab. Most voxels have a single class, which needs no map.
+// The area of each class in each voxel of a slab. Most voxels have a single class and need no entry in the map.
 class ClassAreas {
  public:
   explicit ClassAreas(std::size_t voxels) : area_(voxels, 0.0), class_(voxels, 0) {}
@@ -134,7 +134,7 @@ std::uint64_t SceneVoxels::memoryBytes() const {
   return bytes;
 }
 
-// Returns the class of each surface of an instance's mesh. Objects that ever move get the class for moving objects.
+// Returns the class of each surface of an instance's mesh. Objects that ever move get their class for moving objects.
 std::vector<std::uint16_t> SceneVoxels::classesOf(const Instance& instance, const Mesh& mesh) const {
   std::vector<std::uint16_t> classes;
   classes.reserve(mesh.surfaces.size());
@@ -175,7 +175,7 @@ VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid
   VoxelLabels labels;
   labels.label.resize(grid.voxels());
   std::vector<std::vector<std::uint32_t>> unlabeled(slabs);
-  // Each slab is processed by one thread, which sums areas in the order of the triangles.
+  // One thread processes a slab and sums areas in the order of the triangles, so that rounding is always the same.
   parallelFor(slabs, 1, [&](std::size_t from, std::size_t to) {
     for (std::size_t slab = from; slab < to; ++slab) {
       const std::size_t firstX = slab * kSlab;

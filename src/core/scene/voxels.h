@@ -14,7 +14,7 @@
 namespace scanmill {
 
 struct VoxelLabels {
-  // The class of each voxel, the same as that of points on its surfaces; 0: the voxel is empty or unlabeled.
+  // The class id of each voxel, as in the column `label` of points; 0: the voxel is empty or unlabeled.
   std::vector<std::uint16_t> label;
   // Indices, ascending, of the voxels that are not empty but whose class is 0.
   std::vector<std::uint32_t> unlabeled;
@@ -26,10 +26,10 @@ class SceneVoxels {
   explicit SceneVoxels(const Scene& scene);
 
   // Returns the classes of the voxels at a time (s since the drive began). A voxel is empty if no triangle has any area
-  // in it; surfaces that only touch it do not count. Otherwise its class is the one with the largest area of triangles
-  // in it; among classes with equal areas (to 1e-9) the one with the smallest id. An object that ever moves has the
-  // ontology's class for moving objects, if there is one, even while it stands still. Solids are hollow: voxels inside
-  // of their surfaces are empty. Alpha-tested surfaces, such as leaves, count with their full area.
+  // in it; surfaces that only touch the voxel do not count. Otherwise its class is the class with the largest area of
+  // triangles in it; among classes with equal areas (to 1e-9) the class with the smallest id. An object that ever moves
+  // has the ontology's class for moving objects, if there is one, even while it stands still. Solids are hollow: voxels
+  // inside their surfaces are empty. Alpha-tested surfaces, such as leaves, count with their full area.
   //
   // `worldFromGrid`: pose of the grid's frame in the world. The result does not depend on the number of threads.
   VoxelLabels labels(const VoxelGrid& grid, const Pose& worldFromGrid, double time) const;
@@ -45,9 +45,9 @@ class SceneVoxels {
   std::vector<std::uint16_t> classesOf(const Instance& instance, const Mesh& mesh) const;
 
   const Scene& scene_;
-  std::vector<std::vector<Box>> blocks_;                  // by mesh: a box for every kBlock consecutive triangles
-  std::vector<Box> bounds_;                               // by mesh
-  std::unordered_set<std::uint32_t> moving_;              // instance ids of objects that ever move
+  std::vector<std::vector<Box>> blocks_;                  // boxes of kBlock consecutive triangles, by mesh
+  std::vector<Box> bounds_;                               // box of all triangles, by mesh
+  std::unordered_set<std::uint32_t> moving_;              // instance ids of objects that move at some time
   std::map<std::uint16_t, std::uint16_t> movingClasses_;  // class of objects at rest -> class of moving objects
 };
 

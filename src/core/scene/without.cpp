@@ -15,7 +15,7 @@
 namespace scanmill {
 namespace {
 
-// Drops the triangles of a mesh for whose surface `goes` is true. The others keep their order.
+// Drops the triangles of a mesh whose surface satisfies `goes`. The remaining triangles keep their order.
 void drop(Mesh& mesh, const std::function<bool(const Surface&)>& goes) {
   std::vector<bool> leaves(mesh.surfaces.size());
   for (std::size_t s = 0; s < leaves.size(); ++s) leaves[s] = goes(mesh.surfaces[s]);
@@ -35,8 +35,8 @@ bool holds(const Mesh& mesh, std::uint32_t object) {
                      [&](std::uint16_t s) { return mesh.surfaces[s].object == object; });
 }
 
-// Takes a thing out, and returns true if the scene had it. Every instance that has a part of the thing gets a copy of
-// its mesh without that part, since other instances may share the mesh.
+// Takes a thing out of the scene; returns false if the scene does not have it. Every instance with a part of the thing
+// gets a copy of its mesh without that part, since other instances may share the mesh.
 bool takeOutThing(Scene& scene, std::uint32_t id, WholeScene& whole) {
   bool found = false;
   const auto less = [&](std::uint32_t mesh, std::uint32_t object) {
@@ -81,7 +81,7 @@ bool takeOutNamed(Scene& scene, const std::string& name) {
   return std::erase_if(scene.instances, [&](const Instance& i) { return i.name == name || objectOf(i) == name; }) > 0;
 }
 
-// Returns the instance id if the item is a whole number without quotes.
+// Returns the instance id if the item is a whole number without quotes, else nullopt.
 std::optional<std::uint32_t> idOf(const Value& item) {
   const bool digits = !item.text.empty() && item.text.find_first_not_of("0123456789") == std::string::npos;
   if (item.quoted || !digits || item.text.size() > 9) return {};

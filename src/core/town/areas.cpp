@@ -6,7 +6,7 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kCell = 32;  // m
+constexpr double kCell = 32;  // m, side of a grid cell
 
 std::int64_t cellOf(double v) {
   return static_cast<std::int64_t>(std::floor(v / kCell));

@@ -1,7 +1,7 @@
 #pragma once
 
-// Areas of other land beside the roads, given by polygons: woods, meadows, water, parking lots, squares. Town's frame,
-// m.
+// Polygons of land beside the roads: woods, meadows, water, parking lots, squares. Coordinates are in the town's frame
+// (m).
 
 #include <cstdint>
 #include <optional>
@@ -14,28 +14,27 @@ namespace scanmill::town {
 
 class Areas {
  public:
-  static constexpr double kReach = 8;  // m
+  static constexpr double kReach = 8;  // m, largest distance that outsideHard() returns
 
   void add(MapArea area);
   const std::vector<MapArea>& all() const { return areas_; }
 
-  // Return the kind of the smallest area at a point, and the area's index in all(); none if no area is there.
+  // at() returns the kind of the smallest area at a point, indexAt() its index in all(); nullopt if there is no area.
   std::optional<Land> at(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
-  // Returns the distance to the nearest area that is not lawn (water, lots, squares), negative inside (m, at most
-  // kReach).
+  // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.
   double outsideHard(const Point2& p) const;
 
  private:
   struct Extent {
     Point2 low, high;
-    double size = 0;  // m^2
+    double size = 0;  // m^2, area
   };
   const std::vector<std::uint32_t>* near(const Point2& p) const;
 
   std::vector<MapArea> areas_;
   std::vector<Extent> extents_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // areas within kReach of each cell
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices of the areas within kReach of a cell
 };
 
 }  // namespace scanmill::town

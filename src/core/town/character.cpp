@@ -75,13 +75,13 @@ Character::Character(const Parameters& p, std::uint64_t seed) {
   gardenTrees = green * (dense ? 0.3 : draw.in(0.6, 2.2));
   gardenBushes = green * (dense ? 0.8 : draw.in(2, 7));
   woods = std::min(0.95, green * (rural ? draw.in(0.3, 0.8) : dense ? draw.in(0.05, 0.3) : draw.in(0.15, 0.6)));
-  // Many towns have almost no parked vehicles, some are full of them.
+  // Many towns have almost no parked vehicles; a few towns are full of them.
   const double full = draw.next();
   parked = std::min(0.95, p.vehicles * full * full * full * (rural ? 0.1 : dense ? 0.8 : 0.5));
   traffic = p.vehicles * p.traffic * draw.in(0.1, rural ? 0.8 : 2.2);
   people = p.people * (rural ? draw.in(0, 1.5) : dense ? draw.in(3, 12) : draw.in(0.5, 4));
   clutter = rural ? draw.in(1, 4) : dense ? draw.in(6, 16) : draw.in(3, 9);
-  // The season has its own random stream, so that a town is the same in all seasons.
+  // The season has its own random stream, so that everything else is the same in all seasons.
   Draw sky(seed, Kind::Town, 1);
   const double pick = sky.next();
   season = p.season == "any"      ? (pick < 0.5    ? Season::Summer

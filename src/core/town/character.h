@@ -1,6 +1,7 @@
 #pragma once
 
-// The character of a town: the keys of a scene file, and the properties that the seed draws within them.
+// The character of a town: the keys of a scene file, and the properties that the seed selects within the limits of
+// these keys.
 
 #include <cstdint>
 #include <filesystem>
@@ -17,54 +18,54 @@ using models::Draw;
 enum class District { Rural, Suburban, Dense };
 enum class Season { Summer, Autumn, Winter };
 
-// The keys of `town:` in a scene file.
+// The keys of `town:` in a scene file. The numbers from `slope` to `detail` are factors.
 struct Parameters {
-  std::string district = "any";   // or rural, suburban, dense
-  std::string season = "summer";  // or any, autumn, winter
+  std::string district = "any";   // rural, suburban, dense, or any: random
+  std::string season = "summer";  // summer, autumn, winter, or any: random
   std::filesystem::path map;      // an OpenStreetMap extract; empty: roads and buildings are random
   std::string road;               // name of the main road on the map; empty: random
-  bool keepsLeft = false;         // left-hand traffic: the town is laid out and then mirrored
-  double length = 300;            // m, of the main road between its first and last plot
-  double slope = 1;               // this and those below: factors on what the seed draws
+  bool keepsLeft = false;         // true: left-hand traffic; the town is laid out for right-hand traffic and mirrored
+  double length = 300;            // m, length of the main road from its first to its last plot
+  double slope = 1;               // factor on the heights of hills and banks
   double greenery = 1;
   double vehicles = 1;
-  double traffic = 1;  // on driving vehicles, on top of `vehicles`
+  double traffic = 1;  // factor on the number of driving vehicles, in addition to `vehicles`
   double people = 1;
   double detail = 1;  // factor on the number of leaves
 };
 
 Parameters readParameters(Fields& fields);
 
-// The properties of a town, drawn from the seed so that no two towns are alike.
+// The properties of a town. They depend on the seed, so that no two towns are alike.
 struct Character {
   Character(const Parameters& parameters, std::uint64_t seed);
 
-  std::string inWords() const;  // "dense, winter"
+  std::string inWords() const;  // describes the town: "dense, winter"
 
   District district = District::Suburban;
   Season season = Season::Summer;
-  double foliage = 1;    // share of their leaves that trees have kept
-  double snow = 0;       // m, depth where nobody clears it
-  double snowBanks = 0;  // m, height of the banks that ploughs leave beside roads
-  double wear = 0;       // wear of the roads' surface, 0 to 1: potholes and repairs
+  double foliage = 1;    // fraction of their leaves that trees still have
+  double snow = 0;       // m, depth of snow where it is not cleared
+  double snowBanks = 0;  // m, height of the snow banks that ploughs leave beside roads
+  double wear = 0;       // wear of the roads, 0 to 1: the number of potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
-  double bend = 0.4;                      // rad, how far the main road's heading varies
-  double hills = 3;                       // m, amplitude of hills, which vary over about 260 m
-  double banks = 3;                       // m, amplitude of banks away from roads, which vary over 45 m
+  double bend = 0.4;                      // rad, amplitude of the variation of the main road's heading
+  double hills = 3;                       // m, amplitude of hills about 260 m wide
+  double banks = 3;                       // m, amplitude of banks about 45 m wide, away from roads
   double undulation = 0.2;                // m, amplitude of the unevenness of lawns
-  double setback = 4, setbackSpread = 2;  // m, from the plots' edge to the houses
-  double built = 0.8;                     // share of the plots with a house
-  double plotWidth = 18;                  // m, mean
+  double setback = 4, setbackSpread = 2;  // m from the plot's edge to the house: mean and spread
+  double built = 0.8;                     // fraction of the plots that have a house
+  double plotWidth = 18;                  // m, mean width of a plot
   int floorsLow = 1, floorsHigh = 2;
-  double hedges = 0.4, fences = 0.3;  // shares of the plots with a hedge or a fence towards the road
-  double avenue = 0.4;                // share of the places along the road that have a tree
-  double gardenTrees = 1;             // per plot
-  double gardenBushes = 3;            // per plot
-  double woods = 0.3;                 // share of the free land that is wooded
-  double parked = 0.3;                // share of the parking bays or curbside places that are taken
-  double traffic = 1;                 // vehicles on the lanes, per 100 m
-  double people = 4;                  // per 100 m of road
+  double hedges = 0.4, fences = 0.3;  // fractions of the plots with a hedge and with a fence at the road
+  double avenue = 0.4;                // fraction of the places for trees along the road that have a tree
+  double gardenTrees = 1;             // trees per garden
+  double gardenBushes = 3;            // bushes per garden
+  double woods = 0.3;                 // fraction of the free land that is wooded
+  double parked = 0.3;                // fraction of the parking bays and curbside places that are occupied
+  double traffic = 1;                 // vehicles on the lanes, per 100 m of road
+  double people = 4;                  // people per 100 m of road
   double clutter = 6;                 // benches, bins, boxes, bollards, ... per 100 m of road
 };
 

@@ -1,4 +1,4 @@
-// Objects of everyday life: roadworks, crossings with lights, objects in gardens and on squares, animals.
+// Places everyday objects: roadworks, crossings with lights, objects in gardens and on squares, animals.
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ using models::Clutter;
 using models::Kind;
 using models::Shape;
 
-// A few forms of each kind of object, each built when it is first needed.
+// The models of clutter, a few forms of each kind; a model is built when it is first needed.
 class Store {
  public:
   explicit Store(Placer& placer) : placer_(placer), made_(kForms * static_cast<std::size_t>(Clutter::Count)) {}
@@ -32,8 +32,8 @@ class Store {
   std::vector<std::optional<Model>> made_;
 };
 
-// Returns a random start of a stretch of the main road, `length` long (m), without a crossing; none if no attempt finds
-// one.
+// Returns a random position on the main road (m along it) from which `length` metres of the road have no crossing;
+// nullopt if no attempt finds such a position.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   const Road& road = l.roads().roads().front();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
@@ -48,7 +48,8 @@ std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   return std::nullopt;
 }
 
-// Places lights for vehicles that drive with the road's line and for those that drive against it.
+// Places two lights beside a road: at `first` for vehicles that drive in the direction of the road's line, at `last`
+// for vehicles that drive against it (m along the road). `marked`: the lights have stop lines.
 void putLights(Placer& placer, const Model& light, const Road& road, double first, double last, bool marked,
                const std::string& name) {
   const double out = road.section.half + road.section.curb + 0.45;
@@ -60,7 +61,7 @@ void putLights(Placer& placer, const Model& light, const Road& road, double firs
   placer.lights.push_back({last + 1, draw.in(0, Placer::Light::kPeriod), marked});
 }
 
-// True if the ground is level enough for wide, flat objects.
+// True if heights around the point differ by less than 0.35 m, so that a wide, flat object can be placed there.
 bool isLevel(const Layout& l, const Point2& p) {
   double low = 1e9;
   double high = -1e9;
@@ -74,12 +75,12 @@ bool isLevel(const Layout& l, const Point2& p) {
   return high - low < 0.35;
 }
 
-// Places roadworks in the lane that the sensor's vehicle does not use.
+// Places roadworks in the lane that is not driven by the sensor's vehicle.
 void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
   const bool rural = l.character().district == District::Rural;
-  // On a one-way road there is no other lane.
+  // A one-way road has no other lane.
   if (l.roads().roads().front().oneWay() || (!rural && !draw.chance(0.6))) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);
@@ -139,7 +140,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
 }
 
-// Places lights where side roads join the main road, at about one in three.
+// Places lights at about one in three places where a side road joins the main road.
 void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   const Road& main = l.roads().roads().front();
@@ -185,7 +186,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     const bool square = l.character().district != District::Rural && !plot.bare && draw.chance(0.5);
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
-  // If no water has been placed yet, try harder: a town without water is rare.
+  // Tries more often if no water has been placed: a town without water is rare.
   Draw draw(l.seed(), Kind::Clutter, 900000);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
     const Plot& plot = l.plots()[static_cast<std::size_t>(draw.below(static_cast<int>(l.plots().size())))];
@@ -237,7 +238,7 @@ void placeClutter(Placer& placer) {
   placeSquares(placer, store);
 }
 
-// Places dogs and cats on pavements and in front gardens, and in rural towns also herds beyond them.
+// Places dogs and cats on pavements and in front gardens; in rural towns also herds on the land behind them.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters().people <= 0) return;

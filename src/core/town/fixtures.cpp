@@ -32,8 +32,8 @@ std::vector<Stretch> stretches(const Layout& l) {
   return found;
 }
 
-// Calls `place` at random places along the roads, `per100m` times per 100 m, with several tries for each object;
-// `place` returns false if its place is not free.
+// Calls `place` at random positions along the roads, `per100m` times per 100 m of road. If `place` returns false, since
+// the position is not free, it is called again at other positions, up to kTries times for an object.
 template <class Place>
 void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   std::uint32_t number = 0;
@@ -52,8 +52,8 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   }
 }
 
-// Sets `spot` to the place `out` metres beyond the road's edge. Returns false if that is on another road, on a lot, a
-// square or water.
+// Sets `spot` to the place `out` metres beyond the road's edge. Returns false if this place is on another road, on a
+// parking lot, on a square or in water.
 bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
   spot = besideRoad(road, distance, side * (road.section.half + out));
   const Beside b = l.roads().at(spot.at.x, spot.at.y);
@@ -101,7 +101,8 @@ void placeFixtures(Placer& placer) {
   along(l, Kind::Sign, rural ? 1.5 : 5, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
     Spot spot;
     if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
-    // The sign faces the vehicles on its side of the road; at the right of the line they drive in the line's direction.
+    // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in its
+    // direction.
     spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
     return placer.tryPut(sign(kOnTheWay[static_cast<std::size_t>(draw.below(4))]), spot,
                          fmt::format("sign {}", number));

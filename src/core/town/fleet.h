@@ -9,7 +9,7 @@
 
 namespace scanmill::town {
 
-constexpr double kMiddle = 0.4;  // m that vehicles keep from the centre line
+constexpr double kMiddle = 0.4;  // m between vehicles and the centre line
 
 class Fleet {
  public:
@@ -17,7 +17,7 @@ class Fleet {
 
   const Model& anyCar(Draw& draw) {
     const auto index = static_cast<std::size_t>(draw.below(kCars));
-    // Two cars of each form.
+    // There are two cars of each form.
     const auto form = static_cast<models::CarForm>(static_cast<int>(index) % models::kCarForms);
     if (!cars_[index]) {
       cars_[index] = models::makeCar(placer_.builder, placer_.layout.seed(), form, static_cast<int>(index));
@@ -42,7 +42,7 @@ class Fleet {
   std::optional<Model> bus_;
 };
 
-// Places the vehicles and cyclists that drive.
+// Places the vehicles and cyclists that are driving.
 void placeTraffic(Placer& placer, Fleet& fleet);
 
 }  // namespace scanmill::town

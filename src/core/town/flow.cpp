@@ -7,11 +7,11 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kSideways = 2;     // m/s^2, lateral acceleration in bends
-constexpr double kSlowing = 1.2;    // m/s^2, braking before bends
-constexpr double kHardest = 8;      // m/s^2, hardest braking
-constexpr double kRunsAmber = 3.5;  // m/s^2: drivers who would have to brake harder run the light
-constexpr double kSight = 120;      // m that drivers look ahead
+constexpr double kSideways = 2;     // m/s^2, largest lateral acceleration in bends
+constexpr double kSlowing = 1.2;    // m/s^2, deceleration before bends
+constexpr double kHardest = 8;      // m/s^2, largest deceleration
+constexpr double kRunsAmber = 3.5;  // m/s^2; drivers who would have to brake harder pass a red light
+constexpr double kSight = 120;      // m, how far drivers look ahead
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 constexpr DriverModel kModel;
@@ -51,7 +51,7 @@ class Flow {
     return std::min(d.speed, limit[static_cast<std::size_t>(cell)]);
   }
 
-  // Returns a speed from which the driver can still stop at the lines without a traffic light.
+  // Returns a speed (m/s) at which the driver can still stop at all lines that have no traffic light.
   double firstSpeed(const Driver& d) const {
     double speed = limitAt(d, d.at);
     for (const StopLine& stop : routes_[d.route].stops) {
@@ -61,7 +61,7 @@ class Flow {
     return speed;
   }
 
-  // Returns the acceleration of the driver model by its equation (3), with the gap of equation (4).
+  // Returns the acceleration (m/s^2) by equation (3) of the driver model, with the desired gap of equation (4).
   double following(double speed, double wanted, double gap, double slower) const {
     const double free = std::pow(speed / wanted, 4);
     if (gap == kNone) return std::max(-kModel.braking, kModel.acceleration * (1 - free));
@@ -84,7 +84,7 @@ class Flow {
         if (j == i || gone(j)) continue;
         for (const Leg& other : routeOf(j).legs) {
           if (other.lane != leg.lane || states_[j].at < other.from || states_[j].at > other.to) continue;
-          const double there = states_[j].at + other.shift - leg.shift;  // along this route
+          const double there = states_[j].at + other.shift - leg.shift;  // m along this route
           const bool ahead = there > s.at || (there == s.at && j < i);
           if (!ahead || there > s.at + kSight || there < leg.from || there > leg.to) continue;
           const double gap = there - s.at - (d.length + drivers_[j].length) / 2;
@@ -96,7 +96,7 @@ class Flow {
       const double gap = stop.at - s.at - d.length / 2;
       if (gap < 0 || gap > kSight || !closed(stop, time)) continue;
       if (stop.period > 0 && s.speed * s.speed > 2 * kRunsAmber * gap) continue;
-      // The front stops at the line or shortly before it.
+      // The vehicle's front stops at the line or shortly before it.
       least = std::min(least, following(s.speed, wanted, gap + kModel.gap - 0.5, s.speed));
     }
     return least;

@@ -7,58 +7,60 @@
 
 namespace scanmill::town {
 
-// The part of a route that lies on a lane. Several routes can share a lane: the distance d along the route is d + shift
-// along the lane (m).
+// The part of a route that uses a lane. Several routes can share a lane: the distance d along the route is the distance
+// d + shift along the lane (m).
 struct Leg {
   std::uint32_t lane = 0;
-  double from = 0, to = 0;  // along the route, m
+  double from = 0, to = 0;  // m along the route
   double shift = 0;
 };
 
 // A line where vehicles stop while it is closed.
 struct StopLine {
-  double at = 0;  // along the route, m
-  // A traffic light: red for the first `red` of every `period` seconds, counted from `offset`. A line with period 0 is
-  // always closed, unless `givesWay`.
+  double at = 0;  // m along the route
+  // For a traffic light: red for the first `red` of every `period` seconds, counted from the time `offset`. If `period`
+  // is 0, the line is always closed, unless `givesWay` is set.
   double period = 0, red = 0, offset = 0;
-  // A line to give way at: closed while a vehicle is between `from` and `to` (m along the lane) of `lane`.
+  // If vehicles must give way at the line: it is closed while a vehicle is between `from` and `to` (m along the lane)
+  // on `lane`.
   bool givesWay = false;
   std::uint32_t lane = 0;
   double from = 0, to = 0;
 };
 
 struct Route {
-  double length = 0;  // m; vehicles that have reached the end are ignored
+  double length = 0;  // m; vehicles at the end of the route are ignored
   std::vector<Leg> legs;
   std::vector<StopLine> stops;
-  std::vector<double> limit;  // m/s, at 0, kLimitStep, ... m along the route: see inBends()
+  std::vector<double> limit;  // speed limits (m/s) at 0, kLimitStep, ... m along the route: see inBends()
 };
 
-constexpr double kLimitStep = 2;  // m
+constexpr double kLimitStep = 2;  // m between the values of Route::limit
 
 struct Driver {
   std::uint32_t route = 0;
-  double at = 0;         // m along the route, the vehicle's middle when the simulation begins
+  double at = 0;         // m along the route: the vehicle's middle at the start of the simulation
   double length = 4;     // length of the vehicle, m
   double speed = 10;     // desired speed, m/s
-  double starts = -1e9;  // s; the vehicle stands until then
+  double starts = -1e9;  // s; the vehicle does not move before this time
 };
 
 // The intelligent driver model: Treiber, Hennecke, Helbing, "Congested traffic states in empirical observations and
 // microscopic simulations", Physical Review E 62 (2000), equations (3) and (4).
 struct DriverModel {
   double acceleration = 1.4;  // m/s^2
-  double braking = 2;         // m/s^2, comfortable
-  double headway = 1.4;       // s
-  double gap = 2;             // m, between stationary vehicles
+  double braking = 2;         // m/s^2, comfortable deceleration
+  double headway = 1.4;       // s, time gap to the vehicle in front
+  double gap = 2;             // m between stationary vehicles
 };
 
-// Returns the speeds (m/s), at most `fastest`, that keep the lateral acceleration in bends and the braking before bends
-// comfortable, at 0, kLimitStep, ... m along a route. `curvature`: the route's at the same places (1/m).
+// Returns speeds (m/s) at 0, kLimitStep, ... m along a route. They are at most `fastest`, and keep the lateral
+// acceleration in bends and the braking before bends comfortable. `curvature` has the route's curvature at the same
+// places (1/m).
 std::vector<double> inBends(const std::vector<double>& curvature, double fastest);
 
-// Returns for each driver the distances along its route (m) at the times 0, interval, ... up to `duration` (s), after a
-// simulation of `warmUp` seconds before time 0. No vehicle drives backwards or into another on its lane.
+// Returns for each driver the distances along the route (m) at the times 0, interval, ... up to `duration` (s), after a
+// simulation of `warmUp` seconds before time 0. No vehicle drives backwards or into another vehicle on its lane.
 std::vector<std::vector<double>> drive(const std::vector<Route>& routes, const std::vector<Driver>& drivers,
                                        double warmUp, double duration, double interval);
 

@@ -63,7 +63,7 @@ Line evenLine(const Line& line, double step) {
 
 Line smoothLine(const Line& line, double step) {
   Line points = evenLine(line, step);
-  constexpr int kPasses = 8;  // eight passes average over about two points on both sides
+  constexpr int kPasses = 8;  // together the passes average over about two points on both sides
   for (int pass = 0; pass < kPasses; ++pass) {
     Line next = points;
     for (std::size_t i = 1; i + 1 < points.size(); ++i) {
@@ -72,7 +72,7 @@ Line smoothLine(const Line& line, double step) {
     }
     points = std::move(next);
   }
-  // Smoothed points may coincide where the line turns back on itself: keep only points over 0.1 m apart.
+  // Keeps only points over 0.1 m apart, since smoothed points may coincide where the line turns back on itself.
   Line apart;
   for (const Point2& p : points) {
     if (apart.empty() || distance(apart.back(), p) > 0.1) apart.push_back(p);

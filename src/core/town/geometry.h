@@ -9,28 +9,29 @@
 namespace scanmill::town {
 
 using models::Point2;
-using Line = std::vector<Point2>;     // two points or more
-using Polygon = std::vector<Point2>;  // counter-clockwise, without its first point at the end
+using Line = std::vector<Point2>;     // at least two points
+using Polygon = std::vector<Point2>;  // counter-clockwise; the first point is not repeated
 
 double distance(const Point2& a, const Point2& b);
 
 double lengthOf(const Line& line);
-Point2 pointAt(const Line& line, double along);  // the line's end if the line is shorter
+Point2 pointAt(const Line& line, double along);  // the end of the line if `along` exceeds its length
 
 // The point of a line that is nearest to another point.
 struct Nearest {
   double distance = 1e9;
-  double along = 0;  // distance along the line
-  Point2 heading;    // unit vector, direction of the line there
+  double along = 0;  // m along the line
+  Point2 heading;    // direction of the line at this point, a unit vector
 };
 Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
 Line evenLine(const Line& line, double step);
-// Returns such points of the line with its corners rounded, as vehicles drive: each is averaged with its neighbours.
-// The ends stay where they are.
+// Returns points on the line about `step` apart, with corners rounded as vehicles drive: each point is averaged with
+// its neighbours. The ends do not move.
 Line smoothLine(const Line& line, double step);
-// Returns the points of a line in the square about the origin with sides of 2 * half, as runs without gaps.
+// Returns the points of a line in the square about the origin with sides of 2 * half. Each sequence of successive
+// points becomes a separate line.
 std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside by the even-odd rule over all rings.
@@ -38,12 +39,12 @@ bool isInside(const std::vector<const Polygon*>& rings, const Point2& p);
 double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p);
 // Returns the ring's corners and points between them, at most `step` apart.
 std::vector<Point2> pointsAlong(const Polygon& ring, double step);
-double sizeOf(const Polygon& ring);  // area in m^2, negative if the ring is clockwise
-// Returns the smallest rectangle about a polygon that has one side along a side of the polygon.
+double sizeOf(const Polygon& ring);  // area in m^2; negative if the ring is clockwise
+// Returns the smallest rectangle around a polygon that is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
-// Returns the part of a polygon in a square about the origin: Sutherland and Hodgman, "Reentrant polygon clipping",
-// Communications of the ACM 17 (1974). If clipping separates the polygon into parts, they stay connected along the
-// square's sides.
+// Returns the part of a polygon in the square about the origin with sides of 2 * half: Sutherland and Hodgman,
+// "Reentrant polygon clipping", Communications of the ACM 17 (1974). If clipping separates the polygon into parts, the
+// parts stay connected along the square's sides.
 Polygon clipped(Polygon ring, double half);
 
 }  // namespace scanmill::town

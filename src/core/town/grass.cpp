@@ -1,4 +1,4 @@
-// Tufts of unmown grass on verges and along the roads.
+// Places tufts of unmown grass on verges and along the roads.
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace {
 using models::Kind;
 
 constexpr int kForms = 6;
-constexpr double kReach = 5;  // m beyond the pavement, within which single tufts are placed
+constexpr double kReach = 5;  // m; tufts are placed up to this far beyond the pavement
 constexpr int kMost = 2500;
 
 // Builds a tuft of blades that bend outwards, the longest 0.12 to 0.4 m.
@@ -49,7 +49,7 @@ void placeGrass(Placer& placer) {
   const Character& c = l.character();
   if (c.season == Season::Winter) return;  // the grass is below the snow
   Draw place(l.seed(), Kind::Grass);
-  // How neglected the place is.
+  // `wild` is the density of tufts in a town: 0 if all grass is mown.
   const double wild = place.in(0, c.district == District::Rural ? 0.9 : c.district == District::Suburban ? 0.45 : 0.2);
   const std::vector<Model> forms = models::makeForms(
       kForms, [&](int f) { return makeTuft(placer.builder, l.seed(), f, c.season == Season::Autumn || f == 0); });

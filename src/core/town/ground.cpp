@@ -1,5 +1,6 @@
-// The ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of carriageway,
-// curb, verge, sidewalk and the plots' patches, with a height at each corner and vertical walls at the curbs.
+// Builds the ground of a town as one closed surface: a tiling that is fine near the roads, cut along the edges of
+// carriageway, curb, verge, sidewalk and the plots' patches, with a height at each corner and vertical walls at the
+// curbs.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@ namespace {
 using models::Shape;
 using models::SurfaceIndex;
 
-constexpr double kSmallest = 0.5;  // m, a cell's side
+constexpr double kSmallest = 0.5;  // m, side of the smallest cell
 
 class GroundMaker {
  public:
@@ -85,7 +86,7 @@ class GroundMaker {
 
   static bool isLow(GroundKind kind) { return kind == GroundKind::Road || kind == GroundKind::Parking; }
 
-  // Returns the kind of ground of a triangle. No border crosses a triangle, so its centre decides.
+  // Returns the kind of ground of a triangle: the kind at its centre, since no border crosses a triangle.
   GroundKind kindOf(const std::array<std::uint32_t, 3>& t) {
     Beside middle = beside(t[0]);
     Point2 p{0, 0};
@@ -99,8 +100,8 @@ class GroundMaker {
     return layout_.kindAt(middle, p);
   }
 
-  // Returns the vertex of a point on the level of `kind`. Triangles on the same level, above or below the curb, share
-  // their vertices.
+  // Returns the index of the vertex for a point of the tiling and a kind of ground. Kinds on the same level, above or
+  // below the curb, share their vertices.
   std::uint32_t vertex(std::uint32_t point, GroundKind kind) {
     std::vector<std::uint32_t>& made = isLow(kind) ? low_ : high_;
     if (made[point] == 0) {
@@ -125,7 +126,7 @@ class GroundMaker {
     addWalls(low);
   }
 
-  // Adds the curb's vertical wall at edges that the carriageway shares with higher ground.
+  // Adds the curb's vertical wall at the edges between the carriageway and higher ground.
   void addWalls(const std::vector<bool>& low) {
     const SurfaceIndex curb = surfaces_[static_cast<std::size_t>(GroundKind::Curb)];
     std::unordered_set<std::uint64_t> ofHigh;
@@ -158,7 +159,7 @@ class GroundMaker {
   std::array<SurfaceIndex, 12> surfaces_{};
   Tiling tiling_;
   std::vector<Beside> besides_;
-  std::vector<std::uint32_t> low_, high_;  // index + 1 of each point's vertex; 0: none yet
+  std::vector<std::uint32_t> low_, high_;  // for each point, the index of its vertex plus 1; 0: none yet
 };
 
 }  // namespace

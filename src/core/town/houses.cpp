@@ -1,4 +1,4 @@
-// Houses, and the hedges and fences around their plots.
+// Places houses, and the hedges and fences around their plots.
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@ using models::Fencing;
 using models::Kind;
 using models::Shape;
 
-constexpr double kPanel = 2;        // m
-constexpr double kPlinthDepth = 3;  // m below the ground at the door: fills slopes
+constexpr double kPanel = 2;        // m, length of a panel
+constexpr double kPlinthDepth = 3;  // m that plinths extend below the door, to fill slopes
 
 Model makePlinth(SceneBuilder& builder, const models::House& house) {
   Shape s(builder, "plinth");
@@ -29,8 +29,8 @@ class Boundaries {
  public:
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
-  // Places a row of panels from a to b, each at the height of the ground at its middle, except where an object or a
-  // path is.
+  // Places a row of panels from a to b, each at the height of the ground at its middle. Panels that would be on an
+  // object or a path are left out.
   void row(Fencing what, int form, const Point2& a, const Point2& b) {
     const double length = std::hypot(b.x - a.x, b.y - a.y);
     const int count = static_cast<int>(std::lround(length / kPanel));
@@ -50,7 +50,7 @@ class Boundaries {
       placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
       taken_.push_back({p, width / 2 - 0.1, half, yaw});
     }
-    // The ground is marked as taken only now, because the panels of one row touch each other.
+    // The ground is marked as occupied only after the row is complete, because the panels of a row touch each other.
     for (const Footprint& f : taken_) placer_.occupancy.add(f);
     taken_.clear();
   }

@@ -9,10 +9,10 @@ namespace scanmill::town {
 
 namespace {
 
-constexpr double kPoints = 6;  // m between points
+constexpr double kPoints = 6;  // m between the points of a lane
 
 // Returns points that continue a way beyond the end of a road: down, round, and back far below the ground, where
-// vehicles that have not yet arrived or have left are hidden.
+// vehicles are hidden before they arrive or after they have left.
 std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
   std::vector<Vec3d> more;
   if (reach <= 0) return more;
@@ -20,9 +20,9 @@ std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
   ahead.z = 0;
   ahead = normalized(ahead);
   const Vec3d aside{-ahead.y, ahead.x, 0};
-  constexpr double kRamp = 130;  // m
+  constexpr double kRamp = 130;  // m, length of the way down
   constexpr double kDepth = 70;
-  constexpr double kTurn = 20;  // radius
+  constexpr double kTurn = 20;  // m, radius of the turn
   for (const double d : models::steps(10, kRamp, 10)) {
     more.push_back(end + ahead * d + Vec3d{0, 0, -kDepth * models::smooth(d / kRamp)});
   }
@@ -78,7 +78,7 @@ double cornerOf(const Layout& l, std::uint32_t sideRoad) {
 }
 
 Tour tourOf(const Layout& l) {
-  constexpr double kLeast = 30;  // m of the main road between two turns, or before a single one
+  constexpr double kLeast = 30;  // m, least length of the main road between two turns, or before the only turn
   const std::vector<Road>& roads = l.roads().roads();
   const auto joins = [&](std::uint32_t r) { return *roads[r].joins; };
   Tour tour;
@@ -91,7 +91,7 @@ Tour tourOf(const Layout& l) {
       joins(*tour.into) - joins(*tour.from) < cornerOf(l, *tour.from) + cornerOf(l, *tour.into) + kLeast) {
     tour.from.reset();
   }
-  // Without `from` the vehicle does not turn within kLeast of the start of the built part.
+  // Without `from` the vehicle must not turn within kLeast of the start of the built-up part.
   if (tour.into && !tour.from && joins(*tour.into) - cornerOf(l, *tour.into) < l.mainFrom() + kLeast) {
     tour.into.reset();
   }

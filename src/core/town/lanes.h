@@ -16,7 +16,7 @@ struct Way {
     double from, to;  // m along the road; vehicles drive from `from` to `to`
   };
   std::vector<Stretch> stretches;
-  double before = 0, after = 0;  // m before the first and after the last stretch, hidden below ground
+  double before = 0, after = 0;  // m of hidden way below ground, before the first and after the last stretch
 };
 
 struct LaidOut {
@@ -25,24 +25,24 @@ struct LaidOut {
     std::uint32_t road;
     double along;
   };
-  std::vector<Place> places;  // places[i]: the place of a road that points[first + i] is beside
+  std::vector<Place> places;  // points[first + i] is beside places[i]
   std::size_t first = 0;
 };
 
-// Returns the points of a way. Vehicles keep to the right: `out` m further from the road's centre line than the middle
-// of their lane, and at least `least` m from the centre line. On one-way roads they drive `out` m to the right of the
-// centre line.
+// Returns the points of a way. Vehicles keep to the right: they drive `out` metres farther from the road's centre line
+// than the middle of their lane, and at least `least` metres from the centre line. On one-way roads they drive `out`
+// metres to the right of the centre line.
 LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
-// Returns the distance along a side road at which its lanes begin (m).
+// Returns the distance along a side road (m) at which its lanes begin, which is the same for all side roads.
 double mouthOf(const Layout& l);
-double stopAtMouth(const Layout& l);                    // returns where vehicles that come out of a side road stop
-double endOf(const Layout& l, std::uint32_t sideRoad);  // returns where the lanes of a side road end
-// Returns the distance (m) along the main road between a side road's joint and the start of the turn into it.
+double stopAtMouth(const Layout& l);                    // m along a side road where vehicles stop that leave it
+double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road, end of its lanes
+// Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
 double cornerOf(const Layout& l, std::uint32_t sideRoad);
 
-// The side roads on the right that the sensor's vehicle comes out of (`from`) and turns into (`into`). No other vehicle
-// drives on these side roads.
+// The side roads from which the sensor's vehicle comes (`from`) and into which it turns (`into`), both at the right of
+// the main road. No other vehicle drives on these side roads.
 struct Tour {
   std::optional<std::uint32_t> from, into;
   bool has(std::uint32_t road) const { return from == road || into == road; }

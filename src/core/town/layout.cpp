@@ -11,15 +11,16 @@ namespace {
 using models::Footprint;
 using models::smooth;
 
-constexpr double kPatchCell = 8;   // m
-constexpr double kPatchReach = 4;  // m
+constexpr double kPatchCell = 8;   // m, side of a grid cell
+constexpr double kPatchReach = 4;  // m, largest distance of a point from a patch that is looked up
 
 std::uint64_t keyAt(double x, double y) {
   const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kPatchCell)); };
   return models::cellKey(cell(x), cell(y));
 }
 
-// Returns the distance of a point from a rectangle (m, negative inside): the larger of those along its two axes.
+// Returns the distance of a point from a rectangle (m, negative inside): the larger of the distances along its two
+// axes.
 double outside(const Footprint& f, const Point2& p) {
   const double c = std::cos(f.yaw);
   const double s = std::sin(f.yaw);
@@ -54,7 +55,7 @@ bool Layout::nearPothole(const Point2& p, double reach) const {
   });
 }
 
-// Adds the index to all cells within kPatchReach of the rectangle.
+// Adds the index to all grid cells within kPatchReach of the rectangle.
 void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
@@ -99,7 +100,7 @@ GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
   }
   if (b.edge < s.curb) return GroundKind::Curb;
   if (const Patch* patch = patchAt(p)) {
-    // The pavement continues across driveways.
+    // Driveways do not interrupt the pavement.
     if (b.edge < s.curb + s.verge || b.edge > s.outer()) return patch->kind;
   }
   if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;
@@ -120,7 +121,7 @@ double Layout::base(const Point2& p) const {
                              0.11 * relief(seed_ * 4 + 4, p.x, p.y, 45));
 }
 
-// Returns a factor on the height of the curb, below 1 where a driveway joins the road.
+// Returns a factor on the height of the curb: 1, or less where a driveway joins the road.
 double Layout::lowering(const Beside& b, const Point2& p) const {
   if (b.section.step <= 0 || b.edge > 3) return 1;
   double factor = 1;
@@ -141,7 +142,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double edge = b.known ? b.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
-    // A crown of the road, a gutter, and ruts from years of lorries.
+    // Adds the crown of the road, a gutter, and ruts from years of lorries.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
     double hole = 0;
@@ -155,8 +156,8 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     return ground + crown + worn - hole;
   }
   const double outer = b.known ? b.section.outer() : 0;
-  // The height of curb and pavement fades out far from roads, so that the ground has no step where the roads' reach
-  // ends.
+  // The height of curb and pavement fades out far from roads, so that the ground has no step where a road is too far to
+  // be known.
   const double near = b.known ? 1 - smooth((edge - 18) / 15) : 0;
   const double step = near * b.section.step * lowering(b, p);
   const double rise = near * 0.015 * std::clamp(edge, 0.0, outer);
@@ -169,26 +170,26 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   // Lots and squares are flatter than the land around them.
   const double flat = 0.25 + 0.75 * smooth(hard / Areas::kReach);
   const double bank = flat * character_.banks * smooth((edge - b.section.curb) / 11) * relief(seed_ + 15, p.x, p.y, 45);
-  // Roughness of lawns at the scale of the finest cells, in some places more than in others.
+  // Lawns are rough at the scale of the finest cells, in some places more than in others.
   const double rough = 0.015 + 0.06 * std::max(0.0, relief(seed_ + 16, p.x, p.y, 9));
   const double grain = (0.03 * relief(seed_ + 13, p.x, p.y, 1.6) + rough * relief(seed_ + 14, p.x, p.y, 0.43)) *
                        smooth((edge - b.section.curb) / 0.3) * paved * (kind == GroundKind::Sidewalk ? 0.1 : 1);
   double natural = ground + step + rise + rolling + bank;
   if (kind == GroundKind::Water) {
     // Water is level except at its banks.
-    constexpr double kBanks = 2;  // m
+    constexpr double kBanks = 2;  // m, width of the banks of water
     const std::optional<std::uint32_t> area = areas_.indexAt(p);
     if (area) natural += smooth(-hard / kBanks) * (waterLevels_[*area] - natural);
   }
   return natural + smooth(beyond / 1.5) * levelling(p, natural) + soft * (grain + snowOn(b, p));
 }
 
-// Returns the depth of snow (m): none on pavements, driveways and paths, which are cleared and which the snow slopes
-// down to. Ploughs leave a bank on verges, and beside roads that have no pavement.
+// Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
+// leave a bank of snow on verges, and beside roads that have no pavement.
 double Layout::snowOn(const Beside& b, const Point2& p) const {
   if (character_.snow <= 0) return 0;
-  constexpr double kSlope = 0.3;  // m
-  constexpr double kBank = 1.3;   // m wide
+  constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
+  constexpr double kBank = 1.3;   // m, width of the banks
   const CrossSection& s = b.section;
   const double edge = b.known ? b.edge : 1e3;
   const double outer = b.known ? s.outer() : 0;
@@ -208,7 +209,7 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   return depth * cleared;
 }
 
-// Returns the height (m) to add so that the ground reaches the height of the buildings beside the point.
+// Returns the height (m) to add at a point so that the ground is level with the buildings beside it.
 double Layout::levelling(const Point2& p, double natural) const {
   const auto cell = terraceCells_.find(keyAt(p.x, p.y));
   if (cell == terraceCells_.end()) return 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The plan of a town: its character, its roads, its plots, and the ground under all of them. In the town's frame,
-// metres; the main road passes the origin along +x. Outside this folder only tests include this header.
+// The plan of a town: its character, its roads, its plots, and the ground. Coordinates are in the town's frame (m); the
+// main road passes the origin along +x. Outside this folder only tests include this header.
 
 #include <array>
 #include <cstdint>
@@ -20,34 +20,34 @@ namespace scanmill::town {
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
-// A rectangle of another kind of ground within a plot, from the road's edge inwards.
+// A rectangle of ground of another kind, such as a driveway, from the road's edge into a plot.
 struct Patch {
   models::Footprint place;
   GroundKind kind = GroundKind::Driveway;
-  bool parks = false;  // a car may park on it
+  bool parks = false;  // true: a car may park here
 };
 
 struct Plot {
   std::uint32_t number = 0;
   std::uint32_t road = 0;
-  int side = 1;             // 1: to the left of the road's line
+  int side = 1;             // 1: at the left of the road's line; -1: at its right
   double from = 0, to = 0;  // m along the road
   bool built = false;
-  bool bare = false;  // open land: only a hedge or fence along the road
-  double depth = 9;   // m, of the building
+  bool bare = false;  // true: open land, with only a hedge or fence along the road
+  double depth = 9;   // m, depth of the building
   models::Fencing fencing = models::Fencing::None;
   double setback = 0;
 };
 
-// A building over any outline.
+// A building with any outline.
 struct PlacedBlock {
   models::Block block;      // relative to the centre of `about`
   models::Footprint about;  // the rectangle around the building
-  Point2 entrance;          // in front of the wall that faces the road
-  double height = 0;        // height of the ground at the entrance, m
+  Point2 entrance;          // a point in front of the wall that faces the road
+  double height = 0;        // m, height of the ground at the entrance
 };
 
-// A rectangle of ground that is levelled: under a building and half a metre around it.
+// A rectangle in which the ground is level: under a building and half a metre around it.
 struct Terrace {
   models::Footprint place;
   double height = 0;
@@ -63,16 +63,16 @@ constexpr double kPathHalf = 0.9;  // m, half of a path's width
 
 class Layout {
  public:
-  static constexpr double kBeyond = 130;  // m that the main road continues beyond its plots
+  static constexpr double kBeyond = 130;  // m that the main road continues beyond its built-up part
   static constexpr double kEdge = 20;     // m that the ground continues beyond the roads
 
   Layout(const Parameters& parameters, std::uint64_t seed);
   Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace& map);
 
-  // Returns a description: the district, the season, and with a map the main road and the latitude and longitude of the
-  // frame's origin.
+  // Returns a description of the town: the district, the season, and with a map the main road and the latitude and
+  // longitude of the frame's origin.
   const std::string& about() const { return about_; }
-  // Returns half of the side of the square of ground (m).
+  // Returns half of the side of the square of ground (m) that these parameters need.
   static double reachOf(const Parameters& parameters);
 
   const Parameters& parameters() const { return parameters_; }
@@ -80,34 +80,34 @@ class Layout {
   std::uint64_t seed() const { return seed_; }
   const RoadNetwork& roads() const { return roads_; }
   const std::vector<Plot>& plots() const { return plots_; }
-  // The houses' poses have the height of the ground at the door.
+  // Returns the houses. The height of a house's pose is the height of the ground at the door.
   const std::vector<models::House>& houses() const { return houses_; }
   const std::vector<PlacedBlock>& blocks() const { return blocks_; }
-  // Rectangles of the ground that houses, garages and blocks cover.
+  // Returns rectangles of ground that are covered by houses, garages and blocks.
   const std::vector<models::Footprint>& covers() const { return covers_; }
   const Areas& areas() const { return areas_; }
-  // Only with a map: its barriers and its trees.
+  // Returns the barriers and the trees of the map; empty without a map.
   const std::vector<MapBarrier>& barriers() const { return barriers_; }
   const std::vector<Point2>& trees() const { return trees_; }
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Pothole>& potholes() const { return potholes_; }
-  // True if a pothole's rim is nearer than `reach` (m).
+  // True if a pothole's rim is within `reach` (m) of the point.
   bool nearPothole(const Point2& p, double reach) const;
-  // The built-up part of the main road: distances along its line (m).
+  // Returns the ends of the built-up part of the main road (m along its line).
   double mainFrom() const { return mainFrom_; }
   double mainTo() const { return mainTo_; }
-  double half() const { return half_; }  // half of the side of the square of ground, m
+  double half() const { return half_; }  // half of the side of the square of ground (m)
 
-  // Return the kind of ground at a point, and the height of the ground (m). At a border of two kinds the height depends
-  // on which of them `kind` is, for instance above or below a curb.
+  // kindAt() returns the kind of ground at a point, heightAt() the height of the ground (m). At a border between two
+  // kinds the height depends on `kind`, for instance above or below a curb.
   GroundKind kindAt(const Beside& beside, const Point2& p) const;
   double heightAt(GroundKind kind, const Beside& beside, const Point2& p) const;
   double heightAt(const Point2& p) const;
 
-  // Returns signed distances (m) to the lines where the kind of ground changes: the edges of the parking lane, the
-  // carriageway, the curb, the verge and the sidewalk. Each is zero on its line.
+  // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
+  // the curb, the verge and the sidewalk. A distance is zero on its line.
   std::array<double, 5> borders(const Beside& beside) const;
-  // Returns the distance to the nearest patch (m, negative inside, at most 4 m).
+  // Returns the distance to the nearest patch (m): negative inside a patch, at most 4 m.
   double outsidePatches(const Point2& p) const;
 
  private:
@@ -121,11 +121,12 @@ class Layout {
   void addPlots(std::uint32_t road, int side, double from, double to);
   models::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from `inner`, a point at a house with this yaw, towards the road.
+  // Adds a strip of ground from `inner`, a point at a house with this yaw, towards the road. `half` is half of its
+  // width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
-  // Puts the level of each water below the lowest point of its shore.
+  // Sets the water level of each area of water below the lowest point of its shore.
   void findWaterLevels();
-  // Is called last: gives buildings the height of the ground at their door, and levels the ground around them.
+  // Must be called last: gives buildings the height of the ground at their door, and levels the ground around them.
   void settle();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);
@@ -155,10 +156,10 @@ class Layout {
   std::vector<models::House> houses_;
   std::vector<PlacedBlock> blocks_;
   std::vector<models::Footprint> covers_;
-  models::Occupancy taken_;  // ground that houses and areas of land have taken
+  models::Occupancy taken_;  // ground that is occupied by houses and areas of land
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
   Areas areas_;
-  std::vector<double> waterLevels_;  // m, for each area; 0 if it is not water
+  std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water
   std::vector<MapBarrier> barriers_;
   std::vector<Point2> trees_;
 };

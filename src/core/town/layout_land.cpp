@@ -1,5 +1,5 @@
-// Land beside the roads that is neither garden nor wood: parks, parking lots, squares. Also roundabouts at the end of
-// side roads.
+// Adds land beside the roads that is neither garden nor wood: parks, parking lots, squares. Also adds roundabouts at
+// the end of side roads.
 
 #include <cmath>
 
@@ -17,14 +17,14 @@ Polygon cornersOf(const Footprint& f) {
 
 }  // namespace
 
-// Adds land beside a road, beyond the pavement: `width` along the road, `depth` across it (m). Returns false if another
-// road or other land is in the way.
+// Adds land beside a road, beyond the pavement; `width` is its size along the road, `depth` across it (m). Returns
+// false if another road or other land is in the way.
 bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double width, double depth) {
   const Road& road = roads_.roads()[r];
   const Point2 p = road.point(along);
   const Point2 h = road.heading(along);
   const double yaw = std::atan2(h.y, h.x) + (side > 0 ? 0 : kPi);
-  constexpr double kBend = 1.5;  // m, between the pavement and the edge of the land
+  constexpr double kBend = 1.5;  // m between the pavement and the land
   const double out = side * (road.section.half + road.section.outer() + kBend + depth / 2);
   const Footprint place{{p.x - h.y * out, p.y + h.x * out}, width / 2, depth / 2, yaw};
   for (const double u : models::steps(-1, 1.1, 0.25)) {
@@ -37,13 +37,13 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   if (!taken_.isFree({place.center, place.halfX + 2, place.halfY + 2, yaw})) return false;
   taken_.add(place);
   areas_.add({land, cornersOf(place), {}});
-  // The entrance.
+  // Adds the entrance.
   const double front = depth / 2 - 1;
   const Point2 inner{place.center.x + std::sin(yaw) * front, place.center.y - std::cos(yaw) * front};
   const double way = kBend + 1.5 + road.section.outer();
   if (land == Land::Lot) addStrip(inner, yaw, 3, way, GroundKind::Driveway);
   if (land != Land::Park) return true;
-  // Two paths that cross.
+  // Adds two paths that cross in the park.
   addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
   patches_.push_back({{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
   patches_.push_back({{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});

@@ -1,4 +1,4 @@
-// Roads, buildings and land from a map instead of random ones.
+// Takes roads, buildings and land from a map instead of sampling them.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using models::Kind;
 
-constexpr double kOnRoad = 1.6;  // m from a centre line: nearer buildings are on the road
+constexpr double kOnRoad = 1.6;  // m; buildings that are nearer to a centre line are on the road
 
 Parameters inDistrict(Parameters parameters, District district) {
   if (parameters.district != "any") return parameters;
@@ -21,12 +21,12 @@ Parameters inDistrict(Parameters parameters, District district) {
   return parameters;
 }
 
-// Returns the cross section of a road from the map. Where the map gives no widths, they are usual for the road's class
-// or are the town's own.
+// Returns the cross section of a road on the map. Widths that the map lacks are usual for the road's class, or those of
+// the town's random roads.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   const bool small = road.kind >= RoadClass::Service;
   const double lane = c.main.half - c.main.parking;
-  // m, by class; residential roads are as wide as the town's own roads.
+  // m, widths by class; 0: residential roads are as wide as the town's random roads
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};
   double width = road.kind == RoadClass::Residential ? 2 * lane * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];
@@ -48,11 +48,11 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
 }
 
 // Narrows a cross section so that the carriageway ends before the walls beside the road, and the pavement before most
-// of them. `walls`: distances from the centre line (m).
+// of the walls. `walls` has the walls' distances from the centre line (m).
 void makeRoom(CrossSection& s, std::vector<double>& walls) {
-  constexpr double kGap = 0.4;      // m
-  constexpr double kLeast = 1.6;    // m, half of the narrowest road
-  constexpr double kBehind = 0.15;  // share of the walls that may be on the pavement
+  constexpr double kGap = 0.4;      // m between the carriageway and the nearest wall
+  constexpr double kLeast = 1.6;    // m, half of the width of the narrowest road
+  constexpr double kBehind = 0.15;  // fraction of the walls that may be on the pavement
   constexpr double kIgnored = 0.02;
   if (walls.empty()) return;
   std::sort(walls.begin(), walls.end());
@@ -103,7 +103,7 @@ Layout::Layout(const Parameters& parameters, std::uint64_t seed, const MapPlace&
 }
 
 void Layout::findWaterLevels() {
-  constexpr double kBelow = 0.3;  // m
+  constexpr double kBelow = 0.3;  // m between the water and the lowest point of its shore
   for (const MapArea& area : areas_.all()) {
     double level = 0;
     if (area.land == Land::Water) {
@@ -146,7 +146,7 @@ void Layout::takeRoads(const MapPlace& map) {
       if (beside.known && lateral < 20) near.emplace_back(beside.road, lateral);
       if (beside.known) least = std::min(least, lateral);
     }
-    // Buildings across a road do not narrow it: they are left out later.
+    // Buildings that stand across a road do not narrow it: takeBuildings() leaves them out.
     if (least < kOnRoad) continue;
     for (const auto& [road, lateral] : near) walls[road].push_back(lateral);
   }

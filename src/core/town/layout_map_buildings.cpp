@@ -1,4 +1,4 @@
-// The buildings of a map and their plots.
+// Adds the buildings of a map and their plots.
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,9 @@ using models::Kind;
 
 // The position of a building relative to the nearest road.
 struct Frontage {
-  Footprint about;   // rectangle around the building, its x axis towards the road
-  double gap = 1e9;  // m, from the pavement's outer edge to the building; 1e9: no road is near
-  Beside before;     // the road before the middle of the building's front
+  Footprint about;   // rectangle around the building; its x axis points to the road
+  double gap = 1e9;  // m from the pavement's outer edge to the building; 1e9: no road is near
+  Beside before;     // position of the middle of the building's front
 
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };
@@ -39,7 +39,7 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
 
 // True if the building is on a carriageway: a road may pass through it, or the map may be wrong.
 bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
-  constexpr double kSlip = 0.3;  // m
+  constexpr double kSlip = 0.3;  // m that a building may extend onto a carriageway
   for (const Point2& p : pointsAlong(b.outline, 1)) {
     const Beside beside = roads.at(p.x, p.y);
     if (beside.known && beside.edge < -kSlip) return true;
@@ -76,7 +76,7 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 
 }  // namespace
 
-// Turns buildings over rectangles into houses and all others into blocks. Buildings that face a road get a plot there.
+// Turns rectangular buildings into houses and all other buildings into blocks. Buildings that face a road get a plot.
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
@@ -86,7 +86,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, roads_);
     const Footprint& about = frontage.about;
-    const double yaw = about.yaw + kPi / 2;  // yaw of a house there, whose front faces its -y
+    const double yaw = about.yaw + kPi / 2;  // yaw of a house here, whose front faces its own -y
     const bool house = isHouse(b, about);
     if (house) {
       House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
@@ -104,7 +104,7 @@ void Layout::takeBuildings(const MapPlace& map) {
       blocks_.push_back(blockOf(b, frontage, floors, number));
       cover(b, about);
     }
-    constexpr double kFacing = 30;  // m
+    constexpr double kFacing = 30;  // m; a building that is nearer to a pavement faces the road
     if (b.shed || frontage.gap > kFacing) continue;
     const Beside& before = frontage.before;
     Plot plot;
@@ -124,9 +124,9 @@ void Layout::takeBuildings(const MapPlace& map) {
   arrangePlots();
 }
 
-// Covers a building, walls included, with small rectangles.
+// Covers a building and its walls with small rectangles.
 void Layout::cover(const MapBuilding& b, const Footprint& about) {
-  constexpr double kCell = 1.6;  // m
+  constexpr double kCell = 1.6;  // m, side of the small rectangles
   std::vector<const Polygon*> rings{&b.outline};
   for (const Polygon& court : b.courts) rings.push_back(&court);
   for (const double v : models::steps(-about.halfY + kCell / 2, about.halfY + kCell / 2, kCell)) {
@@ -169,7 +169,7 @@ void Layout::arrangePlots() {
         Plot plot = built[next];
         plot.from = std::max(plot.from, done);
         plot.to = std::min(plot.to, road.length() - 2);
-        if (plot.to - plot.from < 2) continue;  // behind another plot
+        if (plot.to - plot.from < 2) continue;  // the plot is behind another plot
         addFree(plot.from);
         plot.from = std::max(done, 4.0);
         done = plot.to;
@@ -179,7 +179,7 @@ void Layout::arrangePlots() {
     }
   }
   std::erase_if(plots_, [&](const Plot& plot) {
-    // Remove plots on lots, squares and water, and plots on another road.
+    // Removes plots on parking lots, squares and water, and plots on another road.
     const Road& road = roads_.roads()[plot.road];
     const double middle = (plot.from + plot.to) / 2;
     const Point2 p = road.point(middle);

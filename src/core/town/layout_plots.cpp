@@ -1,4 +1,4 @@
-// Plots along the roads, with their houses, driveways and paths.
+// Adds plots along the roads, with their houses, driveways and paths.
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,8 @@ using models::House;
 using models::Kind;
 using models::Roof;
 
-constexpr double kDriveway = 3;   // m wide
-constexpr double kWalkway = 1.4;  // m wide
+constexpr double kDriveway = 3;   // m, width of a driveway
+constexpr double kWalkway = 1.4;  // m, width of a path to a house
 
 }  // namespace
 
@@ -30,7 +30,7 @@ void Layout::drawPlots() {
 
 void Layout::settle() {
   for (std::uint32_t i = 0; i < patches_.size(); ++i) enter(patches_[i].place, i, patchCells_);
-  // Heights are read before any terrace is set: otherwise buildings that are close together would lift each other.
+  // Reads all heights before any terrace is set. Otherwise buildings that are close together would lift each other.
   std::vector<Terrace> terraces;
   for (models::House& house : houses_) {
     const Vec3d door = house.place * Vec3d{house.doorX(), -0.6, 0};
@@ -52,7 +52,7 @@ void Layout::settle() {
   for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
 }
 
-// True if the rectangle is at least `gap` m from roads and sidewalks, and on no ground that is already taken.
+// True if the rectangle is at least `gap` metres from roads and sidewalks, and its ground is not occupied.
 bool Layout::fits(const Footprint& f, double gap) const {
   for (const double u : {-1.0, 0.0, 1.0}) {
     for (const double v : {-1.0, 0.0, 1.0}) {
@@ -140,7 +140,8 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       plot.built = true;
       house.forecourt = plot.setback;
       house.ivy = draw.chance(0.2 * parameters_.greenery);
-      // The house's frame: x along its front to its right as seen from inside, the front wall in y = 0 facing -y.
+      // Sets the house's frame: x along its front, to the right as seen from the road; the front wall in y = 0, facing
+      // -y.
       const double cy = std::cos(yaw);
       const double sy = std::sin(yaw);
       const Point2 corner{body.center.x - cy * body.halfX + sy * body.halfY,
@@ -161,7 +162,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       houses_.push_back(house);
     }
     start = plot.to;
-    // No plot for a garden in parks, lots and squares.
+    // A plot without a house is a garden; in parks, lots and squares there are none.
     if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
     plots_.push_back(plot);
   }

@@ -1,4 +1,4 @@
-// Random roads, and their wear.
+// Adds random roads and their wear.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace scanmill::town {
 using models::Kind;
 
 void Layout::drawRoads() {
-  // The heading varies as a smooth random field by less than a right angle, so that the line never crosses itself.
+  // The heading is a smooth random field that varies by less than a right angle, so that the line never crosses itself.
   const auto line = [&](std::uint64_t key, Point2 from, double heading, double bend, double length) {
     std::vector<Point2> points{from};
     const double start = relief(key, 0, 0.5, 90);
@@ -36,8 +36,8 @@ void Layout::drawRoads() {
   mainFrom_ = middle - parameters_.length / 2;
   mainTo_ = middle + parameters_.length / 2;
 
-  // Side roads leave to one side, or cross the main road. Two on the same side are far enough apart for plots.
-  constexpr double kApart = 45;  // m
+  // Side roads end at the main road or cross it. Two side roads at the same side are far enough apart for plots.
+  constexpr double kApart = 45;  // m, least distance between two side roads at the same side
   std::vector<std::pair<double, int>> taken;
   for (int i = 0; i < character_.sideRoads; ++i) {
     Draw draw(seed_, Kind::SideRoad, static_cast<std::uint32_t>(i));

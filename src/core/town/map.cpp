@@ -31,21 +31,21 @@ std::optional<RoadClass> classOf(const OsmTags& tags) {
 }
 
 bool isPath(const OsmTags& tags) {
-  // Pavements are part of their roads.
+  // Footways that are pavements are left out, since they are part of their roads.
   return isOneOf(tags["highway"], {"footway", "path", "cycleway", "steps", "bridleway"}) &&
          !isOneOf(tags["footway"], {"sidewalk", "crossing", "traffic_island"}) && tags["path"] != "sidewalk" &&
          tags["is_sidepath"] != "yes";
 }
 
-// True if an object is on the ground. Others, such as tunnels and bridges, are left out.
+// True if an object is on the ground. Objects that are not, such as tunnels and bridges, are left out.
 bool onGround(const OsmTags& tags) {
   return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
          isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
          !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"});
 }
 
-// Returns what tags say about a feature of a road, with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
-// true if a value is one of `yes`, false if one is in `no`, none if neither.
+// Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
+// true if the value of a key is in `yes`; otherwise false if a value is in `no`; nullopt if no value is in either list.
 std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char*> keys,
                            std::initializer_list<std::string_view> yes, std::initializer_list<std::string_view> no) {
   std::optional<bool> said;
@@ -57,7 +57,7 @@ std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char
 }
 
 MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
-  constexpr double kLane = 3.1;  // m, width of a lane where the map gives their number
+  constexpr double kLane = 3.1;  // m, width of a lane if the map gives only the number of lanes
   MapRoad road;
   road.kind = kind;
   road.name = way.tags["name"];
@@ -82,12 +82,13 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
       {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
   road.width = metresOf(way.tags["width"]);
   if (const auto lanes = metresOf(way.tags["lanes"]); !road.width && lanes) road.width = kLane * *lanes;
-  constexpr double kNarrowest = 2, kWidest = 24;  // m
+  constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
   if (road.width && (*road.width < kNarrowest || *road.width > kWidest)) road.width.reset();
   return road;
 }
 
-// Returns a ring in the plane. Outer rings stay counter-clockwise and inner ones clockwise, in the mirror image too.
+// Returns a ring in the plane. Outer rings stay counter-clockwise and inner rings clockwise, even if the plane is
+// mirrored.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;  // m, shortest wall
   Polygon ring;
@@ -99,7 +100,7 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   while (ring.size() > 1 && std::hypot(ring.front().x - ring.back().x, ring.front().y - ring.back().y) < kShortest) {
     ring.pop_back();
   }
-  // Leave out points on straight walls.
+  // Leaves out points on straight walls.
   Polygon corners;
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point2& a = corners.empty() ? ring.back() : corners.back();
@@ -149,10 +150,10 @@ std::optional<models::Roof> roofOf(const std::string& shape) {
   return found == kShapes.end() ? std::nullopt : std::optional(found->second);
 }
 
-// Returns the usual height (m) of a pitched roof over a rectangle; 0 over other outlines, which have flat roofs.
+// Returns the usual height (m) of a pitched roof over a rectangle. Returns 0 for other outlines, which have flat roofs.
 double usualRise(const Polygon& outline, const std::optional<models::Roof>& roof) {
   constexpr double kSlope = 0.75;
-  constexpr double kWidest = 18;  // m, widest building with a pitched roof
+  constexpr double kWidest = 18;  // m, width of the widest building with a pitched roof
   const models::Footprint about = rectangleAbout(outline);
   const double narrow = std::min(about.halfX, about.halfY);
   const bool pitched = roof != models::Roof::Flat && sizeOf(outline) > 0.9 * 4 * about.halfX * about.halfY;
@@ -171,7 +172,7 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
   if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
     building.floors = static_cast<int>(std::lround(*floors));
   }
-  constexpr double kLowest = 2, kHighest = 400;  // m; values outside are taken as errors of the map
+  constexpr double kLowest = 2, kHighest = 400;  // m; other values are taken as errors of the map
   building.top = metresOf(tags["height"]);
   if (building.top && (*building.top < kLowest || *building.top > kHighest)) building.top.reset();
   building.roof = roofOf(tags["roof:shape"]);
@@ -188,7 +189,7 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
 }  // namespace
 
 std::optional<int> MapBuilding::floorsSaid() const {
-  constexpr double kStorey = 2.9;  // m
+  constexpr double kStorey = 2.9;  // m, usual height of a storey
   constexpr double kLeast = 2.4;
   if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
   if (floors) return floors;
@@ -211,7 +212,7 @@ OsmNode degreesAt(const Map& map, const Point2& p) {
 }
 
 Map makeMap(const OsmExtract& extract, bool mirrored) {
-  // The origin is in the middle of the roads' bounds.
+  // The origin is the middle of the bounds of all roads.
   double south = 90, north = -90, west = 180, east = -180;
   for (const OsmWay& way : extract.ways) {
     if (!classOf(way.tags)) continue;
@@ -249,7 +250,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
   map.roads = joinRoads(ways);
   for (const OsmArea& area : extract.areas) {
     if (!onGround(area.tags)) continue;
-    // Open roofs are left out: they would get walls.
+    // Roofs without walls are left out, since they would get walls.
     if (isOneOf(area.tags["building"], {"roof", "carport"})) continue;
     const bool built = !isOneOf(area.tags["building"], {"", "no"});
     if (built) {
@@ -271,7 +272,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored) {
 }
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
-  // The path is absolute because libosmium would download a name that begins like a URL.
+  // Makes the path absolute: libosmium would download a name that begins like a URL.
   const std::filesystem::path absolute = std::filesystem::absolute(file);
   if (!std::filesystem::is_regular_file(absolute)) {
     throw InputError(where, fmt::format("{} is not a file: a map is an OpenStreetMap extract", file.string()));

@@ -1,7 +1,7 @@
 #pragma once
 
-// A place as an OpenStreetMap extract shows it, from which a town is laid out instead of at random. Frame: metres, x
-// east, y north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
+// A place on an OpenStreetMap extract. A town can be laid out from it instead of at random. Frame: metres, x east, y
+// north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
 
 #include <cstdint>
 #include <filesystem>
@@ -22,14 +22,14 @@ enum class RoadClass { Primary, Secondary, Tertiary, Residential, Service, Track
 struct MapRoad {
   std::string name;
   RoadClass kind = RoadClass::Residential;
-  std::vector<Point2> line;  // as in the map: corners are not rounded
-  // The OpenStreetMap id of each point of `line`: roads meet where they share a node.
+  std::vector<Point2> line;  // the map's points; corners are not rounded
+  // OpenStreetMap's id of each point of `line`. Roads join where they share a node.
   std::vector<std::int64_t> nodes;
-  bool oneWay = false;   // one-way: along the line, or against it
-  bool against = false;  // a one-way road is driven against the line
-  bool ring = false;     // a roundabout
-  // Unset where the map does not give them.
-  std::optional<double> width;  // m, of the carriageway without parking lanes
+  bool oneWay = false;   // true: vehicles drive in only one direction
+  bool against = false;  // true: one-way traffic is against the line
+  bool ring = false;     // true: the road is a roundabout
+  // Not set if the map does not give the value.
+  std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
 
@@ -40,14 +40,14 @@ struct MapBuilding {
   Polygon outline;
   std::vector<Polygon> courts;       // clockwise
   std::optional<double> top;         // m, top of the roof
-  std::optional<double> height;      // m, to the eaves
-  std::optional<int> floors;         // above the ground
-  std::optional<models::Roof> roof;  // none: the map gives no shape, or one that houses do not have
+  std::optional<double> height;      // m, height of the eaves
+  std::optional<int> floors;         // number of floors above the ground
+  std::optional<models::Roof> roof;  // not set: the map has no shape, or one that houses do not have
   bool shop = false;
-  bool shed = false;  // a garage, shed or the like: without windows
+  bool shed = false;  // true: a garage, shed or similar building without windows
 
-  // Returns the number of floors that the map gives, limited to what fits into the height, or a number that fits the
-  // height; none if the map gives neither floors nor height.
+  // Returns the number of floors: the map's number, limited to what fits into the height, or else the number that fits
+  // the height; nullopt if the map gives neither floors nor height.
   std::optional<int> floorsSaid() const;
 };
 
@@ -66,9 +66,9 @@ struct MapBarrier {
 
 struct Map {
   std::filesystem::path file;
-  double latitude = 0, longitude = 0;  // degrees, of the frame's origin
-  bool mirrored = false;               // y is south: see TangentPlane
-  std::vector<MapRoad> roads;          // joined: see joinRoads()
+  double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
+  bool mirrored = false;               // true: y points south (see TangentPlane)
+  std::vector<MapRoad> roads;          // joined by joinRoads()
   std::vector<std::vector<Point2>> paths;
   std::vector<MapBuilding> buildings;
   std::vector<MapArea> areas;
@@ -82,14 +82,14 @@ OsmNode degreesAt(const Map& map, const Point2& p);
 // Reads an extract. Throws an InputError at `where`, with the file's name, if the file cannot be read or has no road
 // for cars.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
-// Builds a map from an extract that has been read.
+// Builds a map from an extract in memory.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
-// Joins roads end to end, and at crossings those that continue straight ahead.
+// Joins roads that meet end to end, and at crossings roads that continue straight ahead.
 std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
-// Returns the number at the start of a tag's value in metres: "12", "12.5 m", "40'"; none if the value is something
-// else.
+// Returns the length in metres at the start of a tag's value, such as "12", "12.5 m" or "40'"; nullopt for other
+// values.
 std::optional<double> metresOf(const std::string& value);
 
 }  // namespace scanmill::town

@@ -15,8 +15,8 @@ namespace {
 
 using models::Kind;
 
-constexpr double kLeastLength = 100;  // m, of a main road
-constexpr double kAroundLand = 30;    // m that areas of land extend beyond the square of the roads
+constexpr double kLeastLength = 100;  // m, least length of a main road
+constexpr double kAroundLand = 30;    // m that areas of land may extend beyond the square of the roads
 
 std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, const Location& where) {
   std::vector<std::size_t> fit;
@@ -46,7 +46,7 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
     throw InputError(where, fmt::format("{} in {} is {:.0f} m long, but a main road needs {} m", which, file, longest,
                                         kLeastLength));
   }
-  // The probability of a road is proportional to its length.
+  // Samples a road with a probability proportional to its length.
   double pick = draw.next() * sum;
   for (const std::size_t i : fit) {
     pick -= map.roads[i].length();
@@ -55,9 +55,10 @@ std::size_t drawRoad(const Map& map, const Parameters& parameters, Draw& draw, c
   return fit.back();
 }
 
-// Returns the district, from the share of the land beside the main road that is built on and from the number of floors.
+// Returns the district: it follows from how much of the land beside the main road is built on, and from the number of
+// floors.
 District districtAbout(const MapPlace& place) {
-  constexpr double kBeside = 40;  // m
+  constexpr double kBeside = 40;  // m; buildings up to this distance from the main road are counted
   const std::vector<Point2>& main = place.roads.front().road.line;
   double built = 0;
   double floors = 0;
@@ -104,7 +105,7 @@ class Cutter {
     for (const Point2& p : line) made.push_back(moved(p));
     return made;
   }
-  // True if the bounding box of a moved line reaches into the square. Most of a large map does not.
+  // True if the bounding box of a moved line overlaps the square. Most lines of a large map do not.
   bool mayReach(const std::vector<Point2>& line) const {
     const auto [left, right] =
         std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.x < b.x; });
@@ -113,13 +114,13 @@ class Cutter {
   }
 
   void addMain(const MapRoad& main, double half) {
-    // The runs of the main road in the square, the one through the origin first.
+    // The parts of the main road in the square. The part through the origin comes first.
     std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
     std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
       return nearestOn(a, {0, 0}).distance < nearestOn(b, {0, 0}).distance;
     });
-    // If the main road leaves the square and comes back, each further run is added as another road.
+    // If the main road leaves the square and comes back, each further part becomes another road.
     for (std::vector<Point2>& run : runs) {
       MapPlace::PlacedRoad placed{main, {}, false};
       placed.road.nodes.clear();
@@ -134,12 +135,13 @@ class Cutter {
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
     const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;
-    constexpr double kEnd = 8;  // m
+    constexpr double kEnd = 8;  // m between an end of the road and the built-up part
     place_.mainFrom = std::max(kEnd, at - half);
     place_.mainTo = std::min(length - kEnd, at + half);
   }
 
-  // Adds a road, cut where it crosses the main road and reversed where needed so that it begins at the main road.
+  // Adds a road. It is cut where it crosses the main road, and reversed if it ends there, so that it begins at the main
+  // road.
   void addOther(const MapRoad& road) {
     std::size_t from = 0;
     const auto meets = [&](std::size_t i) { return mainNodes_.contains(road.nodes[i]); };
@@ -180,7 +182,7 @@ class Cutter {
         const double x = on.x - run.front().x;
         const double y = on.y - run.front().y;
         const double left = (n.heading.x * y - n.heading.y * x) / std::hypot(x, y);
-        // A road that leaves at a flat angle is not a side road: nobody turns there.
+        // A road at a flat angle to the main road does not count as a side road: no vehicle turns there.
         if (n.distance < 3 && std::abs(left) > 0.5 && n.along > place_.mainFrom && n.along < place_.mainTo) {
           placed.joins = n.along;
           placed.joinsLeft = left > 0;
@@ -201,7 +203,7 @@ class Cutter {
       }
     }
     for (const auto& [node, use] : uses) {
-      constexpr double kAround = 40;  // m from a joint, within which corners are rounded
+      constexpr double kAround = 40;  // m; corners are rounded within this distance of a joint
       const Point2 at = moved(use.first);
       if (use.second > 1 && std::max(std::abs(at.x), std::abs(at.y)) < reach_ + kAround) place_.joints.push_back(at);
     }
@@ -218,7 +220,7 @@ class Cutter {
     for (const MapBuilding& b : map_.buildings) {
       MapBuilding kept = b;
       kept.outline = moved(b.outline);
-      // Buildings are taken whole or left out.
+      // Buildings that are not completely in the square are left out.
       const bool whole = std::all_of(kept.outline.begin(), kept.outline.end(),
                                      [&](const Point2& p) { return std::max(std::abs(p.x), std::abs(p.y)) < reach_; });
       if (!whole) continue;

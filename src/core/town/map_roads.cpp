@@ -1,4 +1,4 @@
-// Joins the roads of a map, which consist of many short ways, into roads as drivers see them.
+// Joins the roads of a map, which consist of many short ways, into the roads that a driver would follow.
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,12 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kSharpest = 2.4;  // rad, sharpest corner within a road
+constexpr double kSharpest = 2.4;  // rad, sharpest corner within a joined road
 
 struct Piece {
   MapRoad road;
-  // The piece that continues this one at its start and at its end, and which end of that piece (0: start, 1: end);
-  // piece -1: none.
+  // The piece that continues this piece at its start (joints[0]) and at its end (joints[1]), and which end of that
+  // piece touches this one (0: start, 1: end). Piece -1: none.
   struct Joint {
     int piece = -1;
     int end = 0;
@@ -30,7 +30,7 @@ double turnAt(const MapRoad& road, std::size_t i) {
   return std::abs(std::remainder(std::atan2(c.y - b.y, c.x - b.x) - std::atan2(b.y - a.y, b.x - a.x), 2 * kPi));
 }
 
-// Cuts roads into pieces at crossings, and where a road turns back on itself.
+// Cuts roads into pieces: at crossings, and where a road turns back on itself.
 std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   std::map<std::int64_t, int> uses;
   for (const MapRoad& road : roads) {
@@ -53,9 +53,9 @@ std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   return pieces;
 }
 
-// Returns the direction (rad) away from an end of a road, over its first metres.
+// Returns the direction (rad) in which a road leaves one of its ends, averaged over its first metres.
 double headingFrom(const MapRoad& road, int end) {
-  constexpr double kReach = 12;  // m
+  constexpr double kReach = 12;  // m, length over which the direction is averaged
   const std::size_t count = road.line.size();
   const auto at = [&](std::size_t i) { return road.line[end == 0 ? i : count - 1 - i]; };
   const Point2 start = at(0);
@@ -68,7 +68,8 @@ struct End {
   int piece, end;
 };
 
-// Returns how poorly two pieces that meet fit together as one road (lower is better); none if they cannot be one road.
+// Returns how poorly two pieces with a common node fit together as one road (lower is better); nullopt if they cannot
+// be one road.
 std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, const End& b, bool alone) {
   const MapRoad& p = pieces[static_cast<std::size_t>(a.piece)].road;
   const MapRoad& q = pieces[static_cast<std::size_t>(b.piece)].road;
@@ -79,7 +80,7 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
-  // Around a sharp corner a road continues only with the same name and class, and if no other road joins there.
+  // A road continues around a sharp corner only with the same name and class, and only if no other road joins there.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
   if (turn > (corner ? kSharpest : 0.8)) return std::nullopt;
   return turn + (sameName ? 0 : 0.5) + 0.3 * std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));
@@ -117,7 +118,7 @@ void match(std::vector<Piece>& pieces) {
   }
 }
 
-// Joins the pieces that continue each other, from one end on.
+// Joins the pieces that continue each other, beginning at the end `from` of a piece.
 MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& used) {
   MapRoad whole;
   double longest = 0;
@@ -130,7 +131,7 @@ MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& us
       std::reverse(part.line.begin(), part.line.end());
       std::reverse(part.nodes.begin(), part.nodes.end());
     }
-    // All properties except the line are those of the longest piece.
+    // All properties except the line come from the longest piece.
     std::vector<Point2> line = std::move(whole.line);
     std::vector<std::int64_t> nodes = std::move(whole.nodes);
     const std::size_t skip = line.empty() ? 0 : 1;
@@ -159,7 +160,7 @@ std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads) {
     for (int i = 0; i < static_cast<int>(pieces.size()); ++i) {
       const Piece& piece = pieces[static_cast<std::size_t>(i)];
       if (used[static_cast<std::size_t>(i)]) continue;
-      // One-way roads are followed from their start only.
+      // One-way roads are followed only from their start.
       if (loops || piece.joints[0].piece < 0) {
         joined.push_back(follow(pieces, {i, 0}, used));
       } else if (piece.joints[1].piece < 0 && !piece.road.oneWay) {

@@ -1,4 +1,4 @@
-// Road markings, manhole covers and repairs.
+// Places road markings, manhole covers and repairs.
 
 #include <cmath>
 
@@ -12,18 +12,18 @@ using models::Kind;
 using models::Shape;
 using models::TrafficSign;
 
-constexpr double kPaint = 0.004;  // m above the road
+constexpr double kPaint = 0.004;  // m, height of markings above the road
 
-// Paints a stop line at `along` across the lane of vehicles that drive against the road's line: a solid line if
-// `whole`, else a dashed one. Returns the number of its pieces.
+// Paints a stop line at `along` (m) across the lane for vehicles that drive against the road's line: a solid line if
+// `whole`, else a dashed line. Returns the number of its pieces.
 std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
                        bool whole) {
-  constexpr double kGap = 0.15;  // m from the lane's edges
+  constexpr double kGap = 0.15;  // m between the line and the lane's edges
   const double left = road.section.half - road.section.parking - kGap;
   const double right = road.oneWay() ? -left : kGap;
   const double from = along - (whole ? 0.6 : 0.4);
   const double to = along - 0.1;
-  const double piece = whole ? 0.7 : 0.5;  // m; short pieces follow the road's camber
+  const double piece = whole ? 0.7 : 0.5;  // m; pieces are short, to follow the road's camber
   std::uint32_t lines = 0;
   const auto corner = [&](double at, double lateral) {
     const Point2 p = besideRoad(road, at, lateral).at;
@@ -37,7 +37,7 @@ std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, co
   return lines;
 }
 
-// Paints the stop lines that belong to signs and lights. Returns the number of their pieces.
+// Paints the stop lines at signs and lights. Returns the number of their pieces.
 std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex paint) {
   const Layout& l = placer.layout;
   std::uint32_t lines = 0;
@@ -54,7 +54,7 @@ std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex pai
 
 }  // namespace
 
-// Paints a dashed line in the middle of roads that are wide enough for two lanes, and edge lines in rural towns.
+// Paints a dashed line in the middle of roads that are wide enough for two lanes; in rural towns also edge lines.
 void placeMarkings(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "road markings");
@@ -74,7 +74,7 @@ void placeMarkings(Placer& placer) {
     const bool edges = l.character().district == District::Rural && draw.chance(0.6);
     for (double at = 4; at + dash < road.length() - 4; at += dash + gap) {
       const Point2 middle = road.point(at + dash / 2);
-      // No line where another road joins.
+      // Leaves out the line where another road joins.
       const Beside b = l.roads().at(middle.x, middle.y);
       if (b.edge < -road.section.half - 0.5) continue;
       const int pieces = 3;
@@ -96,7 +96,7 @@ void placeMarkings(Placer& placer) {
   if (dashes > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "road markings");
 }
 
-// Places manhole covers, and patches of newer asphalt where roads were repaired.
+// Places manhole covers, and rectangles of newer asphalt where roads were repaired.
 void placeCovers(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "manholes and repairs");
@@ -106,9 +106,9 @@ void placeCovers(Placer& placer) {
     const Point2 p = besideRoad(road, along, lateral).at;
     return Vec3d{p.x, p.y, l.heightAt(p) + above};
   };
-  // Adds a grid of quads that follows the road, each at most half a metre long and wide.
+  // Adds a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
   const auto cover = [&](const Road& road, double from, double to, double right, double left) {
-    constexpr double kAbove = 0.005;  // m
+    constexpr double kAbove = 0.005;  // m, height of covers above the road
     const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
     const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
     std::vector<std::vector<Vec3d>> grid;
@@ -131,7 +131,7 @@ void placeCovers(Placer& placer) {
       const double along = draw.in(4, road.length() - 4);
       const double lateral = draw.in(-half + 0.3, half - 0.3);
       constexpr int kCorners = 16;
-      constexpr double kRadius = 0.31;  // m
+      constexpr double kRadius = 0.31;  // m, radius of a manhole cover
       const Vec3d middle = corner(road, along, lateral, 0.004);
       if (l.nearPothole({middle.x, middle.y}, kRadius)) continue;
       const auto rim = [&](int i) {
@@ -150,7 +150,7 @@ void placeCovers(Placer& placer) {
       const double length = draw.in(0.8, 8);
       const Point2 middle = besideRoad(road, along + length / 2, right + width / 2).at;
       const Beside b = l.roads().at(middle.x, middle.y);
-      // No repair where another road joins, nor over a pothole.
+      // There are no repairs where another road joins, and none over a pothole.
       if (b.edge < -road.section.half - 0.5 || l.nearPothole(middle, std::hypot(length, width) / 2)) continue;
       cover(road, along, along + length, right, right + width);
       ++count;

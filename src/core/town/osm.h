@@ -12,7 +12,7 @@ namespace scanmill::town {
 struct OsmTags {
   std::vector<std::pair<std::string, std::string>> pairs;
 
-  // Returns the value of a tag, empty if there is no such tag.
+  // Returns the value of a tag; empty if there is no such tag.
   const std::string& operator[](const char* key) const {
     static const std::string none;
     for (const auto& [k, v] : pairs) {
@@ -34,11 +34,11 @@ struct OsmPoint {
 
 struct OsmWay {
   OsmTags tags;
-  std::vector<OsmNode> nodes;  // only nodes that are in the extract
+  std::vector<OsmNode> nodes;  // nodes that are missing in the extract are left out
 };
 
-// A closed way or a multipolygon relation, cut into parts with one outer ring each. Rings do not repeat their first
-// node at the end; outer rings are counter-clockwise, inner rings clockwise.
+// A closed way or a multipolygon relation, cut into parts with one outer ring each. The first node of a ring is not
+// repeated at its end; outer rings are counter-clockwise, inner rings clockwise.
 struct OsmArea {
   OsmTags tags;
   std::vector<OsmNode> outer;
@@ -47,8 +47,8 @@ struct OsmArea {
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
-  std::vector<OsmWay> ways;      // with the key highway or barrier
-  std::vector<OsmArea> areas;    // with the key building, landuse, leisure, natural or amenity
+  std::vector<OsmWay> ways;      // ways with the key highway or barrier
+  std::vector<OsmArea> areas;    // areas with the key building, landuse, leisure, natural or amenity
 };
 
 }  // namespace scanmill::town

@@ -81,7 +81,7 @@ class Osmium final : public OsmModule {
     OsmExtract extract;
     using Index = osmium::index::map::FlexMem<osmium::unsigned_object_id_type, osmium::Location>;
     Index index;
-    Index negative;  // for negative ids: nodes that were never uploaded to OpenStreetMap
+    Index negative;  // locations of nodes with negative ids, which were never uploaded
     osmium::handler::NodeLocationsForWays<Index, Index> locations(index, negative);
     locations.ignore_errors();  // extracts contain ways with nodes outside the extract
     Collector collector(extract);

@@ -1,4 +1,4 @@
-// Stationary vehicles: in bays, at curbs, in driveways; deliveries, trailers, tractors.
+// Places stationary vehicles: in bays, at curbs, in driveways; delivery vehicles, trailers, tractors.
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 using models::Kind;
 
-constexpr double kBay = 6;  // m, length of a parking place along the curb
+constexpr double kBay = 6;  // m, length of a parking bay along the curb
 
 void placeCars(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
@@ -27,7 +27,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     const double first = road.main ? l.mainFrom() : 14;
     const double last = road.main ? l.mainTo() : road.length() - 4;
     for (const int side : {-1, 1}) {
-      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // the sensor's lanes stay clear
+      if ((road.main || tour.has(r)) && s.parking < 1.5) continue;  // keeps the sensor's lanes clear
       std::uint32_t bay = 0;
       for (double at = first; at + kBay < last; at += kBay) {
         Draw draw(l.seed(), Kind::Car, 10000 + 1000 * (2 * r + (side > 0 ? 1u : 0u)) + bay++);
@@ -37,8 +37,8 @@ void placeCars(Placer& placer, Fleet& fleet) {
         const double inwards = s.parking > 1.5 ? s.parking / 2 : half + 0.15;
         Spot spot = besideRoad(road, at + kBay / 2 + draw.in(-0.4, 0.4), side * (s.half - inwards));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
-        if (std::abs(b.edge + inwards) > 0.3) continue;  // at a crossing
-        // Driveways stay clear.
+        if (std::abs(b.edge + inwards) > 0.3) continue;  // the bay is at a crossing
+        // Driveways are kept clear.
         if (l.outsidePatches(besideRoad(road, at + kBay / 2, side * (s.half + s.outer() + 0.4)).at) < 2.2) continue;
         spot.yaw += (side > 0 ? kPi : 0) + (draw.chance(0.08) ? kPi : 0) + draw.in(-0.02, 0.02);
         if (placer.tryPark(car, spot, fmt::format("car {}", number + 1))) ++number;
@@ -50,7 +50,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     Draw draw(l.seed(), Kind::Car, 50000000 + index++);
     if (!patch.parks || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
     const Model& car = fleet.anyCar(draw);
-    const double yaw = patch.place.yaw + kPi / 2;  // x towards the house
+    const double yaw = patch.place.yaw + kPi / 2;  // x points to the house
     const double in = patch.place.halfY - 3 - draw.in(0, 1);
     const Spot spot{{patch.place.center.x + std::cos(yaw) * in, patch.place.center.y + std::sin(yaw) * in},
                     yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03),
@@ -62,12 +62,12 @@ void placeCars(Placer& placer, Fleet& fleet) {
   }
 }
 
-// Places cars on parking lots: two rows of bays on each aisle, with lines between the bays.
+// Places cars on parking lots: aisles with a row of bays at each side, and lines between the bays.
 void placeLots(Placer& placer, Fleet& fleet) {
   constexpr double kWide = 2.6;  // m, width of a bay
   constexpr double kLong = 5;
   constexpr double kAisle = 6.2;
-  constexpr double kLine = 0.06;  // half of a line's width
+  constexpr double kLine = 0.06;  // m, half of a line's width
   const Layout& l = placer.layout;
   models::Shape s(placer.builder, "lots' markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
@@ -98,7 +98,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
       s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
       ++lines;
     };
-    bool far = false;  // the second of the two rows on an aisle
+    bool far = false;  // true for the second of the two rows at an aisle
     for (double low = -about.halfY + 0.4; low + kLong < about.halfY - 0.2; far = !far) {
       for (const double u : models::steps(-about.halfX + 0.8, about.halfX - kWide - 0.4, kWide)) {
         const double middle = u + kWide / 2;
@@ -119,8 +119,8 @@ void placeLots(Placer& placer, Fleet& fleet) {
   if (lines > 0) placer.builder.place(s.finish().mesh, placer.worldFromTown, "lots' markings");
 }
 
-// Places a delivering lorry and a waiting bus in side roads, or on the other side of the main road if there are no side
-// roads; and trailers, caravans and tractors beside the main road.
+// Places a delivering lorry and a waiting bus in side roads or, if there are no side roads, on the far side of the main
+// road. Also places trailers, caravans and tractors beside the main road.
 void placeStanding(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Traffic, 3000);
@@ -131,7 +131,7 @@ void placeStanding(Placer& placer, Fleet& fleet) {
     Spot spot = besideRoad(road, at, lateral);
     if (lateral > 0) spot.yaw += kPi;
     const Beside b = l.roads().at(spot.at.x, spot.at.y);
-    // Not at a crossing, nor on another road.
+    // The place must not be at a crossing or on another road.
     if (!b.known || std::abs(b.edge - (std::abs(lateral) - road.section.half)) > 0.3) return false;
     return placer.tryPark(m, spot, name);
   };

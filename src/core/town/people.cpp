@@ -1,4 +1,4 @@
-// Pedestrians, and parked bicycles and motorcycles beside roads.
+// Places pedestrians, and parked bicycles and motorcycles beside roads.
 
 #include <fmt/format.h>
 
@@ -14,12 +14,12 @@ namespace {
 
 using models::Kind;
 
-// A place on a pavement, or beside a road without one.
+// A position on a pavement, or beside a road that has no pavement.
 struct Place {
   const Road* road = nullptr;
-  double along = 0;    // along the road, m
-  double lateral = 0;  // to the left of its line, m
-  double sense = 1;    // -1: against the line
+  double along = 0;    // m along the road's line
+  double lateral = 0;  // m to the left of the line
+  double sense = 1;    // direction of walking: 1 along the line, -1 against it
 
   Spot spot() const {
     Spot s = besideRoad(*road, along, lateral);
@@ -44,8 +44,8 @@ std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
   return place;
 }
 
-// Returns how far a pedestrian can walk on from a place without leaving the pavement or hitting an object, at most
-// `most` (m).
+// Returns how far (m) a pedestrian can walk from a place without leaving the pavement or hitting an object; at most
+// `most`.
 double freeWay(const Placer& placer, Place place, double most) {
   const double start = place.along;
   for (const double done : models::steps(0, most, 0.5)) {
@@ -58,19 +58,19 @@ double freeWay(const Placer& placer, Place place, double most) {
   return most;
 }
 
-// Places a pedestrian who walks along a road. Returns false if the way is not free for long enough.
+// Places a pedestrian who walks along a road. Returns false if the free way is too short.
 bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const std::string& name) {
-  constexpr double kLeast = 12;  // m
+  constexpr double kLeast = 12;  // m, least length of the free way
   constexpr double kMost = 110;
   constexpr double kPiece = 3;
-  constexpr double kDuration = 120;  // s
+  constexpr double kDuration = 120;  // s, time that the path must last
   const std::optional<Place> place = besidePeople(placer, draw);
   const double speed = draw.in(1.0, 1.6);
   if (!place) return false;
   const double way = freeWay(placer, *place, kMost);
   if (way < kLeast) return false;
-  // The path leads to the end of the way, round in half a step and back, as often as the duration needs.
-  constexpr double kAside = 0.15;  // m from the middle of the way
+  // The path leads to the end of the way, turns within half a step and leads back, as often as the duration needs.
+  constexpr double kAside = 0.15;  // m, distance of the path from the middle of the way
   const auto pieces = static_cast<int>(way / kPiece);
   const auto at = [&](double done, double left) {
     Place here = *place;
@@ -87,7 +87,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
     const Spot middle = at(k + 0.5, 0);
     placer.occupancy.add({middle.at, way / pieces / 2, 0.4, middle.yaw});
   }
-  const double round = 0.25 * pieces / way;  // 0.25 m, in pieces: where the turn begins before an end
+  const double round = 0.25 * pieces / way;  // the turn begins 0.25 m before an end; in units of pieces
   const auto laps = static_cast<int>(std::ceil(speed * kDuration / (2 * way)));
   for (int lap = 0; lap < laps; ++lap) {
     for (int k = 0; k < pieces; ++k) walk(k + round, -kAside);
@@ -113,7 +113,7 @@ void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
   const double length = l.mainTo() - l.mainFrom();
   Draw counts(l.seed(), Kind::Person, 999);
-  // At least one of each, unless people are switched off.
+  // Places at least one of each kind, unless people are switched off.
   const auto count = [&](double share) {
     const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
     return l.parameters().people > 0 ? std::max(1, drawn) : 0;

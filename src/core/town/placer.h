@@ -1,6 +1,6 @@
 #pragma once
 
-// Places objects on the ground of a town where it is free.
+// Places objects on the free ground of a town.
 
 #include <cmath>
 #include <optional>
@@ -18,23 +18,24 @@ struct Spot {
   Point2 at;
   double yaw = 0;
   double scale = 1;
-  double lean = 0;  // roll about x, rad
+  double lean = 0;  // rad, roll about x
 };
 
 class Placer {
  public:
   static constexpr int kTries = 16;
-  static constexpr double kGap = 0.15;  // least distance between objects, m
+  static constexpr double kGap = 0.15;  // m, least distance between objects
 
   Placer(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown);
 
-  // Places a model upright, its origin on the ground or `sink` (m) below it, even if the place is taken.
+  // Places a model upright, with its origin on the ground or `sink` metres below, even if the place is not free.
   void put(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // Places the model if the place is free, otherwise returns false.
+  // Places the model if the place is free. Otherwise returns false.
   bool tryPut(const Model& m, const Spot& s, const std::string& name, double sink = 0);
-  // Does the same for a model on wheels, which tilts with the ground. Returns false also where noParking is taken.
+  // Places a model on wheels, which tilts with the ground, if the place is free and not in noParking. Otherwise returns
+  // false.
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
-  // Places a model on wheels even if the place is taken.
+  // Places a model on wheels even if the place is not free.
   void park(const Model& m, const Spot& s, const std::string& name);
 
   static Footprint footprint(const Model& m, const Spot& s, double grow);
@@ -42,23 +43,23 @@ class Placer {
   SceneBuilder& builder;
   const Layout& layout;
   const Affine& worldFromTown;
-  // True if a rectangle lies within the town's ground and on no driveway, path or placed object.
+  // True if a rectangle is within the town's ground and does not overlap a driveway, a path or a placed object.
   bool isFree(const Footprint& f) const {
-    constexpr double kEdge = 3;  // m
+    constexpr double kEdge = 3;  // m, least distance from the edge of the ground
     const double reach = layout.half() - kEdge;
     return std::abs(f.center.x) < reach && std::abs(f.center.y) < reach && driveways.isFree(f) && occupancy.isFree(f);
   }
 
-  models::Occupancy occupancy;  // rectangles that objects cover
-  models::Occupancy driveways;  // driveways and paths, which stay clear
-  models::Occupancy noParking;  // where nothing on wheels may be placed
-  // The traffic lights of the main road for vehicles that drive against the road's line.
+  models::Occupancy occupancy;  // rectangles that are covered by objects
+  models::Occupancy driveways;  // driveways and paths, which must stay clear
+  models::Occupancy noParking;  // rectangles where nothing on wheels may be placed
+  // A traffic light at the main road, for vehicles that drive against the road's line.
   struct Light {
-    static constexpr double kPeriod = 44;  // s
-    static constexpr double kRed = 16;     // s of the period
-    double along;                          // where vehicles stop, m along the road
-    double offset;                         // s, start of a period
-    bool marked;                           // with a stop line on the road
+    static constexpr double kPeriod = 44;  // s, period of the light
+    static constexpr double kRed = 16;     // s of red in each period
+    double along;                          // m along the road, where vehicles stop
+    double offset;                         // s, time at which a period begins
+    bool marked;                           // true: there is a stop line on the road
   };
   std::vector<Light> lights;
 
@@ -66,11 +67,11 @@ class Placer {
   Vec3d onGround(const Point2& p, double sink) const;
 };
 
-// Returns a place beside a road, at a distance along its line and `lateral` metres to the left of it, with the yaw of
-// the line.
+// Returns the place at a distance `along` the road's line and `lateral` metres to the left of the line; its yaw is the
+// direction of the line.
 Spot besideRoad(const Road& road, double along, double lateral);
 
-// Returns the sign for vehicles that come out of a side road; none: there is no sign.
+// Returns the kind of sign for vehicles that come out of a side road; nullopt if there is no sign.
 std::optional<models::TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad);
 
 void placeHouses(Placer& placer);
@@ -81,7 +82,7 @@ void placeFixtures(Placer& placer);
 void placeWires(Placer& placer);
 void placeClutter(Placer& placer);
 void placeAnimals(Placer& placer);
-void placeVehicles(Placer& placer);  // stationary vehicles first, then those that drive
+void placeVehicles(Placer& placer);  // first stationary vehicles, then driving vehicles
 void placePeople(Placer& placer);
 void placeTrees(Placer& placer);
 void placeWoods(Placer& placer);

@@ -1,4 +1,4 @@
-// Avenues, gardens, woods: trees, bushes and undergrowth.
+// Places trees, bushes and undergrowth along roads, in gardens and in woods.
 
 #include <fmt/format.h>
 
@@ -16,14 +16,14 @@ using models::Kind;
 using models::TreeModel;
 
 constexpr int kTreesOfAForm = 2;
-constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // irregularity of their crowns: see makeTree()
+constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // irregularity of the crowns: see makeTree()
 constexpr double kOverhang = 0.5;                             // m that crowns may reach over a road
-constexpr double kFar = 25;         // m from the nearest road: farther trees have larger and fewer leaves
-constexpr double kFarDetail = 0.3;  // factor on the number of leaves
+constexpr double kFar = 25;         // m from the nearest road, beyond which trees have fewer and larger leaves
+constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees beyond kFar
 constexpr int kBushForms = 6;
-constexpr std::size_t kMostTrees = 900;  // in woods
+constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods
 
-// The trees of this town, each built when it is first needed.
+// The models of the town's trees; a model is built when it is first needed.
 class Nursery {
  public:
   explicit Nursery(Placer& placer)
@@ -50,7 +50,8 @@ class Nursery {
   std::vector<bool> made_;
 };
 
-// Plants a tree; only the trunk needs free ground, crowns may overlap. Returns false if there is no room.
+// Plants a tree. Only the trunk needs free ground; crowns may overlap. Returns false if the place is not free, or if
+// `room`, the largest radius of the crown (m; 0: not limited), is too small.
 bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadleaf, double room,
            const std::string& name) {
   const Beside b = placer.layout.roads().at(spot.at.x, spot.at.y);
@@ -58,7 +59,7 @@ bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadle
   const TreeModel& tree = nursery.tree(draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
-  // Limit the crown so that the lanes stay clear.
+  // Limits the crown so that the lanes stay clear.
   if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
   if (spot.scale < 0.5 || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;
@@ -80,18 +81,18 @@ void placeTrees(Placer& placer) {
   const Character& c = l.character();
   Nursery nursery(placer);
   int number = 0;
-  // The trees of a map. If a map has any, no random trees are added along the roads.
+  // Plants the trees of the map. If the map has trees, no random trees are added along the roads.
   std::uint32_t mapped = 0;
   for (const Point2& tree : l.trees()) {
     Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
     const Beside b = l.roads().at(tree.x, tree.y);
-    if (b.known && b.edge < 0.4) continue;  // the road here is wider than on the map
+    if (b.known && b.edge < 0.4) continue;  // the road is wider here than on the map
     if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
       ++number;
     }
   }
   const double avenue = l.trees().empty() ? c.avenue : 0;
-  // Trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
+  // Plants trees along the roads: in the verge if it is wide enough, else in the gardens behind the pavement.
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
     const CrossSection& s = road.section;
@@ -104,14 +105,14 @@ void placeTrees(Placer& placer) {
         const double out = s.verge > 1.2 ? s.curb + s.verge / 2 : s.outer() + draw.in(0.8, 2.5);
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
-        if (b.edge < out - 0.5) continue;  // on another road
+        if (b.edge < out - 0.5) continue;  // the place is on another road
         if (plant(placer, nursery, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4),
                   fmt::format("tree {}", number + 1)))
           ++number;
       }
     }
   }
-  // Trees in parks, if the map gives no trees.
+  // Plants trees in parks, unless the map has trees.
   std::uint32_t park = 0;
   for (const MapArea& area : l.areas().all()) {
     Draw draw(l.seed(), Kind::Tree, 700000 + ++park);
@@ -148,8 +149,8 @@ void placeTrees(Placer& placer) {
   }
 }
 
-// Places woods: trees on a jittered lattice where a smooth random field is high, or in the woods of a map, with
-// undergrowth between the trees and at the edge, where it forms a wall of leaves.
+// Places woods: trees on a jittered lattice where a smooth random field is high, or in the woods of a map. Undergrowth
+// grows between the trees and at the edge, where it forms a wall of leaves.
 void placeWoods(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
@@ -157,7 +158,7 @@ void placeWoods(Placer& placer) {
   Nursery nursery(placer);
   const std::vector<Model> bushes = models::makeForms(
       4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
-  // The threshold that a share `woods` of the field exceeds, approximately: values are nearly normal with a standard
+  // About the fraction `woods` of the field exceeds this threshold: its values are nearly normal with a standard
   // deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed(), Kind::Wood);
@@ -195,7 +196,7 @@ void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
   if (c.gardenBushes <= 0) return;
-  const double bushFoliage = std::max(c.foliage, 0.3);  // a mean of bare and evergreen ones
+  const double bushFoliage = std::max(c.foliage, 0.3);  // average of bushes that lose their leaves and evergreen bushes
   const std::vector<Model> forms =
       models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed(), f, bushFoliage); });
   int number = 0;

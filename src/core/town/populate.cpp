@@ -2,7 +2,7 @@
 
 namespace scanmill::town {
 
-// Places objects in the order of their priority: later ones only get places that are still free.
+// Places objects in the order of their priority: later objects get only places that are still free.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromTown) {
   Placer placer(builder, layout, worldFromTown);
   placeHouses(placer);

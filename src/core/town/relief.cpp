@@ -12,8 +12,8 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 31);
 }
 
-// Returns the dot product of the gradient at a corner of the lattice, one of sixteen unit vectors, and the offset (dx,
-// dy) from the corner.
+// Returns the dot product of two vectors: the gradient at a corner of the lattice, one of sixteen unit vectors, and the
+// offset (dx, dy) from that corner.
 double sloped(std::uint64_t seed, std::int64_t ix, std::int64_t iy, double dx, double dy) {
   static constexpr double kUnit[16][2] = {{1, 0},
                                           {0.92387953251128674, 0.38268343236508977},

@@ -6,12 +6,12 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kCell = 16;      // m
-constexpr std::size_t kRun = 8;   // segments that are tested, or skipped, together
-constexpr double kRounding = 10;  // m, rounding of corners where roads meet: see at()
+constexpr double kCell = 16;      // m, side of a grid cell
+constexpr std::size_t kRun = 8;   // number of successive segments that share a bounding box
+constexpr double kRounding = 10;  // m, rounding of corners at joints: see at()
 constexpr double kRingRounding = 4;
-constexpr double kFull = 28;  // m from a joint, within which corners are fully rounded
-constexpr double kFade = 12;  // m beyond kFull, over which corners become sharp
+constexpr double kFull = 28;  // m from a joint; nearer corners are fully rounded
+constexpr double kFade = 12;  // m beyond kFull, over which the rounding decreases to zero
 
 std::int64_t cellOf(double v) {
   return static_cast<std::int64_t>(std::floor(v / kCell));
@@ -95,7 +95,7 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
     const bool known = !found.empty() && found.back().road == run.road;
     const double outX = std::max({0.0, run.low.x - x, x - run.high.x});
     const double outY = std::max({0.0, run.low.y - y, y - run.high.y});
-    constexpr double kRounded = 1e-6;  // m2, more than the rounding error
+    constexpr double kRounded = 1e-6;  // m^2, more than the rounding error
     const double least = outX * outX + outY * outY - kRounded;
     if (least > (known ? found.back().distance : kReach * kReach)) continue;
     const Road& road = roads_[run.road];
@@ -121,9 +121,9 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   for (Near& n : found) n.distance = std::sqrt(n.distance);
 }
 
-// `edge` is the distance to the nearest edge as a polynomial smooth minimum over the roads, which rounds corners: where
-// the distances to two edges differ by less than the rounding, the result is less than both, by at most a quarter of
-// the rounding.
+// `edge` is the distance to the nearest road's edge, as a polynomial smooth minimum over all roads, which rounds
+// corners: if the distances to two edges differ by less than the rounding, the result is less than both distances, by
+// at most a quarter of the rounding.
 Beside RoadNetwork::at(double x, double y) const {
   thread_local std::vector<Near> found;
   nearest(x, y, found);
@@ -134,8 +134,8 @@ Beside RoadNetwork::at(double x, double y) const {
   const double rounding = ring ? std::min(corner, kRingRounding) : corner;
   for (const Near& n : found) {
     const CrossSection& own = roads_[n.road].section;
-    // A road that ends at a joint must not widen the other roads on their far side: beyond the road's end the distance
-    // to its edge grows steeply.
+    // A road that ends at a joint must not widen the other roads on their far side. Therefore the distance to its edge
+    // grows steeply beyond its end.
     constexpr double kSteep = 3;
     const double edge = n.distance - own.half + kSteep * n.behind * corner / kRounding * (found.size() > 1 ? 1 : 0);
     if (!beside.known) {
@@ -153,8 +153,8 @@ Beside RoadNetwork::at(double x, double y) const {
       beside.lateral = n.left ? n.distance : -n.distance;
     }
   }
-  // The island inside a roundabout, at the left of the ring's line, gets no pavements from the roads that join the
-  // ring.
+  // The island inside a roundabout, at the left of the ring's line, has no pavements, although the roads that join the
+  // ring may have pavements.
   if (beside.known && roads_[beside.road].ring && beside.lateral > 0) beside.section = roads_[beside.road].section;
   return beside;
 }

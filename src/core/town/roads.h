@@ -1,7 +1,7 @@
 #pragma once
 
-// The roads of a town: centre lines with their widths, and the position of points relative to the roads. In the town's
-// frame, metres.
+// The roads of a town: centre lines with cross sections, and the position of points relative to the roads. Coordinates
+// are in the town's frame (m).
 
 #include <cstdint>
 #include <optional>
@@ -14,43 +14,43 @@ namespace scanmill::town {
 
 using models::Point2;
 
-// The cross section of a road (m). On both sides it continues outwards from the road's edge with curb stone, verge
-// (grass) and sidewalk; then the plots begin.
+// The cross section of a road (m). At both sides of the carriageway follow, outwards, curb stone, verge (grass) and
+// sidewalk; beyond them the plots begin.
 struct CrossSection {
-  double half = 3.5;      // half width of the carriageway including its parking lanes
-  double parking = 0;     // width of the parking lane at the edge, part of `half`; 0: none
+  double half = 3.5;      // half of the width of the carriageway, with its parking lanes
+  double parking = 0;     // width of the parking lane at each edge, part of `half`; 0: none
   double curb = 0.15;     // width of the curb stone; 0: no curb stone and no step
   double verge = 0;       // width of the grass between curb and sidewalk
-  double sidewalk = 2.5;  // width; 0: none
+  double sidewalk = 2.5;  // width of the sidewalk; 0: none
   double step = 0.12;     // height of the curb
 
-  double outer() const { return curb + verge + sidewalk; }  // from the road's edge to the plots
+  double outer() const { return curb + verge + sidewalk; }  // width from the road's edge to the plots
 };
 
 struct Road {
-  std::vector<Point2> line;  // the centre line, in steps of about kRoadStep
-  std::vector<double> at;    // the distance of each point along `line`
+  std::vector<Point2> line;  // centre line, in steps of about kRoadStep
+  std::vector<double> at;    // m along `line`, for each of its points
   CrossSection section;
   bool main = false;
-  bool minor = false;  // a service road or track: no lamps, no parked or waiting vehicles
-  bool ring = false;   // a roundabout
-  // Only for side roads of the main road: the distance along the main road where this road begins (m), and whether it
-  // begins at the left of the main road's line.
+  bool minor = false;  // true: a service road or track, without lamps and without parked or waiting vehicles
+  bool ring = false;   // true: a roundabout
+  // For side roads of the main road: the distance along the main road at which this road begins (m), and whether this
+  // road is at the left of the main road's line.
   std::optional<double> joins;
   bool joinsLeft = false;
-  // Whether vehicles may drive in the direction of the line, and against it.
+  // True if vehicles may drive in the direction of the line, and true if they may drive against it.
   bool along = true, against = true;
 
   double length() const { return at.back(); }
   bool oneWay() const { return !along || !against; }
-  // Distance of a lane's middle from the centre line (m); a one-way road is a single lane.
+  // Returns the distance between the middle of a lane and the centre line (m). A one-way road is a single lane.
   double laneMiddle() const { return oneWay() ? 0 : (section.half - section.parking) / 2; }
   Point2 point(double distance) const;
-  // Returns the direction of the line at that distance (unit length).
+  // Returns the direction of the line (unit length) at a distance along it (m).
   Point2 heading(double distance) const;
 };
 
-constexpr double kRoadStep = 2;  // m
+constexpr double kRoadStep = 2;  // m between the points of a road's line
 
 // The position of a point relative to the nearest road: beside that road or on it.
 struct Beside {
@@ -59,15 +59,16 @@ struct Beside {
   std::uint32_t road = 0;
   double along = 0;      // m along the road's centre line
   double lateral = 0;    // m to the left of the centre line
-  CrossSection section;  // at a crossing a mixture of those of the roads
+  CrossSection section;  // at a crossing, a mixture of the roads' cross sections
 };
 
 class RoadNetwork {
  public:
-  static constexpr double kReach = 48;  // m from a road's centre line: see Beside::known
+  static constexpr double kReach = 48;  // m, largest distance of a road's centre line from a point: see Beside::known
 
   void add(Road road);
-  // Adds a point where roads meet. Corners are rounded only near such joints; elsewhere roads just lie side by side.
+  // Adds a joint, a point where roads meet. Corners are rounded only near joints; elsewhere roads that touch are
+  // independent.
   void addJoint(const Point2& joint);
   const std::vector<Road>& roads() const { return roads_; }
 
@@ -76,10 +77,10 @@ class RoadNetwork {
  private:
   double roundingAt(double x, double y) const;
 
-  // Consecutive segments of a road's line and their bounding box.
+  // Successive segments of a road's line, and their bounding box.
   struct Run {
     std::uint32_t road;
-    std::uint32_t first, last;  // points of the line
+    std::uint32_t first, last;  // indices of the first and the last point in the line
     Point2 low, high;
   };
   struct Near {
@@ -87,14 +88,14 @@ class RoadNetwork {
     std::uint32_t road;
     double along;
     bool left;
-    double behind;  // m beyond the road's first or last point, along its line
+    double behind;  // m beyond the road's first or last point, in the direction of its line
   };
   // Finds the nearest point of each road within kReach, in the order of the roads.
   void nearest(double x, double y, std::vector<Near>& found) const;
 
   std::vector<Road> roads_;
-  std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // runs within kReach of each cell
-  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints that round corners in each cell
+  std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // runs within kReach of a cell
+  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints that round corners in a cell
 };
 
 }  // namespace scanmill::town

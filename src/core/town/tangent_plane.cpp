@@ -8,7 +8,7 @@ namespace {
 
 using models::Point2;
 
-// Returns the earth-centred position (m) of a point on the ellipsoid (rad).
+// Returns the earth-centred position (m) of a point on the ellipsoid, given by latitude and longitude (rad).
 Vec3d earthCentred(double latitude, double longitude) {
   constexpr double kRadius = 6378137;  // m, WGS 84
   constexpr double kFlattening = 1 / 298.257223563;
@@ -33,10 +33,10 @@ Point2 TangentPlane::operator()(const OsmNode& n) const {
           north_ * (d.z * std::cos(latitude_) - towards * std::sin(latitude_))};
 }
 
-// Solves by Newton's method with an approximate derivative: a metre to the north or east is nearly the same number of
-// degrees everywhere in the plane.
+// Solves by Newton's method with an approximate derivative: anywhere in the plane, a metre to the north or east is
+// about the same number of degrees.
 OsmNode TangentPlane::degreesAt(const Point2& p) const {
-  constexpr double kDegree = 111300;  // m
+  constexpr double kDegree = 111300;  // m, length of a degree of latitude
   OsmNode node{0, degrees(latitude_), degrees(longitude_)};
   for (int i = 0; i < 12; ++i) {
     const Point2 now = (*this)(node);

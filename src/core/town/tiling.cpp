@@ -6,9 +6,9 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kOnLine = 1e-4;  // m
+constexpr double kOnLine = 1e-4;  // m; a field below this counts as zero
 
-// Corners lie on a lattice of half of the smallest leaf's side, so that the centres of leaves are on the lattice too.
+// Corners are on a lattice of half of the smallest leaf's side, so that the centres of leaves are on the lattice too.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
@@ -26,7 +26,7 @@ class Quadtree {
 
  private:
   struct Leaf {
-    std::int64_t x, y, size;  // the low corner and the side, in steps of the lattice
+    std::int64_t x, y, size;  // low corner and side, in steps of the lattice
   };
 
   double coordinate(std::int64_t i) const { return -half_ + static_cast<double>(i) * step_; }
@@ -56,8 +56,8 @@ class Quadtree {
     return found->second;
   }
 
-  // Appends the points on one side of a leaf, from its first end up to but without the other end. They include the
-  // corners of smaller neighbours.
+  // Appends the points on one side of a leaf, with its first end but without its other end. They include the corners of
+  // smaller neighbours.
   void addSide(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;
@@ -112,7 +112,7 @@ void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& 
     const double v = field(p);
     value.push_back(std::abs(v) < kOnLine ? 0 : v);
   }
-  std::unordered_map<std::uint64_t, std::uint32_t> middles;  // by edge
+  std::unordered_map<std::uint64_t, std::uint32_t> middles;  // index of the new point, by edge
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
     if (a > b) std::swap(a, b);
     const auto [found, made] =
@@ -137,7 +137,7 @@ void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& 
       kept.push_back(t);
       continue;
     }
-    // Rotate the corners so that the first one is on the line, or alone on its side of the line.
+    // Rotates the corners so that the first corner is on the line, or is the only corner on its side of the line.
     std::size_t first = 0;
     while (signs[first] != 0 && first < 3) {
       if (signs[first] != signs[(first + 1) % 3] && signs[first] != signs[(first + 2) % 3] &&

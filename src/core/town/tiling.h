@@ -1,6 +1,6 @@
 #pragma once
 
-// Triangles that cover a square without gaps or overlaps, finer where needed, and cut along lines.
+// Triangles that cover a square without gaps or overlaps; they are finer where needed and can be cut along lines.
 
 #include <array>
 #include <cstdint>
@@ -13,21 +13,21 @@ namespace scanmill::town {
 
 using models::Point2;
 
-// Counter-clockwise triangles. Every edge, except on the square's border, belongs to exactly two triangles: without
-// T-junctions no ray passes between them.
+// Counter-clockwise triangles. Every edge, except on the square's border, belongs to exactly two triangles. Without
+// T-junctions no ray can pass between triangles.
 struct Tiling {
   std::vector<Point2> points;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-// Covers the square from -half to half by a quadtree whose leaves are divided into triangles around their centres. A
-// square of the side `size` about (x, y) is divided further while divided(x, y, size) is true and `size` is above
+// Covers the square from -half to half by a quadtree, whose leaves are divided into triangles around their centres. A
+// square with the side `size` and the centre (x, y) is divided while divided(x, y, size) is true and `size` is above
 // `smallest` (m).
 Tiling makeTiling(double half, double smallest, const std::function<bool(double x, double y, double size)>& divided);
 
-// Divides triangles along the line on which a field is zero. The field (m) is given at the tiling's points and is
-// linear within each triangle; afterwards no triangle has corners on both sides of the line. Corners where the field is
-// within a tenth of a millimetre of zero count as on the line.
+// Divides triangles along the line on which a field is zero. The field (m) is given at the points of the tiling and is
+// linear within each triangle. Afterwards no triangle has corners on both sides of the line. A corner is on the line if
+// the absolute value of its field is below 0.1 mm.
 void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& field);
 
 }  // namespace scanmill::town

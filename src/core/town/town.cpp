@@ -22,14 +22,14 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors&
           town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
 }
 
-// Returns a point of the layout in the town's frame: the layout is for right-hand traffic and is mirrored for left-hand
-// traffic.
+// Returns a point of the layout in the town's frame. A layout is always for right-hand traffic and is mirrored for
+// left-hand traffic.
 Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
-// Returns the bounds that `shares` asks for. Throws InputError if they ask for objects that a factor of 0 among the
-// town's keys leaves out.
+// Returns the bounds in `shares`. Throws InputError if a bound requires objects that are left out, since a key of the
+// town is 0.
 std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout, const SupplyFactors& supply,
                                  const Ontology& ontology) {
   const town::Parameters& p = layout.parameters();
@@ -59,7 +59,7 @@ void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Su
 }
 
 SceneLanes townLanes(Fields& fields, std::uint64_t seed) {
-  constexpr double kEnds = 20;  // m of the built part before the lane begins and after it ends
+  constexpr double kEnds = 20;  // m; the lane ends this far inside the built-up part, at both ends
   fields.also({"shares"});
   const town::Layout layout = readLayout(fields, seed, {1, 1, 1});
   const town::Way through{{{0, layout.mainFrom() + kEnds, layout.mainTo() - kEnds}}, 0, 0};

@@ -1,7 +1,7 @@
 #pragma once
 
-// The procedural town, a scene that needs no download: every seed gives another town. It depends only on its keys and
-// the seed.
+// The procedural town, a scene that needs no download. It depends only on its keys and the seed; every seed gives
+// another town.
 
 #include <cstdint>
 #include <vector>
@@ -13,15 +13,15 @@
 
 namespace scanmill {
 
-// Adds a town whose main road passes the origin of the town's frame along +x, with the ground near z = 0 there. `place`
-// is the town's pose in the world. `fields` are the keys of `town:` in a scene file; finish() is called here. The
-// supply factors multiply the factors that these keys give. Throws InputError with the place in the file.
+// Adds a town. In the town's frame the main road passes the origin along +x, where the ground is near z = 0. `place` is
+// the town's pose in the world. `fields` are the keys of `town:` in a scene file; finish() is called here. The supply
+// factors are multiplied with the factors that these keys give. Throws InputError with the place in the file.
 void addTown(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const SupplyFactors& supply,
              const Affine& place);
 
-// Returns the routes of the sensor's vehicle through the town of these keys and this seed, in the town's frame: one
-// straight through the built part, and one that comes out of a side road and turns into another, as far as there are
-// side roads on the vehicle's side of the road.
+// Returns two routes of the sensor's vehicle through a town with these keys and this seed, in the town's frame: one
+// straight through the built-up part, and one from a side road to the main road and into another side road, if there
+// are side roads at the right of the main road.
 SceneLanes townLanes(Fields& fields, std::uint64_t seed);
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// Vehicles and cyclists that drive on the lanes by the model of flow.h. The lane of the sensor's vehicle, the
-// right-hand lane of the main road, stays free.
+// Places vehicles and cyclists that drive on the lanes by the model of flow.h. The right-hand lane of the main road is
+// free for the sensor's vehicle.
 
 #include <fmt/format.h>
 
@@ -16,25 +16,25 @@ namespace {
 
 using models::Kind;
 
-constexpr double kHeavyLane = 3.2;  // m, least width of a lane for lorries and buses
-constexpr double kUpstream = 1000;  // m before the town: vehicles that arrive later start here
-constexpr double kBeyond = 300;     // m behind the town: vehicles vanish there unseen
-constexpr double kWarmUp = 20;      // s
-constexpr double kDuration = 120;   // s; afterwards all vehicles stand still
-constexpr double kInterval = 0.25;  // s
-constexpr double kAlways = -1e9;    // s, start of vehicles that drive from the beginning
+constexpr double kHeavyLane = 3.2;  // m, least width of a lane that lorries and buses use
+constexpr double kUpstream = 1000;  // m before the town; vehicles that arrive later start here
+constexpr double kBeyond = 300;     // m beyond the town; vehicles disappear there, out of sight
+constexpr double kWarmUp = 20;      // s of simulation before the drive begins
+constexpr double kDuration = 120;   // s; all vehicles stand still after this time
+constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle
+constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
 
-// A way as a path, with the places of roads that it passes.
+// A way as a path, with marks where the path passes known positions on roads.
 struct Course {
   std::shared_ptr<const Path> path;
   struct Mark {
     std::uint32_t road;
-    double along;     // along that road, m
-    double distance;  // along the path, m
+    double along;     // m along the road
+    double distance;  // m along the path
   };
   std::vector<Mark> marks;
 
-  // Returns the distance along the path (m) at a place of a road.
+  // Returns the distance along the path (m) at a position on a road.
   double at(std::uint32_t road, double along) const {
     const Mark* before = nullptr;
     for (const Mark& m : marks) {
@@ -112,7 +112,8 @@ class Traffic {
     return static_cast<std::uint32_t>(routes_.size() - 1);
   }
 
-  // Returns where an object first blocks the lane on a stretch of a road (m along the road); none if the lane is free.
+  // Returns where an object first blocks the lane between two places of a road (m along the road); nullopt if the lane
+  // is free.
   std::optional<double> blocked(std::uint32_t r, double from, double to) const {
     const double direction = to >= from ? 1 : -1;
     const double lateral = road(r).oneWay() ? 0 : std::max(road(r).laneMiddle(), 0.9 + kMiddle);
@@ -124,7 +125,7 @@ class Traffic {
     return std::nullopt;
   }
 
-  // Adds the route through the town: the whole main road, against its line.
+  // Adds the route through the town: the complete main road, driven against its line.
   void addThrough() {
     const double length = main_.length();
     const std::uint32_t route = add({{{0, length, 0}}, kUpstream, kBeyond});
@@ -208,8 +209,7 @@ class Traffic {
     }
   }
 
-  // Adds the vehicles that drive through the town. Their starting points are at least 22 m plus one second's drive
-  // apart.
+  // Adds the vehicles that drive through the town. They start at least 22 m plus one second of driving apart.
   void drawThrough() {
     if (!main_.against) return;
     Draw draw(l_.seed(), Kind::Traffic, 2);
@@ -260,7 +260,7 @@ class Traffic {
   void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
                  double out, double starts) {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    // No vehicle starts at an obstacle or close to it.
+    // No vehicle starts at an obstacle or shortly before it.
     for (const StopLine& s : routes_[route].stops) {
       if (s.period <= 0 && std::abs(at - s.at) < 14) return;
     }
@@ -275,11 +275,11 @@ class Traffic {
   Fleet& fleet_;
   const Layout& l_;
   const Road& main_;
-  double fastest_ = 12;  // m/s
+  double fastest_ = 12;  // m/s, speed limit in the town
   std::vector<Way> ways_;
   std::vector<Course> courses_;
   std::vector<Route> routes_;
-  std::vector<std::uint32_t> turns_;  // routes that leave the main road
+  std::vector<std::uint32_t> turns_;  // indices of routes that leave the main road
   std::vector<Driver> drivers_;
   std::vector<Participant> participants_;
   int cars_ = 0, cyclists_ = 0;

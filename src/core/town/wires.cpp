@@ -1,4 +1,4 @@
-// Wooden poles along the main road, the wires between them, and the wires to the houses.
+// Places wooden poles along the main road, wires between them, and wires to the houses.
 
 #include <fmt/format.h>
 
@@ -14,10 +14,10 @@ using models::Kind;
 using models::SurfaceIndex;
 using models::UtilityPole;
 
-constexpr double kFarthest = 60;  // m, farthest distance between poles that a wire connects
-constexpr double kToHouse = 26;   // m, farthest house that a pole supplies
+constexpr double kFarthest = 60;  // m, largest distance between two poles that a wire connects
+constexpr double kToHouse = 26;   // m, largest distance of a house to which a pole has a wire
 
-// Adds a wire as a parabola between two points. It is nearly a catenary where the sag is a few hundredths of the
+// Adds a wire between two points as a parabola, which is close to a catenary if the sag is only a few hundredths of the
 // length.
 void hang(models::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b, double sag, double radius) {
   constexpr int kPieces = 16;
@@ -31,15 +31,15 @@ void hang(models::Shape& s, SurfaceIndex surface, const Vec3d& a, const Vec3d& b
   s.pipe(surface, points, std::vector<double>(points.size(), radius), 5);
 }
 
-// A placed pole: its frame, with the crossarm along y.
+// A pole at its place. Its frame has the crossarm along y.
 struct Standing {
   Affine place;
-  double along = 0;  // along the road, m
+  double along = 0;  // m along the road
 };
 
-// True if lorries can pass under the wire from a to b on every road that it crosses.
+// True if lorries can pass under the wire from a to b wherever it crosses a road.
 bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
-  constexpr double kClear = 5;  // m
+  constexpr double kClear = 5;  // m, least height of a wire above a road
   constexpr int kPlaces = 24;
   for (int k = 0; k <= kPlaces; ++k) {
     const Vec3d p = a + (b - a) * (static_cast<double>(k) / kPlaces);
@@ -49,7 +49,7 @@ bool passesAbove(const Layout& l, const Vec3d& a, const Vec3d& b) {
   return true;
 }
 
-// Places poles beyond the pavement, as evenly as other objects allow.
+// Places poles beyond the pavement, as evenly spaced as other objects allow.
 std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& pole) {
   const Layout& l = placer.layout;
   const Road& road = l.roads().roads().front();
@@ -80,14 +80,14 @@ void placeWires(Placer& placer) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Wire);
   const District district = l.character().district;
-  // In dense districts wires are underground, and walls are where poles would be.
+  // Dense districts have no poles: wires are underground, and there is no space between walls and road.
   const double share = district == District::Rural ? 0.7 : district == District::Suburban ? 0.5 : 0;
   if (!draw.chance(share)) return;
   const UtilityPole pole = models::makeUtilityPole(placer.builder, l.seed());
   const std::vector<Standing> poles = placePoles(placer, draw, pole);
   models::Shape s(placer.builder, "wires");
   const SurfaceIndex wire = s.surface("object", "rubber");
-  const double slack = draw.in(0.00025, 0.0005);  // sag per square of the distance, 1/m
+  const double slack = draw.in(0.00025, 0.0005);  // 1/m, sag divided by the square of the distance
   int hung = 0;
   for (std::size_t i = 1; i < poles.size(); ++i) {
     const double apart = poles[i].along - poles[i - 1].along;

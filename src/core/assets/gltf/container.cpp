@@ -20,7 +20,7 @@ constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
 constexpr std::uint32_t kTileMagic = 0x6D643362;  // "b3dm"
-constexpr std::size_t kTileHeader = 28;           // bytes
+constexpr std::size_t kTileHeader = 28;           // bytes of a tile's header
 
 std::uint32_t readWord(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;
@@ -28,8 +28,9 @@ std::uint32_t readWord(std::string_view bytes, std::size_t at) {
   return word;
 }
 
-// Returns the glTF in a tile of 3D Tiles 1.0, which consists of header, feature table (JSON, then binary), batch table
-// (likewise) and glTF. The feature table may hold RTC_CENTER, as a list or as an offset into its binary part.
+// Returns the glTF in a tile of 3D Tiles 1.0. A tile consists of a header, a feature table (JSON, then binary), a batch
+// table (JSON, then binary) and the glTF. `center` is set if the feature table has RTC_CENTER, as a list or as an
+// offset into the table's binary part.
 std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
   if (tile.size() < kTileHeader) throw Error("is truncated within the header of the tile");
   std::size_t begin = kTileHeader;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The files of glTF 2.0: .gltf, which is JSON; .glb, which holds JSON and binary data; and .b3dm of 3D Tiles 1.0, which
-// holds a .glb.
+// The files of glTF 2.0: .gltf, which is JSON; .glb, which contains JSON and binary data; and .b3dm of 3D Tiles 1.0,
+// which contains a .glb.
 
 #include <filesystem>
 #include <optional>
@@ -17,7 +17,8 @@ struct Container {
   std::optional<Vec3d> center;  // m, RTC_CENTER of a .b3dm, z up
 };
 
-// Reads a file. Throws an InputError that calls it `name` if a GLB or the .b3dm around it is damaged, or is glTF 1.0.
+// Reads a file. Throws an InputError that calls the file `name` if a GLB or the .b3dm around it is damaged, or is glTF
+// 1.0.
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name);
 
 }  // namespace scanmill::gltf

@@ -16,11 +16,11 @@
 namespace scanmill::gltf {
 namespace {
 
-// Limit of the elements of an accessor without data, which take no bytes of the file.
+// The most elements of an accessor without data, whose zeroes take no bytes of the file.
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
-// Limit of the bytes that one compressed byte of a view may be decoded to.
+// The most bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
-constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // bytes, of all views together
+constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // bytes of all decoded views together
 
 template <class Stored, class Number>
 Number numberAt(const char* at, bool normalized) {
@@ -60,7 +60,7 @@ Number readNumber(const char* at, Component component, bool normalized) {
 struct Data::State {
   const Model& model;
   std::vector<std::optional<std::string>> buffers;
-  std::vector<std::optional<std::string>> decoded;  // bytes of compressed views
+  std::vector<std::optional<std::string>> decoded;  // decoded bytes of compressed views, by view
   std::uint64_t decodedBytes = 0;
 
   std::string_view buffer(Index index) {
@@ -83,7 +83,7 @@ struct Data::State {
     return std::move(*bytes);
   }
 
-  // Returns a part of a buffer. Checks its size again, since files may have shrunk since they were checked.
+  // Returns a part of a buffer. Checks its size again, since the file may have shrunk since readModel() checked it.
   std::string_view part(Index index, std::uint64_t offset, std::uint64_t length) {
     const std::string_view whole = buffer(index);
     if (offset + length > whole.size()) {
@@ -148,7 +148,7 @@ struct Data::State {
     if (!a.view && a.count > kMostZeroes / a.width) {
       model.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
     }
-    // Read before the output is allocated, so that a bad view throws first.
+    // Gets the bytes before the output is allocated, so that a bad view throws first.
     const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
     std::vector<Number> out(a.count * a.width, 0);
     const auto take = [&](const char* at, std::size_t element) {

@@ -17,7 +17,7 @@ namespace scanmill::gltf {
 
 using Json = nlohmann::json;
 
-// All functions throw an InputError that names the file and, with `what`, the place in the file.
+// All functions throw an InputError that names the file. `what` names the JSON value in the message.
 class JsonReader {
  protected:
   JsonReader(Model& model, const Json& json) : m_(model), json_(json) {}
@@ -79,7 +79,7 @@ class JsonReader {
     return true;
   }
 
-  // Returns the extension of this name; null if the object does not have it.
+  // Returns the extension with this name; null if the object does not have it.
   const Json* extensionOf(const Json& object, const char* name) const {
     const auto all = object.find("extensions");
     return all == object.end() ? nullptr : objectIn(*all, name);

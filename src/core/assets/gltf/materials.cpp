@@ -12,7 +12,7 @@
 namespace scanmill::gltf {
 namespace {
 
-// Returns the name of an image for rules: its file, or if it is embedded its name or number.
+// Returns the name of an image for rules: its file; for an embedded image its name, or "*" and its number.
 std::string labelOf(const Model& model, Index image) {
   const Image& i = model.images[image];
   if (!i.uri.empty() && !i.uri.starts_with("data:")) return i.uri;
@@ -35,7 +35,7 @@ AlphaTest alphaOf(const Material& m, const AssetOptions& options) {
   if (options.alpha == AlphaUse::Ignore) return {};
   const bool asked = options.alpha == AlphaUse::Test;
   if (m.alpha != Material::Alpha::Mask) return {asked || m.alpha == Material::Alpha::Blend, 0.5f};
-  // glTF compares the product of the factor's and the texture's alpha with the cutoff.
+  // glTF compares the cutoff with the product of the colour factor's alpha and the texture's alpha.
   const double factor = fraction(m.color[3], 1.0);
   return {true, factor > 0 && std::isfinite(m.cutoff) ? static_cast<float>(m.cutoff / factor) : 1.0f};
 }

@@ -15,13 +15,13 @@ namespace scanmill::gltf {
 
 struct ReadMaterial {
   scanmill::Material material;
-  std::array<float, 3> color{1, 1, 1};  // AssetPart::color
-  std::string texture;                  // AssetPart::texture
-  std::optional<TextureUse> placed;     // of the base colour's texture
+  std::array<float, 3> color{1, 1, 1};  // see AssetPart::color
+  std::string texture;                  // see AssetPart::texture
+  std::optional<TextureUse> placed;     // how the base colour uses its texture
 };
 
-// Returns the materials of the file in the file's order, and as the last one the material of primitives that have none.
-// A missing or broken texture is a warning.
+// Returns the materials in the file's order, and after them the default material of primitives without a material.
+// Warns of missing and broken textures.
 std::vector<ReadMaterial> readMaterials(const Model& model, const Data& data, const AssetOptions& options);
 
 }  // namespace scanmill::gltf

@@ -92,7 +92,7 @@ class ModelReader : JsonReader {
     return i;
   }
 
-  // Returns the image of a texture, which may be in an extension; none if the texture names no image.
+  // Returns the image of a texture, which may be in an extension; nullopt if the texture names no image.
   MaybeIndex imageOf(Index texture) const {
     const Json& j = list("textures")[texture];
     const std::string what = fmt::format("textures[{}]", texture);
@@ -155,7 +155,7 @@ class ModelReader : JsonReader {
       const std::string place = fmt::format("{}.primitives[{}]", what, i);
       const std::uint64_t mode = length(primitives[i], "mode", 4, place);
       if (mode > 6) fail(place + " has an unknown mode");
-      if (mode < 4) continue;  // points and lines
+      if (mode < 4) continue;  // skips points and lines
       Primitive p = primitive(primitives[i], place);
       p.mode = static_cast<Primitive::Mode>(mode);
       if (p.attributes.contains("POSITION")) m.primitives.push_back(std::move(p));
@@ -262,7 +262,7 @@ class ModelReader : JsonReader {
         if (!pointerOf(target, channel, kPaths, what)) continue;
       } else {
         const auto known = kPaths.find(path);
-        if (known == kPaths.end() || !target.contains("node")) continue;  // targets of other extensions
+        if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels of other extensions
         channel.path = known->second;
         channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
       }
@@ -271,8 +271,7 @@ class ModelReader : JsonReader {
     return a;
   }
 
-  // Reads a target of KHR_animation_pointer. Returns false if the target is not a property of a node that beams can
-  // see.
+  // Reads a channel's target of KHR_animation_pointer. Returns false if the target has no effect on what beams hit.
   bool pointerOf(const Json& target, Animation::Channel& channel, const std::map<std::string, Animation::Path>& paths,
                  const std::string& what) const {
     const Json* extension = extensionOf(target, "KHR_animation_pointer");
@@ -295,7 +294,7 @@ class ModelReader : JsonReader {
     return true;
   }
 
-  // Reads the scene, and throws unless each of its nodes is reached once: no cycles, no shared children.
+  // Reads the scene. Throws unless each of its nodes is reached only once, without cycles or shared children.
   void scene() {
     const Json& scenes = list("scenes");
     if (scenes.empty()) fail("has no scene: export it with its nodes in a scene");

@@ -21,10 +21,10 @@ using MaybeIndex = std::optional<Index>;
 struct Buffer {
   std::string uri;  // a file's name, with escapes decoded, or a data: URI; empty: the GLB's binary chunk
   std::uint64_t length = 0;
-  std::string problem;  // why it cannot be read, or empty; only an error if the buffer is used
+  std::string problem;  // why the buffer cannot be read; empty: it can. Reported only if the buffer is used
 };
 
-// The compressed bytes of a view, by EXT_meshopt_compression or KHR_meshopt_compression.
+// Location and encoding of a view's compressed bytes (EXT_meshopt_compression or KHR_meshopt_compression).
 struct Meshopt {
   enum class Mode { Attributes, Triangles, Indices };
   enum class Filter { None, Octahedral, Quaternion, Exponential };
@@ -32,7 +32,7 @@ struct Meshopt {
   std::uint64_t offset = 0, length = 0, stride = 0, count = 0;
   Mode mode = Mode::Attributes;
   Filter filter = Filter::None;
-  std::string problem;  // as Buffer::problem
+  std::string problem;  // see Buffer::problem
 };
 
 struct View {
@@ -52,7 +52,7 @@ struct Accessor {
     std::uint64_t indicesOffset = 0, valuesOffset = 0;
     Component indices = Component::UInt32;
   };
-  MaybeIndex view;  // none: zeroes, or the data are Draco-compressed
+  MaybeIndex view;  // not set: all elements are zero, or the data are Draco-compressed
   std::uint64_t offset = 0, count = 0;
   Component component = Component::Float;
   std::size_t width = 1;  // components per element
@@ -60,13 +60,13 @@ struct Accessor {
   std::optional<Sparse> sparse;
 };
 
-using Attributes = std::map<std::string, Index>;  // accessor by attribute name, such as POSITION
+using Attributes = std::map<std::string, Index>;  // index of an accessor, by attribute name such as POSITION
 
 struct Primitive {
   enum class Mode { Triangles = 4, Strip = 5, Fan = 6 };
   struct Draco {
     Index view = 0;
-    std::map<std::string, std::uint32_t> attributes;  // attribute name -> id in the compressed data
+    std::map<std::string, std::uint32_t> attributes;  // id in the compressed data, by attribute name
   };
   Mode mode = Mode::Triangles;
   Attributes attributes;
@@ -87,9 +87,9 @@ struct Node {
   std::vector<double> weights;
   std::array<double, 3> translation{0, 0, 0}, scale{1, 1, 1};
   std::array<double, 4> rotation{0, 0, 0, 1};    // x, y, z, w
-  std::optional<std::array<double, 16>> matrix;  // column by column; replaces translation, rotation and scale
-  std::optional<Attributes> instances;           // EXT_mesh_gpu_instancing
-  bool visible = true;                           // KHR_node_visibility; false hides its descendants, too
+  std::optional<std::array<double, 16>> matrix;  // column by column; if set, replaces translation, rotation and scale
+  std::optional<Attributes> instances;           // accessors of EXT_mesh_gpu_instancing
+  bool visible = true;                           // KHR_node_visibility; false also hides all descendants
 };
 
 struct Skin {
@@ -115,14 +115,14 @@ struct Animation {
 
 struct Image {
   std::string name;
-  std::string uri;  // as Buffer::uri
+  std::string uri;  // see Buffer::uri
   MaybeIndex view;
 };
 
-// How a material uses a texture, as far as it matters here.
+// How a material uses a texture; only properties that affect beams.
 struct TextureUse {
   Index image = 0;
-  unsigned coordinates = 0;                         // the n of TEXCOORD_n
+  unsigned coordinates = 0;                         // the n of attribute TEXCOORD_n
   std::array<double, 2> offset{0, 0}, scale{1, 1};  // KHR_texture_transform
   double rotation = 0;                              // rad, counter-clockwise when v points down
 };
@@ -158,8 +158,8 @@ struct Model {
 
 // Reads a .gltf, .glb or .b3dm. Points and lines are skipped. In the result every index, range and length has been
 // checked against the files, and the nodes of the scene form a tree. Throws an InputError with the file and the
-// problem, such as an unknown extension that the file requires. Messages call the file `name`, and names of other files
-// in it are relative to the folder of `name`. `allowOutside`: see AssetOptions.
+// problem, such as an unknown extension that the file requires. Messages call the file `name`; other files are searched
+// for relative to the folder of `name`. `allowOutside`: see AssetOptions.
 Model readModel(const std::filesystem::path& file, const std::filesystem::path& name, bool allowOutside);
 
 }  // namespace scanmill::gltf

@@ -11,9 +11,9 @@
 namespace scanmill::gltf {
 namespace {
 
-constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;  // vertices of all primitives
+constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;  // largest number of vertices of all primitives together
 
-// Returns the transform of a 4 x 4 matrix, given column by column.
+// Returns the transform of a 4 x 4 matrix whose numbers are ordered column by column.
 template <class Number>
 Affine toAffine(const Number* m) {
   const auto column = [&](std::size_t c) {
@@ -28,7 +28,7 @@ std::vector<double> sampled(const std::vector<float>& times, const std::vector<f
   const bool step = interpolation == Animation::Interpolation::Step;
   const bool cubic = interpolation == Animation::Interpolation::CubicSpline;
   const std::size_t stride = width * (cubic ? 3 : 1);
-  // `which` is for cubic splines: 0 in-tangent, 1 value, 2 out-tangent (appendix C.5).
+  // `which` matters only for cubic splines: 0 in-tangent, 1 value, 2 out-tangent (appendix C.5).
   const auto value = [&](std::size_t key, std::size_t which, std::size_t i) {
     return static_cast<double>(values[key * stride + (cubic ? which * width : 0) + i]);
   };
@@ -215,7 +215,8 @@ void Poser::pose(const PlacedNode& node, const Primitive& primitive, const Attri
   if (model_.nodes[node.node].skin) skin(node, numbers, what, points);
 }
 
-// Returns for each joint the transform from the mesh's frame to the scene's, as if vertices followed this joint alone.
+// Returns for each joint the transform from the mesh's frame to the scene's frame for vertices that follow this joint
+// alone.
 std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) const {
   std::vector<float> inverses;
   if (skin.inverseBindMatrices) inverses = data_.fractions(*skin.inverseBindMatrices, what);
@@ -230,7 +231,7 @@ std::vector<Affine> Poser::jointsOf(const Skin& skin, const std::string& what) c
   return joints;
 }
 
-// Applies a node's skin. Vertices whose weights are all 0 follow their first joint; without joints they follow the
+// Applies a node's skin. A vertex whose weights are all 0 follows its first joint; a vertex without joints follows the
 // node.
 void Poser::skin(const PlacedNode& node, const AttributeNumbers& numbers, const std::string& what,
                  std::vector<Vec3d>& points) const {

@@ -19,14 +19,15 @@ namespace scanmill::gltf {
 // Returns the name of an animation, or its number if it has no name.
 std::string nameOf(const Model& model, Index animation);
 
-// Returns the index of the animation with this name, else of the animation with this number. If there is neither,
+// Returns the index of the animation with this name; if there is none, `name` may be an animation's number. Otherwise
 // throws InputError with a suggestion.
 Index animationNamed(const Model& model, const std::string& name);
 
-// Returns the times of an animation's first and last key frames (s); nothing if it has none.
+// Returns the times of an animation's first and last key frame (s); nullopt if it has no key frames.
 std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation);
 
-// Sets the nodes of the model to the clip's values at its time. Throws InputError if a sampler's lengths do not fit.
+// Sets the nodes of the model to the values that the clip has at its time. Throws InputError if a sampler's numbers of
+// times and values do not fit.
 void apply(const ClipTime& clip, const Data& data, Model& model);
 
 // Returns the transform from a node to its parent.
@@ -35,27 +36,28 @@ Affine localOf(const Node& node);
 struct PlacedNode {
   Index node = 0;
   Affine sceneFromNode;
-  std::string_view name;  // its own, or that of its nearest ancestor with a name; refers into the model
+  std::string_view name;  // name of the node or of the nearest ancestor with a name; refers into the model
   bool visible = true;
 };
 
 // Returns the nodes of the scene in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
-// Returns all numbers of a primitive's attribute, vertex by vertex; empty if there is no attribute of this name.
+// Returns all numbers of the primitive's attribute `name`, vertex by vertex; empty if the primitive lacks the
+// attribute.
 using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
 
 // Applies morph targets and skins to the vertices of primitives.
 class Poser {
  public:
-  // The arguments must outlive it.
+  // The arguments must outlive the object.
   Poser(const Model& model, const Data& data, const std::vector<PlacedNode>& placed);
 
   // True if neither a skin nor morph targets change the vertices of a node's mesh.
   bool isRigid(const PlacedNode& node) const;
 
-  // Poses `points`, the vertices of a primitive of the node's mesh in the mesh's frame. Afterwards they are in the
-  // scene's frame if the node has a skin, else still in the mesh's. `what` is the mesh's name in messages. Throws
+  // Poses `points`, the vertices of a primitive of the node's mesh, given in the mesh's frame. The results are in the
+  // scene's frame if the node has a skin, else in the mesh's frame. `what` is the mesh's name in messages. Throws
   // InputError if joints, weights or targets do not fit the vertices.
   void pose(const PlacedNode& node, const Primitive& primitive, const AttributeNumbers& numbers,
             const std::string& what, std::vector<Vec3d>& points);
@@ -68,7 +70,7 @@ class Poser {
 
   const Model& model_;
   const Data& data_;
-  std::vector<const PlacedNode*> placedOf_;  // by node; null outside the scene
+  std::vector<const PlacedNode*> placedOf_;  // by node; null for nodes that are not in the scene
   std::uint64_t posed_ = 0;
 };
 

@@ -24,18 +24,19 @@ namespace scanmill::gltf {
 namespace {
 
 // Limits, since a small file can require any amount of memory and time.
-constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes, plus 256 for every compressed byte
+constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes; 256 bytes are added for every compressed byte
 constexpr unsigned kTrialSeconds = 300;
-constexpr double kMostPrimitives = 1 << 22;                   // primitives of all nodes
-constexpr double kMostRead = 4e9;                             // vertices that are read, of all primitives
-constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // instances of one node
+constexpr double kMostPrimitives = 1 << 22;                   // largest number of primitives of all nodes together
+constexpr double kMostRead = 4e9;                             // largest number of vertices that are read for all
+                                                              // primitives together
+constexpr std::size_t kMostInstances = std::size_t{1} << 22;  // largest number of instances of one node
 
 // The vertices and triangles of a primitive, in the mesh's frame.
 struct Geometry {
   std::vector<Vec3d> points;
-  std::vector<Vec2f> uvs;  // v points down, as in the file; empty, or one per point
+  std::vector<Vec2f> uvs;  // empty, or one per point; v points down, as in the file
   std::vector<Triangle> triangles;
-  std::uint64_t dropped = 0;  // triangles with indices out of range
+  std::uint64_t dropped = 0;  // number of triangles with indices out of range
 };
 
 std::vector<Triangle> trianglesOf(Primitive::Mode mode, const std::vector<std::uint32_t>& at) {
@@ -87,13 +88,13 @@ class Reader {
   }
 
  private:
-  // Returns the transform of posed vertices to the scene. Skinned vertices are in the scene's frame already.
+  // Returns the transform of posed vertices to the scene's frame. Skinned vertices are already in that frame.
   Affine frameOf(const PlacedNode& placed) const {
     return model_.nodes[placed.node].skin ? Affine{} : placed.sceneFromNode;
   }
 
-  // Throws InputError if the file would take too much memory or time. A small file may place its meshes any number of
-  // times, and its primitives may share one long list of vertices.
+  // Throws InputError if the file would take too much memory or time: a small file may place its meshes any number of
+  // times, and many primitives may share one long list of vertices.
   void checkCosts() const {
     double primitives = 0, triangles = 0, vertices = 0, read = 0;
     for (const PlacedNode& placed : placed_) {
@@ -159,11 +160,11 @@ class Reader {
     }
   }
 
-  // Appends the parts of a node, one per material.
+  // Appends the parts of a node, one part per material.
   void append(std::vector<AssetPart>& parts, const PlacedNode& placed, std::uint32_t number,
               const Affine& assetFromNode) {
     const std::size_t first = parts.size();
-    std::vector<std::size_t> materials;  // the materials of this node's parts, in their order
+    std::vector<std::size_t> materials;  // materials of this node's parts so far
     for (const Primitive& primitive : model_.meshes[*model_.nodes[placed.node].mesh].primitives) {
       const std::size_t material = primitive.material.value_or(materials_.size() - 1);
       const std::shared_ptr<const Geometry> shared = knownGeometry(primitive, placed, materials_[material].placed);
@@ -204,11 +205,11 @@ class Reader {
       model_.fail("has more vertices than 32-bit indices allow: split it");
     for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
     if (!geometry.uvs.empty() || !part.uvs.empty()) {
-      part.uvs.resize(base);  // zero if a primitive of the part has none
+      part.uvs.resize(base);  // zero for primitives without coordinates
       for (const Vec2f& uv : geometry.uvs) part.uvs.push_back({uv.x, 1 - uv.y});
       part.uvs.resize(part.positions.size());
     }
-    // If the transform mirrors, two corners are swapped, so that surfaces are not turned inside out.
+    // If the transform mirrors, swaps two corners, so that surfaces are not turned inside out.
     const bool mirrored = determinant(assetFromNode.linear) < 0;
     const auto offset = static_cast<std::uint32_t>(base);
     for (const Triangle& t : geometry.triangles) {
@@ -216,7 +217,8 @@ class Reader {
     }
   }
 
-  // Returns the geometry of a primitive. A mesh that is placed several times, without skin or morphing, is read once.
+  // Returns the geometry of a primitive. A mesh that is placed several times without skin or morphing is read only
+  // once.
   std::shared_ptr<const Geometry> knownGeometry(const Primitive& primitive, const PlacedNode& placed,
                                                 const std::optional<TextureUse>& texture) {
     const bool shares = poser_->isRigid(placed) && (uses_[*model_.nodes[placed.node].mesh] > 1 || copies_);
@@ -289,7 +291,7 @@ class Reader {
     }
   }
 
-  // Returns Draco numbers, normalized if the accessor that they replace says so.
+  // Returns the decoded numbers, normalized if the accessor that they replace is normalized.
   static std::vector<float> normalizedAs(const Accessor& accessor, DracoMesh::Values values) {
     if (!accessor.normalized || values.normalized || accessor.component == Component::Float) {
       return std::move(values.numbers);
@@ -310,7 +312,7 @@ class Reader {
     for (std::size_t i = 0; i < g.points.size(); ++i) {
       const double u = static_cast<double>(values[2 * i]) * use.scale[0];
       const double v = static_cast<double>(values[2 * i + 1]) * use.scale[1];
-      // Rotates counter-clockwise as seen with v pointing down (KHR_texture_transform).
+      // The rotation is counter-clockwise as seen with v pointing down (KHR_texture_transform).
       g.uvs.push_back(
           {static_cast<float>(use.offset[0] + c * u + s * v), static_cast<float>(use.offset[1] - s * u + c * v)});
     }
@@ -348,12 +350,12 @@ class Reader {
       }
       for (std::size_t k = 0; k < 4; ++k) node.rotation[k] = at(rotations, 4 * i + k, k == 3 ? 1 : 0);
       const Affine local = localOf(node);
-      // Singular transforms would flatten the mesh to a plane, a line or a point.
+      // Skips singular transforms, which would flatten the mesh to a plane, a line or a point.
       if (!isSingular((frame * local).linear)) nodeFromMesh.push_back(local);
     }
     if (options_.clip || nodeFromMesh.size() < 2) {
       copies_ = true;
-      // Each copy gets a node index of its own.
+      // Each copy gets a separate node index.
       const auto nodes = static_cast<std::uint32_t>(placed_.size());
       for (std::uint32_t i = 0; i < nodeFromMesh.size(); ++i) {
         append(asset_.parts, placed, number + i * nodes, frame * nodeFromMesh[i]);
@@ -376,8 +378,8 @@ class Reader {
   std::vector<PlacedNode> placed_;
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
-  std::vector<std::size_t> uses_;  // by mesh: number of nodes that place it
-  bool copies_ = false;            // append() is called for several copies of one node
+  std::vector<std::size_t> uses_;  // number of nodes that place a mesh, by mesh
+  bool copies_ = false;            // true while append() is called for several copies of a node
   std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
   Asset asset_;
   std::uint64_t triangles_ = 0;
@@ -408,7 +410,7 @@ Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, c
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {
-  const Model model = readModel(file, file, true);  // the file's references were checked when the asset was read
+  const Model model = readModel(file, file, true);  // readAsset() has checked its references
   const Data data(model);
   std::vector<Clip> clips;
   for (Index i = 0; i < model.animations.size(); ++i) {
@@ -418,7 +420,7 @@ std::vector<Clip> readClips(const std::filesystem::path& file) {
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
-  const Model model = readModel(file, file, true);  // the file's references were checked when the asset was read
+  const Model model = readModel(file, file, true);  // readAsset() has checked its references
   const Index animation = animationNamed(model, clip);
   const auto span = spanOf(model, Data(model), animation);
   if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));

@@ -2,7 +2,7 @@
 
 // Reads glTF 2.0, .gltf and .glb, with the extensions that affect geometry: KHR_mesh_quantization,
 // EXT_meshopt_compression, KHR_draco_mesh_compression, EXT_mesh_gpu_instancing, KHR_node_visibility and
-// KHR_texture_transform. Skins and morph targets are at rest, or in their pose at AssetOptions::clip.
+// KHR_texture_transform. Skins and morph targets are at rest, or in their pose at the time AssetOptions::clip.
 
 #include <filesystem>
 #include <string>
@@ -13,26 +13,27 @@
 
 namespace scanmill::gltf {
 
-// Reads the file as readAsset() does. Messages call the file `name`, and names of other files in it are relative to the
-// folder of `name`. `assetFromFile` transforms coordinates of the file to those of the asset.
+// Reads the file as scanmill::readAsset() does. Messages call the file `name`; other files are searched for relative to
+// the folder of `name`. `assetFromFile` transforms coordinates of the file to the asset's frame.
 Asset readAsset(const std::filesystem::path& file, const std::filesystem::path& name, const Affine& assetFromFile,
                 const AssetOptions& options);
 
-// Reads the content of a tile of 3D Tiles likewise. `assetFromTile` transforms the tile's coordinates (m, z up, with
-// RTC_CENTER added) to those of the asset; `zUpFromGltf` rotates the up axis of the tile's glTF to z.
+// Reads the content of a tile of 3D Tiles as readAsset() reads a file. `assetFromTile` transforms the tile's
+// coordinates (m, z up, with RTC_CENTER added) to the asset's frame; `zUpFromGltf` rotates the up axis of the tile's
+// glTF to z.
 Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, const Mat3& zUpFromGltf,
                const AssetOptions& options);
 
 // An animation of a file.
 struct Clip {
-  std::string name;            // the scene's name, or its number if it has no name
+  std::string name;            // the animation's number if it has no name
   double first = 0, last = 0;  // s, times of the first and the last key frame
 };
 // Returns the animations of a file, in the file's order. Throws an InputError that names the file.
 std::vector<Clip> readClips(const std::filesystem::path& file);
 
-// Returns the times of the first and the last key frame of an animation (s). Throws an InputError that names the file,
-// with a suggestion if it has no animation of that name.
+// Returns the times of an animation's first and last key frame (s). Throws an InputError that names the file, with a
+// suggestion if the file has no animation of this name.
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip);
 
 }  // namespace scanmill::gltf

@@ -6,7 +6,7 @@
 
 namespace scanmill::gltf {
 
-// Reads and checks buffers, views and accessors into the model. Model::bin and Model::file must be set before.
+// Reads buffers, views and accessors into the model and checks them. Model::bin and Model::file must be set before.
 // `allowOutside`: see AssetOptions.
 void readStorage(Model& model, const Json& json, bool allowOutside);
 

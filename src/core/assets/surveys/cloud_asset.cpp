@@ -24,9 +24,9 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostPoints = 100'000'000;
-constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // labels of noise in LAS
+constexpr std::uint32_t kLowNoise = 7, kHighNoise = 18;  // LAS classes of noise
 
-// Returns the name of a class in table 17 of the specification of LAS 1.4, or else its number.
+// Returns the name of a class from table 17 of the specification of LAS 1.4; its number if it has no name.
 std::string lasClass(std::uint32_t label) {
   static constexpr std::array<const char*, 23> kNames{"never classified",
                                                       "unclassified",
@@ -116,7 +116,7 @@ class CloudAsset {
     return nullptr;
   }
 
-  // Returns the chosen points' values in a foreign column; nothing if there is no column of this name.
+  // Returns the values of the chosen points in a foreign column; nullopt if there is no column of this name.
   std::optional<std::vector<double>> numbers(std::string_view name) const {
     const ForeignColumn* const column = foreign(name);
     if (column == nullptr) return std::nullopt;
@@ -143,7 +143,7 @@ class CloudAsset {
     }
   }
 
-  // Returns the intensity that means a reflectance of 1, guessed from the greatest intensity.
+  // Returns the intensity that probably means a reflectance of 1, from the greatest intensity.
   static double fullOf(double greatest) {
     for (const double full : {1.0, 255.0}) {
       if (greatest <= full) return full;
@@ -151,7 +151,7 @@ class CloudAsset {
     return greatest;
   }
 
-  // Makes a texture with one texel per point: its intensity as a grey, or its colour.
+  // Makes a texture with one texel per point: the point's intensity as a grey, or its colour.
   void readColors() {
     auto image = std::make_shared<Texture>();
     image->file = file_.string();
@@ -159,7 +159,8 @@ class CloudAsset {
     image->height = static_cast<std::uint32_t>((chosen_.size() + image->width - 1) / image->width);
     image->rgba.assign(std::size_t{image->width} * image->height * 4, 255);
     if (!fill(*image)) return;
-    // Fills the rest of the last row with the first texels again, so that the mean of the texture hardly changes.
+    // Fills the remaining texels of the last row with copies of the first texels, so that the mean of the texture
+    // hardly changes.
     for (std::size_t at = 4 * chosen_.size(); at < image->rgba.size(); ++at) {
       image->rgba[at] = image->rgba[at - 4 * chosen_.size()];
     }
@@ -237,7 +238,7 @@ class CloudAsset {
     const std::vector<Surfel> surfels = surfelsOf(positions_, normals_, options_.points.surfels);
     const auto& labels = scan_[kLabel];
     const auto& instances = scan_[kInstance];
-    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // by instance and label
+    std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> known;  // index of a part, by instance and label
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const std::uint32_t label = labels.empty() ? 0 : labels[chosen_[k]];
       const std::uint32_t instance = instances.empty() ? 0 : instances[chosen_[k]];
@@ -291,11 +292,11 @@ class CloudAsset {
   const Scan& scan_;
   ColorImages images_{file_, true};
   std::vector<std::size_t> chosen_;  // indices of the chosen points in scan_
-  std::vector<Vec3f> positions_;     // m, of the chosen points, in the asset's axes relative to its origin
+  std::vector<Vec3f> positions_;     // m; positions of the chosen points in the asset's axes, relative to its origin
   std::vector<Vec3f> normals_;
   std::shared_ptr<const Texture> image_;
-  bool measured_ = false;                         // image_ shows intensities
-  std::map<std::uint32_t, std::uint32_t> nodes_;  // node index by instance
+  bool measured_ = false;                         // true: image_ shows intensities; false: colours
+  std::map<std::uint32_t, std::uint32_t> nodes_;  // index of the node, by instance
   Asset asset_;
 };
 

@@ -8,16 +8,17 @@
 
 namespace scanmill {
 
-// AssetPart::texture of points: where their reflectance comes from.
+// Values of AssetPart::texture for points: the source of their reflectance.
 inline constexpr const char* kPointIntensity = "intensity";
 inline constexpr const char* kPointColor = "color";
 
 // Reads a file for which isCloud() is true (formats/cloud_file.h). Each point becomes a square with the area of its
-// surfel's disc (surfels.h): two triangles, which every method can trace. The points of one label and one instance form
-// a part. The part's material and AssetPart::ownClass are the label's name (AssetOptions::points), or else its number;
-// its node is "instance 7" if the points have instances. Labels of LAS have the names of its specification ("ground",
-// "building", "high vegetation"), and points that LAS calls noise are dropped, unless AssetOptions::points has labels.
-// Reflectance is that of the points: from intensities, else from colours. Throws an InputError that names the file.
+// surfel's disc (surfels.h): two triangles, which every method can trace. The points with the same label and instance
+// form a part. The part's material and AssetPart::ownClass are the label's name (AssetOptions::points), or else its
+// number; the part's node is "instance 7" if the points have instances. Unless AssetOptions::points has names, labels
+// of LAS have the names of its specification ("ground", "building", "high vegetation"), and points labelled as noise
+// are dropped. The reflectance comes from the points' intensities, else from their colours. Throws an InputError that
+// names the file.
 Asset readCloudAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

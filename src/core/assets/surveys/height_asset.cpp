@@ -66,10 +66,10 @@ class HeightAsset {
     asset_.origin = {std::floor(x * heights_.metresPerUnit) * unit, std::floor(y * heights_.metresPerUnit) * unit, 0};
   }
 
-  // Throws InputError if a raster without a coordinate system seems to be in degrees: read as metres, degrees would
-  // turn its hills into needles.
+  // Throws InputError if a raster without a coordinate system seems to be in degrees: if degrees were read as metres,
+  // hills would become needles.
   void refuseDegrees() const {
-    constexpr double kSteepest = 3;  // total height range over horizontal extent
+    constexpr double kSteepest = 3;  // largest ratio of height range to horizontal extent of a raster in metres
     if (!heights_.reference.empty() || options_.metresPerUnit != 1) return;
     const auto [x, y] = heights_.place(0, 0);
     const auto [x2, y2] = heights_.place(heights_.width - 1, heights_.height - 1);
@@ -89,7 +89,7 @@ class HeightAsset {
                     high - low, extent));
   }
 
-  // Computes the positions of a row of samples. Two rows are kept at a time.
+  // Computes the positions of a row of samples. Only the two latest rows are stored.
   void findPlaces(int row) {
     std::vector<Vec3d>& places = places_[static_cast<std::size_t>(row) % 2];
     places.resize(static_cast<std::size_t>(heights_.width));
@@ -119,7 +119,7 @@ class HeightAsset {
     expectSame(*classes_, wanted_.classes);
   }
 
-  // Returns the bounds of the heights, larger by a sample on each side.
+  // Returns the bounds of the heights, extended by a sample on each side.
   RasterBounds boundsOfHeights() const {
     RasterBounds b{INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (const int column : {-1, heights_.width}) {
@@ -171,7 +171,7 @@ class HeightAsset {
     Part& part = partOf(own);
     std::array<std::uint32_t, 4> v{};
     for (std::size_t k = 0; k < 4; ++k) v[k] = vertexOf(part, at[k][0], at[k][1], corner[k]);
-    // Makes triangles face up, whatever the directions of rows and columns.
+    // Triangles must face up, whatever the directions of rows and columns.
     const bool turned = cross(corner[1] - corner[0], corner[2] - corner[0]).z < 0;
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
       asset_.parts[part.index].triangles.push_back(turned ? Triangle{v[a], v[c], v[b]} : Triangle{v[a], v[b], v[c]});
@@ -185,10 +185,10 @@ class HeightAsset {
     }
   }
 
-  // The triangles of one class, which share vertices with each other.
+  // The triangles of one class. They share vertices only with each other.
   struct Part {
     std::size_t index = 0;  // index into asset_.parts
-    // Indices of vertices of the two latest rows of samples, by column; element row % 2 is for `row`.
+    // Indices of the vertices of the two latest rows of samples, by column. Element row % 2 belongs to `row`.
     std::array<std::vector<std::uint32_t>, 2> vertices;
     std::array<int, 2> row{-1, -1};
   };
@@ -234,7 +234,7 @@ class HeightAsset {
   const HeightOptions& wanted_;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;  // last channel read of the image; gives its georeference
+  Raster photo_;  // the channel of the image that was read last; gives the image's georeference
   double scale_ = 1;
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};

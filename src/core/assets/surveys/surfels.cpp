@@ -12,10 +12,11 @@
 namespace scanmill {
 namespace {
 
-constexpr double kLine = 0.02;  // ratio of second-largest to largest spread, below which points lie on a line
+constexpr double kLine = 0.02;  // points lie on a line if their second-largest spread is below this fraction of the
+                                // largest
 constexpr int kMostTimes = 8;   // largest factor on the number of neighbours
 
-// The interface that nanoflann requires of a set of points.
+// An adapter with the interface that nanoflann requires of a set of points.
 struct Points {
   const std::vector<Vec3f>& positions;
   std::size_t kdtree_get_point_count() const { return positions.size(); }
@@ -33,7 +34,7 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<fl
 
 struct Neighborhood {
   std::vector<std::uint32_t> index;
-  std::vector<float> squared;  // m^2
+  std::vector<float> squared;  // squared distances (m^2)
 };
 
 class Estimator {
@@ -42,7 +43,7 @@ class Estimator {
       : positions_(positions), normals_(normals), options_(options), points_{positions}, tree_(3, points_) {}
 
   Surfel at(std::size_t i, Neighborhood& near) const {
-    const auto wanted = static_cast<std::size_t>(options_.neighbors) + 1;  // including the point itself
+    const auto wanted = static_cast<std::size_t>(options_.neighbors) + 1;  // neighbours and the point itself
     Surfel surfel{{0, 0, 1}, static_cast<float>(options_.radius[1])};
     std::size_t found = search(i, wanted, near);
     if (found < 2) return surfel;
@@ -67,7 +68,7 @@ class Estimator {
     return tree_.knnSearch(&positions_[i].x, count, near.index.data(), near.squared.data());
   }
 
-  // Fits a plane to the first `count` points of `near` and sets its normal. False if they lie on a line.
+  // Fits a plane to the first `count` points of `near` and sets `normal`. Returns false if the points lie on a line.
   bool fit(const Neighborhood& near, std::size_t count, Vec3f& normal) const {
     const Vec3d about(positions_[near.index[0]]);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -112,7 +113,7 @@ std::vector<Surfel> surfelsOf(const std::vector<Vec3f>& positions, const std::ve
 std::vector<std::size_t> thinned(const std::vector<Vec3f>& positions, double spacing) {
   struct Cube {
     std::array<std::int64_t, 3> at;
-    double off;  // distance of the point from the cube's centre, in edges of a cube
+    double off;  // distance of the point from the cube's centre (cube edges)
     std::size_t index;
   };
   std::vector<Cube> cubes(positions.size());

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostAbove = 8;  // folders to search: the file's own and those above it
+constexpr int kMostAbove = 8;  // number of folders to search: the file's folder and its parents
 constexpr const char* kVariables[] = {"SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
                                       "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"};
 
@@ -49,7 +49,7 @@ std::vector<fs::path> modelFolders(const fs::path& file) {
 std::optional<fs::path> findInModelFolders(const fs::path& file, const std::string& name) {
   for (const std::string& spelling : {name, decodeUri(name)}) {
     for (const fs::path& folder : modelFolders(file)) {
-      // If a file inside of a model's folder names that model, the folder above is the one that has it.
+      // If a file inside of a model's folder names that model, the model is found from the folder above.
       if (!spelling.empty() && isThere(folder / spelling)) return folder / spelling;
     }
   }

@@ -10,15 +10,15 @@
 
 namespace scanmill {
 
-// The properties of a material that a script states: its first image, its diffuse colour, and its alpha cutoff.
+// Properties of a material that a script states: its first image, its diffuse colour, and its alpha cutoff.
 struct OgreMaterial {
   std::string texture;  // as the script names it, or empty
   std::optional<std::array<float, 3>> color;
-  std::optional<float> alphaCutoff;  // beams pass below this alpha
+  std::optional<float> alphaCutoff;  // beams pass where alpha is below this
 };
 
-// Returns the materials of a script, or of all scripts (*.material) of a folder, by their names. Empty if there are
-// none; unknown parts of scripts are ignored.
+// Returns the materials of a script, or of all scripts (*.material) in a folder, by name. Empty if there are none;
+// unknown parts of scripts are ignored.
 std::map<std::string, OgreMaterial> readOgreMaterials(const std::filesystem::path& place);
 
 }  // namespace scanmill

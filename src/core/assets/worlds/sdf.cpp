@@ -18,20 +18,20 @@
 namespace scanmill {
 namespace {
 
-constexpr int kDeepestModel = 24;       // levels of nested models
-constexpr std::size_t kLongest = 1000;  // frames in a chain, each relative to the next
+constexpr int kDeepestModel = 24;       // largest depth of nested models
+constexpr std::size_t kLongest = 1000;  // longest chain of frames, each relative to the next
 
-// The named frames of a world or a model, which poses may be relative to.
+// The named frames of a world or a model, to which poses may be relative.
 struct Scope {
   struct Frame {
     const XmlNode* node = nullptr;
     Pose pose;
     std::string relativeTo;               // empty: the scope's own frame
-    std::shared_ptr<const Scope> inside;  // frames in a model; null: not a model
+    std::shared_ptr<const Scope> inside;  // frames inside a model; null: this frame is not a model
   };
   std::map<std::string, Frame> frames;
 
-  // Returns the pose of a frame in the scope's own frame.
+  // Returns the pose of a frame in the scope's own frame (that of the world or model). Errors are thrown at `from`.
   Pose resolve(const std::string& name, const XmlNode& from) const {
     std::set<std::pair<const Scope*, std::string>> been;
     return resolve(name, from, been);
@@ -122,7 +122,8 @@ class SdfReader {
  private:
   using Placed = std::vector<PlacedModel>;
 
-  // Returns the models of a world, or those nested in a model, and the frames that poses in it may be relative to.
+  // Returns the models of a world, or the models nested in a model, and the frames to which their poses may be
+  // relative.
   std::pair<Placed, std::shared_ptr<Scope>> modelsOf(const XmlNode& of, const std::filesystem::path& file, int depth) {
     if (depth > kDeepestModel)
       of.fail(fmt::format("is nested in more than {} models: does one include itself?", kDeepestModel));
@@ -196,8 +197,8 @@ class SdfReader {
     std::optional<std::filesystem::path> definition;
     try {
       definition = definitionOf(node, file, plain);
-    } catch (const InputError&) {                       // models that come with Gazebo may not be installed
-      if (plain == "model://sun") return std::nullopt;  // a light
+    } catch (const InputError&) {                       // models that belong to Gazebo may not be installed
+      if (plain == "model://sun") return std::nullopt;  // sun is a light
       if (plain != "model://ground_plane") throw;
     }
     Model model;
@@ -222,7 +223,7 @@ class SdfReader {
     return model;
   }
 
-  // Returns the parts of a version as numbers, so that "1.10" is above "1.9".
+  // Returns the parts of a version as numbers, so that "1.10" compares greater than "1.9".
   static std::vector<int> versionOf(const XmlNode& sdf) {
     std::vector<int> parts;
     std::istringstream text(sdf.attributeOr("version", "0"));
@@ -232,7 +233,8 @@ class SdfReader {
     return parts;
   }
 
-  // Returns the file of a model. In a folder, that is the file with the highest version of those in its model.config.
+  // Returns the file that defines a model. If `uri` is a folder, it is the file with the highest version in
+  // model.config.
   static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
                                             const std::string& uri) {
     const XmlNode* const named = node.child("uri");
@@ -262,7 +264,7 @@ class SdfReader {
   }
 
   static Model groundPlane(const XmlNode& node) {
-    constexpr double kSize = 100;  // m, as in Gazebo's model of this name
+    constexpr double kSize = 100;  // m, as in Gazebo's ground_plane
     Model model;
     model.name = "ground_plane";
     WorldPart part;
@@ -279,7 +281,7 @@ class SdfReader {
     const XmlNode* const geometry = visual.child("geometry");
     if (geometry == nullptr) return;
     const std::string transparency = visual.textOf("transparency", "0");
-    if (numbersIn(visual, transparency, 1).front() >= 1) return;  // invisible: only for physics simulation
+    if (numbersIn(visual, transparency, 1).front() >= 1) return;  // invisible visuals are not scanned
     WorldPart part;
     part.where = visual.where;
     part.node = link + "/" + visual.attributeOr("name", "visual");
@@ -321,15 +323,15 @@ class SdfReader {
     const XmlNode* const script = material->child("script");
     if (script == nullptr) return;
     part.material = script->textOf("name", "");
-    // The <uri>s of the script are the folders of scripts and images. Gazebo's own materials, such as Gazebo/Grey, are
-    // not in them.
+    // The <uri>s of the script are folders of scripts and images. They do not contain Gazebo's own materials, such as
+    // Gazebo/Grey.
     std::vector<std::filesystem::path> places;
     for (const XmlNode& uri : script->children) {
       if (uri.name != "uri" || uri.text.starts_with("file://media")) continue;
       try {
         places.push_back(findModel(uri, file, uri.text));
       } catch (const InputError&) {
-        continue;  // the file may be from a machine with other models installed
+        continue;  // the file may come from a machine with other models
       }
     }
     for (const std::filesystem::path& place : places) {
@@ -367,7 +369,7 @@ class SdfReader {
     }
   }
 
-  // A model without visuals is not a thing; the models nested in it are.
+  // Adds the things of a model. A model without visuals is not a thing, but the models nested in it are.
   void addThings(const Affine& worldFromModel, const Model& model) {
     if (model.parts.empty()) {
       for (const auto& [pose, child] : model.children) addThings(worldFromModel * toAffine(pose), child);

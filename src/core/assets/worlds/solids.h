@@ -1,6 +1,6 @@
 #pragma once
 
-// Shapes that SDF and URDF share.
+// Shapes that both SDF and URDF have.
 
 #include <array>
 #include <optional>
@@ -11,12 +11,12 @@
 
 namespace scanmill {
 
-// Returns the mesh of a <box>, <cylinder>, <cone>, <sphere>, <capsule>, <ellipsoid> or <plane>, centred at the origin.
-// Sizes are elements in SDF and attributes in URDF. Nothing for any other element. Throws InputError for a size that is
+// Returns the mesh of a <box>, <cylinder>, <cone>, <sphere>, <capsule>, <ellipsoid> or <plane>, centred at the origin;
+// nullopt for any other element. Sizes are elements in SDF and attributes in URDF. Throws InputError for a size that is
 // missing, not a number or not above 0.
 std::optional<Mesh> solidOf(const XmlNode& shape);
 
-// Returns red, green and blue, clamped to 0 to 1, of a text of three or four numbers; the fourth, alpha, is ignored.
+// Returns red, green and blue, clamped to 0 to 1, from a text of three or four numbers; the fourth, alpha, is ignored.
 std::array<float, 3> colorOf(const XmlNode& node, std::string_view text);
 
 }  // namespace scanmill

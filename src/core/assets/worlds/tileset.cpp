@@ -25,7 +25,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kDeepestTile = 64;  // levels of nested tiles, including nested tilesets
+constexpr int kDeepestTile = 64;  // largest depth of nested tiles, through nested tilesets too
 
 class TilesetReader {
  public:
@@ -83,7 +83,8 @@ class TilesetReader {
     return {{{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}}, {m[12], m[13], m[14]}};
   }
 
-  // Returns assetFromEarth. On the earth: east, north, up around the root's middle; else the tileset's own frame.
+  // Returns assetFromEarth: for a tileset on the earth, east, north, up around the root's middle; else the tileset's
+  // frame, scaled to metres.
   Affine frameOf(const Json& root) const {
     const double unit = options_.metresPerUnit;
     const Affine scaled{Mat3::scale({unit, unit, unit}), {}};
@@ -91,7 +92,7 @@ class TilesetReader {
     Vec3d middle;
     if (const auto region = volume.find("region"); region != volume.end()) {
       auto r = region->get<std::array<double, 6>>();
-      if (r[2] < r[0]) r[2] += 2 * kPi;  // across the date line
+      if (r[2] < r[0]) r[2] += 2 * kPi;  // the region crosses the date line
       middle = earthCentred((r[0] + r[2]) / 2, (r[1] + r[3]) / 2, r[4]);
     } else if (volume.contains("box")) {
       const auto b = volume.at("box").get<std::vector<double>>();

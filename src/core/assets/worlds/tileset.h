@@ -8,10 +8,10 @@
 
 namespace scanmill {
 
-// Reads the finest tiles of a tileset, and coarser ones whose refinement is ADD, with transforms, relative centres and
-// nested tilesets. Contents can be glTF, GLB and b3dm; others are left out, with a warning. If the tileset is on the
-// earth, the asset's origin is the middle of the root tile, with x east, y north and z up. A node's name begins with
-// the content's file and a slash. Throws an InputError that names the file.
+// Reads the finest tiles of a tileset, and coarser tiles whose refinement is ADD, with transforms, relative centres and
+// nested tilesets. Contents can be glTF, GLB and b3dm; other contents are left out, with a warning. If the tileset is
+// on the earth, the asset's origin is the middle of the root tile, with x east, y north and z up. A node's name begins
+// with the content's file and a slash. Throws an InputError that names the file.
 Asset readTileset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

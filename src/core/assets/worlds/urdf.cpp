@@ -88,7 +88,7 @@ class UrdfReader {
     std::filesystem::path texture;
   };
 
-  // Returns a material's look. Materials are defined once; later elements can refer to them by name only.
+  // Returns the look of a material element. An element without a look refers by its name to an earlier element.
   Look noteMaterial(const XmlNode& material) {
     Look look;
     if (const XmlNode* color = material.child("color")) look.color = colorOf(*color, color->attributeOr("rgba", ""));
@@ -106,7 +106,7 @@ class UrdfReader {
     return known == looks_.end() ? look : known->second;
   }
 
-  // Returns robotFromLink. The robot's frame is that of its root link.
+  // Returns robotFromLink. The robot's frame is the frame of its root link.
   Affine placeOf(std::string name, const XmlNode& link) const {
     Affine place;
     std::set<std::string> been;
@@ -146,7 +146,7 @@ class UrdfReader {
 
   std::filesystem::path file_;
   XmlNode root_;
-  std::map<std::string, Joint> joints_;  // by child link
+  std::map<std::string, Joint> joints_;  // by name of the child link
   std::map<std::string, Look> looks_;
   World world_;
 };

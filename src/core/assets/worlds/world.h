@@ -1,6 +1,6 @@
 #pragma once
 
-// The contents of world descriptions: placed meshes of other files, and solids.
+// The contents of world descriptions: solids, and placed meshes from other files.
 
 #include <array>
 #include <filesystem>
@@ -15,15 +15,15 @@
 namespace scanmill {
 
 struct WorldPart {
-  std::string node;            // path within the thing: "link/visual"
-  std::filesystem::path mesh;  // empty: a solid
-  std::string submesh;         // the only node of the mesh that is used; empty: all nodes
-  bool centred = false;        // the submesh is moved so that its middle is the origin
+  std::string node;            // path within the thing, such as "link/visual"
+  std::filesystem::path mesh;  // empty: the part is a solid
+  std::string submesh;         // the only node of the mesh to use; empty: all nodes
+  bool centred = false;        // true: the submesh is moved so that its middle is the origin
   std::optional<Mesh> solid;
   Affine thingFromPart;  // includes the part's scale
-  std::string material;  // name, for solids and for meshes without a material of their own
+  std::string material;  // name of the material, for solids and for meshes without one
   std::optional<std::array<float, 3>> color;
-  std::filesystem::path texture;     // replaces the mesh's own texture; empty: does not
+  std::filesystem::path texture;     // replaces the mesh's texture; empty: the mesh keeps its texture
   std::optional<float> alphaCutoff;  // beams pass where the alpha of `texture` is below this
   Location where;
 };
@@ -31,14 +31,14 @@ struct WorldPart {
 // A model or a robot: its parts move together.
 struct WorldThing {
   std::string name;
-  std::filesystem::path definition;  // file of an included model, whose copies are all alike; else empty
-  Affine worldFromThing;             // m, z up
+  std::filesystem::path definition;  // file of an included model, shared by all its copies; else empty
+  Affine worldFromThing;             // translation in m, z up
   std::vector<WorldPart> parts;
 };
 
 struct World {
   std::vector<WorldThing> things;
-  std::vector<std::string> leftOut;  // contents that cannot be converted, in words
+  std::vector<std::string> leftOut;  // descriptions of contents that cannot be converted
 };
 
 // Reads the Simulation Description Format, versions 1.0 to 1.11 (sdformat.org/spec): .sdf and .world. Supports visuals

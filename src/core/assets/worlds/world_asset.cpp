@@ -37,7 +37,7 @@ class WorldAsset {
     if (!world.leftOut.empty()) {
       warn(fmt::format("{}: left out: {}", file_.string(), fmt::join(world.leftOut, ", ")));
     }
-    // Things of one model whose names differ only in the numbers at their ends.
+    // Groups of things of the same model whose names differ only in the numbers at their ends.
     std::map<std::pair<std::filesystem::path, std::string>, std::vector<const WorldThing*>> same;
     for (const WorldThing& thing : world.things) {
       if (!thing.definition.empty()) same[{thing.definition, withoutNumber(thing.name)}].push_back(&thing);

@@ -1,6 +1,6 @@
 #pragma once
 
-// World descriptions as assets: an object of a scene can name one like any other 3D file.
+// World descriptions as assets: an object of a scene can name a world description like any other 3D file.
 
 #include <filesystem>
 #include <string_view>
@@ -9,14 +9,14 @@
 
 namespace scanmill {
 
-// True if files of this suffix (".sdf", lower case) describe worlds.
+// True if files with this suffix (".sdf", lower case) are read as worlds.
 bool isWorld(std::string_view suffix);
 
 // Reads a world description with all files that it names. For 3D Tiles see tileset.h. In SDF and URDF each model has
 // one node index; its parts are named "model/link/visual" or, if a mesh has nodes, "model/link/visual/node". If a model
-// is included several times, with names that differ only in the numbers at their ends, the copies share their meshes
-// (Asset::instanced) and the name without its number. A model with visuals of its own is one thing together with all
-// models nested in it; a model without visuals is not a thing, but the models nested in it are. Throws InputError with
+// is included several times under names that differ only in the numbers at their ends, the copies share their meshes
+// (Asset::instanced), and their common name lacks the number. A model with visuals is one thing, together with all
+// models nested in it. A model without visuals is not a thing, but the models nested in it are. Throws InputError with
 // the place in the file, and warns of contents that are left out.
 Asset readWorld(const std::filesystem::path& file, std::string_view suffix, const AssetOptions& options);
 

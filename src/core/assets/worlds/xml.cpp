@@ -55,7 +55,7 @@ class Reader {
       throw InputError(node.where,
                        fmt::format("has elements that are nested more than {} levels deep", kDeepestElement));
     node.name = from.name();
-    std::string text;  // in pieces if comments interrupt it
+    std::string text;  // comments may split the text into several pieces
     for (const pugi::xml_node& child : from.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
     }

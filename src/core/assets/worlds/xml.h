@@ -1,6 +1,6 @@
 #pragma once
 
-// XML files as trees whose elements know their lines.
+// XML files as trees of elements with their line numbers.
 
 #include <filesystem>
 #include <string>
@@ -16,12 +16,13 @@ namespace scanmill {
 struct XmlNode {
   Location where;
   std::string name;
-  std::string text;  // the text of the element itself, trimmed
+  std::string text;  // text of the element without its children, trimmed
   std::vector<std::pair<std::string, std::string>> attributes;
   std::vector<XmlNode> children;
 
-  const XmlNode* child(std::string_view childName) const;          // the first child of that name, or null
-  const std::string* attribute(std::string_view attribute) const;  // or null
+  const XmlNode* child(std::string_view childName) const;          // the first child with this name; null if there is
+                                                                   // none
+  const std::string* attribute(std::string_view attribute) const;  // returns null if the attribute is absent
   std::string attributeOr(std::string_view attribute, std::string_view fallback) const;
   std::string textOf(std::string_view childName, std::string_view fallback) const;
 
@@ -32,7 +33,8 @@ struct XmlNode {
 // Reads a file. Throws InputError with the file and its line if it is not XML, or nested deeper than 64 elements.
 XmlNode readXml(const std::filesystem::path& file);
 
-// Returns exactly `count` finite numbers of a text that are separated by spaces. Throws InputError at `node`.
+// Returns the numbers in a text, separated by white space. Throws InputError at `node` unless there are exactly `count`
+// and all are finite.
 std::vector<double> numbersIn(const XmlNode& node, std::string_view text, std::size_t count);
 Vec3d vectorIn(const XmlNode& node, std::string_view text);
 

@@ -2,6 +2,8 @@
 
 // A pipeline file says which scenes, sensors and trajectories become which dataset. All its keys are checked when it is
 // read.
+//
+//   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {"seed=7", "effects=[]"});  // as by --set
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
-// The ground as one closed surface without gaps. Straight lines cut the ground into cells that share their corners:
-// without T-junctions no ray passes between them. Each cell has a kind and a height at its corners; where the heights
-// of neighbours differ there is a vertical wall. The rounded corners of the crossing are patches that end on the same
-// lines.
+// Builds the ground as one closed surface without gaps. Straight lines cut the ground into cells that share their
+// corners; without T-junctions no ray can pass between cells. Each cell has a kind, and a height at each corner. Where
+// the heights of two neighbours differ there is a vertical wall. The rounded corners of the crossing are patches that
+// end on the same lines.
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,8 @@
 namespace scanmill::street {
 namespace {
 
-constexpr double kCell = 4;        // longest side of a cell, m
-constexpr double kNearest = 5e-3;  // lines that are closer are merged, m
+constexpr double kCell = 4;        // m, longest side of a cell
+constexpr double kNearest = 5e-3;  // m; lines at a smaller distance are merged
 constexpr int kArcSteps = 12;
 
 std::vector<double> cut(std::vector<double> wanted, double low, double high) {
@@ -95,7 +95,7 @@ class GroundMaker {
 
   struct Cell {
     Ground kind = Ground::Terrain;
-    bool patch = false;  // belongs to a rounded corner
+    bool patch = false;  // true: the cell is part of a rounded corner of the crossing
   };
 
   Cell cell(std::size_t i, std::size_t j) const {
@@ -105,7 +105,7 @@ class GroundMaker {
   }
 
   Vec3d corner(const Cell& c, std::size_t i, std::size_t j) const {
-    // Heights are rounded to micrometres so that equal heights compare equal.
+    // Rounds heights to micrometres, so that equal heights compare equal.
     return {xs_[i], ys_[j], std::round(layout_.heightAt(c.kind, xs_[i], ys_[j]) * 1e6) / 1e6};
   }
 
@@ -145,14 +145,15 @@ class GroundMaker {
     for (std::size_t j = 0; j + 1 < ys_.size(); ++j) {
       for (std::size_t i = 0; i < columns; ++i) {
         const Cell& c = cells_[j * columns + i];
-        // A wall faces the lower cell: the order of corners makes it face the second cell if the first one is higher.
+        // A wall must face the lower cell. The order of corners makes it face the second cell if the first cell is
+        // higher.
         if (i + 1 < columns) addWall(c, cells_[j * columns + i + 1], i + 1, j + 1, i + 1, j);
         if (j + 2 < ys_.size()) addWall(c, cells_[(j + 1) * columns + i], i, j + 1, i + 1, j + 1);
       }
     }
   }
 
-  // Returns the grid lines strictly between two coordinates, in the order from a to b.
+  // Returns the grid lines between the coordinates a and b, without a and b, in the order from a to b.
   static std::vector<double> between(const std::vector<double>& lines, double a, double b) {
     std::vector<double> found;
     for (const double v : lines) {
@@ -167,8 +168,8 @@ class GroundMaker {
                              [&](double a, double b) { return std::abs(a - v) < std::abs(b - v); });
   }
 
-  // Adds the square between the edges of both roads at a corner of the crossing: sidewalk inside a quarter of a circle,
-  // curb along the circle, road outside.
+  // Adds the ground at a rounded corner of the crossing, a square between the edges of both roads: sidewalk inside a
+  // quarter of a circle, curb along the circle, road outside.
   void addCorner(int sx, int sy) {
     const Layout& l = layout_;
     const double height = std::round(l.p.curbHeight * 1e6) / 1e6;
@@ -196,8 +197,8 @@ class GroundMaker {
     const std::vector<Vec3d> outer = arc(l.cornerRadius, height);
     const std::vector<Vec3d> inner = arc(l.cornerRadius - Layout::kCurb, height);
 
-    // Adds a fan of triangles from `apex` to the arc. Its two straight sides include the corners of the neighbouring
-    // cells.
+    // Adds a fan of triangles from `apex` to the arc. Its two straight sides have vertices at the corners of the
+    // adjacent cells.
     const auto fan = [&](Ground kind, const Vec3d& apex, const std::vector<Vec3d>& arcPoints) {
       const auto side = [&](const Vec3d& end) {
         std::vector<Vec3d> points{apex};

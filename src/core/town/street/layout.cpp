@@ -55,9 +55,9 @@ Parameters readParameters(Fields& fields) {
 
 namespace {
 
-// The plot is flat up to this distance beyond the front line, m: the deepest house with its setback.
+// m beyond the front line in which the plot is flat: the depth of the deepest house with its setback.
 constexpr double kPlotDepth = 18;
-constexpr double kUndulation = 0.5;  // amplitude of each wave of the terrain, m
+constexpr double kUndulation = 0.5;  // m, amplitude of each wave of the terrain
 
 }  // namespace
 
@@ -107,7 +107,7 @@ Layout::Layout(const Parameters& parameters, std::uint64_t streetSeed)
 }
 
 void Layout::addLots(int side, Span x) {
-  constexpr double kNarrowest = 9;  // m
+  constexpr double kNarrowest = 9;  // m, least width of a lot
   double start = x.low;
   while (x.high - start > kNarrowest) {
     Lot lot;
@@ -160,7 +160,7 @@ void Layout::addLots(int side, Span x) {
   }
 }
 
-// Adds a few houses along the cross street, behind the gardens of the street's own houses.
+// Adds a few houses along the cross street, behind the gardens of the houses at the main street.
 void Layout::addCrossHouses() {
   for (const double sideX : {-1.0, 1.0}) {
     for (const double sideY : {-1.0, 1.0}) {
@@ -177,7 +177,8 @@ void Layout::addCrossHouses() {
       const double y = front + kPlotDepth + draw.in(1, 4);
       const bool built = draw.next() < p.buildings;
       if (!built || y + house.width > halfY - 2) continue;
-      // At +x of the cross street the front faces -x: a turn of -90 degrees maps the house's -y to -x.
+      // At the +x side of the cross street the front faces -x: a rotation by -90 degrees turns the house's -y axis to
+      // -x.
       const double along = sideY > 0 ? y : -y - house.width;
       house.place =
           sideX > 0 ? at({x, along + house.width, p.curbHeight}, -kPi / 2) : at({x, along, p.curbHeight}, kPi / 2);
@@ -192,7 +193,7 @@ bool Layout::inCorner(double x, double y) const {
   return cross && u > 0 && u < cornerRadius && v > 0 && v < cornerRadius;
 }
 
-// True within the extent of a parking lane along x, enlarged by `margin` at both ends.
+// True if x is within a parking lane, which is extended by `margin` (m) at both ends.
 bool Layout::besideParking(double x, double margin) const {
   return std::any_of(parking.begin(), parking.end(),
                      [&](const Span& s) { return x > s.low - margin && x < s.high + margin; });

@@ -1,7 +1,7 @@
 #pragma once
 
-// The plan of the procedural street: its keys, its roads, lots and houses, and the functions that build and fill it.
-// Only this folder includes this header.
+// The plan of the procedural street: its keys, its roads, lots and houses, and the functions that build it and place
+// objects. Only this folder includes this header.
 
 #include <array>
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Parameters {
   double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
   double terrain = 80, beyond = 150;
   bool crossStreet = true;
-  double buildings = 0.9, boundaries = 0.6;  // shares of the lots
+  double buildings = 0.9, boundaries = 0.6;  // fractions of the lots that have a house, and a hedge or fence
   double trees = 22, bushes = 20, cars = 14, traffic = 2, trucks = 1, buses = 0.5, motorcycles = 2, bicycles = 6;
   double cyclists = 1, pedestrians = 10, signs = 6, lamps = 5, furniture = 10, shelters = 1;
 
@@ -36,30 +36,31 @@ struct Lot {
   int side = 1;
   Span x;
   Fencing fencing = Fencing::None;
-  Span driveway;         // empty (low == high) where there is none
-  bool lowered = false;  // the curb is lowered at the driveway
+  Span driveway;         // empty (low == high): no driveway
+  bool lowered = false;  // true: the curb is lowered at the driveway
   Span walkway;
   std::uint32_t number = 0;
 };
 
 enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, Path, Terrain };
 
-// The plan of the street, in the street's frame. Distances from the centre line hold for both sides of the road.
+// The plan of the street, in the street's frame (m). Distances from the centre line are valid for both sides of the
+// road.
 struct Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
 
-  static constexpr double kCurb = 0.15;            // width of a curb stone, m
-  static constexpr double kRamp = 0.45;            // width of the part of the sidewalk that slopes at a driveway, m
-  static constexpr double kLoweredCurb = 0.03;     // height of the curb at a driveway, m
-  static constexpr double kDrivewayDepth = 7;      // beyond the front line, m
-  static constexpr double kPathDepth = 1.5;        // beyond the front line: the houses' greatest setback, m
-  static constexpr double kCrossSidewalkEnd = 18;  // beyond the back of the gardens, m
+  static constexpr double kCurb = 0.15;            // m, width of a curb stone
+  static constexpr double kRamp = 0.45;            // m, width of the slope in the sidewalk at a driveway
+  static constexpr double kLoweredCurb = 0.03;     // m that driveways extend beyond the front line
+  static constexpr double kDrivewayDepth = 7;      // m beyond the front line
+  static constexpr double kPathDepth = 1.5;        // m beyond the front line: the greatest setback of a house
+  static constexpr double kCrossSidewalkEnd = 18;  // m that the cross street's sidewalks extend beyond the gardens
 
   Ground kindAt(double x, double y) const;
-  // Returns the height (m) of ground of this kind at a point inside its border or on it.
+  // Returns the height (m) of ground of this kind at a point inside its border or on its border.
   double heightAt(Ground kind, double x, double y) const;
   double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
-  bool inCorner(double x, double y) const;  // in a square with a rounded corner of the crossing
+  bool inCorner(double x, double y) const;  // true in the squares that contain the rounded corners of the crossing
   bool onDriveway(double x, int side, double margin = 0) const;
 
   Parameters p;
@@ -69,7 +70,7 @@ struct Layout {
   bool cross;
   double crossX = 0, crossEdge = 0, crossWalk = 0, cornerRadius = 0;
   double crossSidewalkEnd = 0;
-  std::vector<Span> parking;  // along x, the same on both sides
+  std::vector<Span> parking;  // extents along x; the same on both sides
   std::vector<Lot> lots;
   std::vector<House> houses;
 
@@ -84,7 +85,7 @@ struct Layout {
 
 Model makeGround(SceneBuilder& builder, const Layout& layout);
 Model makeMarkings(SceneBuilder& builder, const Layout& layout);
-// Places everything but ground and houses in the scene.
+// Places everything in the scene except ground and houses.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
 
 }  // namespace scanmill::street

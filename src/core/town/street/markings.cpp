@@ -1,4 +1,4 @@
-// Road markings: thermoplastic, 3 mm thick, so that they never share a plane with the asphalt.
+// Builds road markings, which are thermoplastic and 3 mm thick, so that they are never in the plane of the asphalt.
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 namespace scanmill::street {
 namespace {
 
-constexpr double kThickness = 3e-3;  // m
-constexpr double kLine = 0.12;       // width of a line, m
+constexpr double kThickness = 3e-3;  // m, thickness of markings
+constexpr double kLine = 0.12;       // m, width of a line
 
 class Painter {
  public:
@@ -24,7 +24,7 @@ class Painter {
   }
 
  private:
-  // Adds a polygon, counter-clockwise seen from above, without its underside.
+  // Adds a polygon, counter-clockwise as seen from above, with sides and without its underside.
   void patch(const std::vector<Point2>& polygon) {
     const std::size_t n = polygon.size();
     const auto low = [&](std::size_t i) { return Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
@@ -35,7 +35,7 @@ class Painter {
 
   void bar(double x0, double x1, double y0, double y1) { patch({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}); }
 
-  // Returns half of the length (m) from stop line to stop line of the crossing, where there are no lines along x.
+  // Returns half of the length (m) between the two stop lines of the crossing. There are no lines along x between them.
   double crossingReach() const { return l_.cross ? l_.crossWalk + 1.7 : 0; }
 
   bool inCrossing(double x0, double x1) const {
@@ -50,7 +50,7 @@ class Painter {
 
   void mainRoad() {
     dashesAlongX(-l_.halfX, l_.halfX, 0, 3, 6, kLine);
-    // Outside the built-up part the road has edge lines.
+    // Outside of the built-up part the road has edge lines.
     for (const double side : {-1.0, 1.0}) {
       const double y = side * (l_.roadEdge - 0.25);
       dashesAlongX(-l_.halfX, -l_.halfLength - 2, y, 10, 0.02, kLine);
@@ -59,7 +59,7 @@ class Painter {
   }
 
   void parkingBays() {
-    constexpr double kBay = 6.0;  // m
+    constexpr double kBay = 6.0;  // m, length of a parking bay
     for (const Span& s : l_.parking) {
       for (const double side : {-1.0, 1.0}) {
         const double edge = side * (l_.roadEdge + 0.03);

@@ -11,7 +11,7 @@
 namespace scanmill::street {
 namespace {
 
-// Places panels of 2 m from a to b, stretched to fit.
+// Places panels of 2 m from a to b, stretched to fill the distance.
 void placeRow(Placer& placer, int& panels, const Model& m, Point2 a, Point2 b) {
   const Layout& l = placer.layout;
   const double dx = b.x - a.x;
@@ -37,12 +37,12 @@ void placeTrafficLights(Placer& placer) {
   const Layout& l = placer.layout;
   if (!l.cross || l.p.signs == 0) return;
   const Model m = makeTrafficLight(placer.builder, l.seed);
-  const double out = l.cornerRadius * 0.38;  // behind the rounded curb
+  const double out = l.cornerRadius * 0.38;  // m from the edges of both roads: behind the rounded curb
   int number = 0;
   for (const int sx : {-1, 1}) {
     for (const int sy : {-1, 1}) {
-      // At the right-hand curb of each approach, facing the vehicles that come; the two lights with sx = sy are for the
-      // main road.
+      // Each light is at the right-hand curb of an approach and faces the vehicles that come. The two lights with sx =
+      // sy are for the main road.
       const Spot s{l.crossX + sx * (l.crossEdge + out), sy * (l.roadEdge + out),
                    sx == sy ? (sx > 0 ? 0.0 : kPi) : (sy > 0 ? kPi / 2 : -kPi / 2), 1, 0};
       placer.tryPut(m, s, fmt::format("traffic light {}", ++number));
@@ -63,7 +63,7 @@ void placeBoundaries(Placer& placer) {
     if (lot.fencing == Fencing::None) continue;
     const Model& m = panels[static_cast<std::size_t>(lot.fencing)];
     const double inset = lot.fencing == Fencing::Hedge ? 0.5 : 0.25;
-    // Along the sidewalk, between the openings.
+    // Adds the boundary along the sidewalk, with gaps for driveway and walkway.
     std::vector<Span> gaps;
     for (const Span& s : {lot.driveway, lot.walkway}) {
       if (s.high > s.low) gaps.push_back({s.low - 0.15, s.high + 0.15});
@@ -75,7 +75,7 @@ void placeBoundaries(Placer& placer) {
       placeRow(placer, count, m, {from, lot.side * (l.walkOuter + inset)}, {gap.low, lot.side * (l.walkOuter + inset)});
       from = std::max(from, gap.high);
     }
-    // Also along the end of the lot, from the sidewalk back to the front of the house.
+    // Adds the boundary along the end of the lot, from the sidewalk back to the front of the house.
     const double x = lot.x.high - 0.35;
     placeRow(placer, count, m, {x, lot.side * (l.walkOuter + inset + 0.45)}, {x, lot.side * (l.front - 0.2)});
   }
@@ -110,7 +110,7 @@ void placeSigns(Placer& placer) {
       Spot s = placer.onSidewalk(draw, 0, 0.8);
       const double side = s.y > 0 ? 1 : -1;
       s.y = side * (placer.walkFrom(s.x) + 0.5);
-      s.yaw = (side < 0 ? kPi : 0) + draw.in(-0.12, 0.12);  // faces vehicles on this side
+      s.yaw = (side < 0 ? kPi : 0) + draw.in(-0.12, 0.12);  // the sign faces vehicles on this side
       return s;
     });
   }
@@ -149,7 +149,7 @@ void placeFurniture(Placer& placer) {
     const bool atCurb = what == Furnishing::Hydrant || what == Furnishing::Bollard || what == Furnishing::Bin;
     placer.search(forms[static_cast<std::size_t>(kind)], fmt::format("furniture {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, atCurb ? 0.35 : -0.4, 0.6);
-      s.yaw = s.y > 0 ? 0 : kPi;  // turned with the back to the gardens
+      s.yaw = s.y > 0 ? 0 : kPi;  // its back is towards the gardens
       if (what == Furnishing::WheelieBin || what == Furnishing::LetterBox) s.yaw += -kPi / 2;
       s.yaw += draw.in(-0.08, 0.08);
       return s;

@@ -22,7 +22,7 @@ void placeTrees(Placer& placer) {
     const bool inFront = i % 2 == 0;
     for (int k = 0; k < Placer::kTries; ++k) {
       const int side = draw.chance(0.5) ? 1 : -1;
-      // Conifers, whose branches reach down to the ground, are placed only behind the houses.
+      // Conifers have branches down to the ground, so they are placed only behind the houses.
       const auto form = static_cast<std::size_t>(draw.below(inFront ? kBroadleafForms : kTreeForms));
       Spot s;
       s.x = placer.alongStreet(draw, 2);
@@ -30,7 +30,7 @@ void placeTrees(Placer& placer) {
       s.scale = draw.in(0.8, 1.2);
       const TreeModel& tree = forms[form];
       if (inFront) {
-        // The crown ends before the wall of a house.
+        // The crown must end before the wall of a house.
         const double room = l.p.frontGarden - 1.2;
         s.scale = std::min(s.scale, room / tree.crownRadius);
         if (s.scale < 0.55) continue;
@@ -86,7 +86,7 @@ void placePedestrians(Placer& placer) {
     placer.search(m, fmt::format("pedestrian {}", i + 1), [&] {
       Spot s;
       s.scale = draw.in(0.96, 1.04);
-      if (onZebra) {  // crosses the cross street, along the sidewalk
+      if (onZebra) {  // the pedestrian crosses the cross street
         s.x = l.crossX + draw.in(-0.7, 0.7) * l.crossEdge;
         s.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
       } else {

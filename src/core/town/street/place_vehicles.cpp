@@ -1,4 +1,4 @@
-// Parked vehicles, traffic, cyclists and bicycles.
+// Places parked vehicles, traffic, cyclists and bicycles.
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 namespace scanmill::street {
 namespace {
 
-// The cars of this street, built when the first is needed.
+// The models of the street's cars; all are built when the first is needed.
 class Fleet {
  public:
   explicit Fleet(Placer& placer) : placer_(placer) {}
@@ -24,7 +24,7 @@ class Fleet {
  private:
   void make() {
     for (int k = 0; k < kCarForms + 2; ++k) {
-      // Hatchbacks and saloons are the most common: two of each.
+      // Hatchbacks and saloons are the most common cars: there are two of each.
       const CarForm form = k < kCarForms ? static_cast<CarForm>(k) : static_cast<CarForm>(k - kCarForms);
       cars_.push_back(makeCar(placer_.builder, placer_.layout.seed, form, k));
     }
@@ -37,12 +37,12 @@ class Fleet {
 struct Bay {
   double x;
   int side;
-  double key;  // bays are taken in the order of random keys
+  double key;  // random number; bays are filled in the order of these numbers
 };
 
 std::vector<Bay> bays(const Placer& placer) {
   const Layout& l = placer.layout;
-  constexpr double kBay = 6.0;  // m
+  constexpr double kBay = 6.0;  // m, length of a parking bay
   std::vector<Bay> found;
   for (const Span& s : l.parking) {
     for (const int side : {-1, 1}) {
@@ -63,7 +63,8 @@ void placeParked(Placer& placer, Fleet& fleet) {
   const int cars = l.p.count(l.p.cars);
   const int motorcycles = l.p.count(l.p.motorcycles);
   const std::vector<Bay> free = bays(placer);
-  // Three motorcycles share a bay, slanted. Motorcycles take bays from the end of the list, cars from the beginning.
+  // Three motorcycles share a bay, at an angle. Motorcycles fill bays from the end of the list, cars from its
+  // beginning.
   std::array<Model, 2> motorcycleForms{};
   for (std::size_t f = 0; motorcycles > 0 && f < 2; ++f) {
     motorcycleForms[f] = makeMotorcycle(placer.builder, l.seed, static_cast<int>(f));
@@ -97,7 +98,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     const Bay& b = free[i];
     const Model& m = fleet.anyCar(draw);
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
-    const double room = l.p.parkingWidth / 2 - half;  // towards curb and lane
+    const double room = l.p.parkingWidth / 2 - half;  // m between the car and both edges of the bay
     const bool against = draw.chance(0.08);
     const double yaw = (b.side > 0) == against ? 0 : kPi;  // on the left side traffic drives to -x
     const double error = draw.in(-0.02, 0.02);
@@ -109,8 +110,8 @@ void placeParked(Placer& placer, Fleet& fleet) {
   }
 }
 
-// Places oncoming vehicles on the left lane and vehicles that wait at the lights of the cross street. The right lane is
-// for the sensor's vehicle.
+// Places oncoming vehicles in the left lane, and vehicles that wait at the lights in the cross street. The right lane
+// is free for the sensor's vehicle.
 void placeTraffic(Placer& placer, Fleet& fleet) {
   const Layout& l = placer.layout;
   const int buses = l.p.count(l.p.buses);
@@ -138,7 +139,7 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
     }
     if (l.cross && car >= 0 && car % 3 == 1) {
       const double side = car % 2 == 1 ? -1 : 1;
-      const int row = car / 6;  // behind the vehicles that wait already
+      const int row = car / 6;  // number of vehicles that already wait there
       const double nose = l.walkOuter + 2.0 + m->bounds.high.x + draw.in(0, 0.6) + row * 7.0;
       const Spot s{l.crossX - side * l.crossEdge / 2 + draw.in(-0.15, 0.15), side * nose, -side * kPi / 2, 1, 0};
       placer.tryPut(*m, s, name);
@@ -146,7 +147,7 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
     }
     placer.search(*m, name, [&] {
       double x = placer.alongStreet(draw, 8);
-      // Not on the crossing itself.
+      // The vehicle must not be on the crossing.
       const double reach = l.crossEdge + l.cornerRadius + (m->bounds.high.x - m->bounds.low.x) / 2;
       if (l.cross && std::abs(x - l.crossX) < reach) x = l.crossX + (x > l.crossX ? reach : -reach);
       return Spot{x, l.roadEdge / 2 + draw.in(-0.15, 0.1), kPi + draw.in(-0.01, 0.01), 1, 0};
@@ -197,7 +198,7 @@ void placeBicycles(Placer& placer) {
                   fmt::format("bicycle {}", i + 1), [&] {
                     Spot s = placer.onSidewalk(draw, -0.45, 0.8);
                     s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.15, 0.15);
-                    s.lean = radians(draw.in(-9, -5));  // on its stand
+                    s.lean = radians(draw.in(-9, -5));  // the bicycle leans on its stand
                     return s;
                   });
   }

@@ -11,7 +11,7 @@ void reserveHouses(Placer& placer) {
     const Vec3d c = h.place * Vec3d{h.width / 2, h.depth / 2, 0};
     const Vec3d x = h.place.linear.x;
     placer.occupancy.add({{c.x, c.y}, h.width / 2 + 0.5, h.depth / 2 + 0.5, std::atan2(x.y, x.x)});
-    const Vec3d door = h.place * Vec3d{h.doorX(), -0.9, 0};  // the steps in front of it
+    const Vec3d door = h.place * Vec3d{h.doorX(), -0.9, 0};  // the steps in front of the door
     placer.occupancy.add({{door.x, door.y}, 1.0, 1.0, std::atan2(x.y, x.x)});
   }
   for (const Lot& lot : l.lots) {
