@@ -46,7 +46,7 @@ TEST_F(AssetFiles, VerticesThatAreNotNumbersAreKeptForCleaning) {
 }
 
 TEST_F(AssetFiles, BadRequestsAreNamed) {
-  EXPECT_THAT(failure(folder_.path() / "absent.obj"), HasSubstr("absent.obj: there is no such file"));
+  EXPECT_THAT(failure(folder_.path() / "absent.obj"), HasSubstr("absent.obj: the file does not exist"));
   EXPECT_THAT(failure(folder_.path()), HasSubstr("is not a file"));
   EXPECT_THAT(failure(write("empty.ply", "")), HasSubstr("empty.ply: is empty"));
   EXPECT_THAT(failure(write("a.docx", "text")), HasSubstr("unknown kind"));

@@ -91,7 +91,7 @@ TEST(Labelling, WhatIsDroppedIsGone) {
   const Labelled l = labelled(parts, rules);
   EXPECT_EQ(l.classes, (Classes{{"terrain", 2}}));
   EXPECT_TRUE(l.scene.unlabeled.empty());
-  expectInputError([&] { labelled({parts[0]}, rules); }, {"scene.yaml:1", "asset.obj", "drops"});
+  expectInputError([&] { labelled({parts[0]}, rules); }, {"scene.yaml:1", "asset.obj", "rules drop 2"});
 }
 
 // A palette of four colours, one node, one material: what comes apart are squares of 2 triangles.

@@ -140,7 +140,7 @@ TEST(Rules, badOnesAreRefusedWithTheirPlace) {
   refuse("- {match: {node: ''}, class: car}", {"rules.yaml:1", "empty"});
   refuse("- {match: any}", {"rules.yaml:1", "class"});
   refuse("- {match: any, class: car, clas: x}", {"rules.yaml:1", "clas"});
-  refuse("- {match: any, class: car, drop: true}", {"rules.yaml:1", "drops"});
+  refuse("- {match: any, class: car, drop: true}", {"rules.yaml:1", "drop: true"});
   refuse("- {match: {color: red}, class: car}", {"rules.yaml:1", "#8fb34d"});
   refuse("- {match: {color: '#12345g'}, class: car}", {"rules.yaml:1", "#8fb34d"});
   refuse("- {match: {color: []}, class: car}", {"rules.yaml:1", "empty"});

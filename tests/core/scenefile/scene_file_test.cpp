@@ -340,7 +340,7 @@ TEST_F(SceneReader, brokenTrianglesOfAnAssetAreCounted) {
 
 TEST_F(SceneReader, badTransformsAreRefusedWithTheirPlace) {
   const std::string box = kBox;
-  refuse(box + ", scale: 0}\n", {"scene.yaml:4:", "scale", "zero"});
+  refuse(box + ", scale: 0}\n", {"scene.yaml:4:", "scale", "not 0"});
   refuse(box + ", scale: [1, 0, 1]}\n", {"scene.yaml:4:", "scale"});
   refuse(box + ", scale: .inf}\n", {"scene.yaml:4:", "scale"});
   refuse(box + ", scale: 1e-40}\n", {"scene.yaml:4:", "scale"});

@@ -514,7 +514,7 @@ TEST(Town, RefusesMapsThatItCannotUse) {
   const auto refusal = [](const std::string& yaml) { return messageOf([&] { makeTown(yaml, 1); }); };
   const TemporaryFolder folder;
   const auto of = [&](std::string_view text) { return "{map: " + folder.write("place.osm", text).string() + "}"; };
-  EXPECT_THAT(refusal("{map: 'http://localhost/place.osm'}"), HasSubstr("is no file"));
+  EXPECT_THAT(refusal("{map: 'http://localhost/place.osm'}"), HasSubstr("is not a file"));
   EXPECT_THAT(refusal("{map: nowhere.osm}"), AllOf(HasSubstr("town.yaml:1"), HasSubstr("nowhere.osm")));
   EXPECT_THAT(refusal(of("a text")),
               AllOf(HasSubstr("town.yaml:1"), HasSubstr("place.osm"), HasSubstr("OpenStreetMap")));

@@ -33,7 +33,7 @@ TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
                                             Contains(HasSubstr("intensity: left out, no effect sets it")),
                                             Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
   EXPECT_THAT(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {}),
-              AllOf(Contains(HasSubstr("9 poses a revolution")), Contains(HasSubstr("misses: kept")),
+              AllOf(Contains(HasSubstr("9 poses per revolution")), Contains(HasSubstr("misses: written")),
                     Contains(HasSubstr("effect quantize {step_m: 1}: "))));
 }
 

@@ -99,7 +99,7 @@ TEST_F(SensorEffectsOf, AreLeftOutOtherwise) {
   EXPECT_TRUE(names(none, 0).empty());
   EXPECT_THAT(names(pipeline("effects: [intensity]\n", noise, ""), 1), ElementsAre("intensity"));
   EXPECT_THAT(modelled(makePlan(pipeline("", noise, "")), {}),
-              Contains(HasSubstr("effects of the file of 'a': left out")));
+              Contains(HasSubstr("effects in the sensor file of 'a': left out")));
 }
 
 TEST_F(SensorEffectsOf, EachScanHasItsOwn) {

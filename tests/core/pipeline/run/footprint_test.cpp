@@ -141,7 +141,7 @@ TEST_F(FootprintRun, LooksThroughGlass) {
   }
   EXPECT_THAT(
       messageOf([&] { makePlan(readPipeline(pipeline_, with("[intensity, light_paths: {}]", "depth_camera"))); }),
-      AllOf(HasSubstr("depth_camera ends rays"), HasSubstr("`method: ray_tracing`")));
+      AllOf(HasSubstr("depth_camera ends each ray"), HasSubstr("`method: ray_tracing`")));
 }
 
 // A recording of hits holds one ray a beam: sensors' own effects stay usable, and the plan says what is left out.

@@ -123,7 +123,7 @@ TEST(RingBias, RefusesBadOptions) {
   beams.rings = 2;
   effect->check(beams);
   beams.rings = 3;
-  expectInputError([&] { effect->check(beams); }, {"test.yaml:1", "2 figures", "3 rings"});
+  expectInputError([&] { effect->check(beams); }, {"test.yaml:1", "number of values is 2", "number of rings is 3"});
 }
 
 }  // namespace
