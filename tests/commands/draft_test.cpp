@@ -51,7 +51,7 @@ TEST_F(DraftCommand, TakesWordsOfItsUsers) {
 TEST_F(DraftCommand, ReplacesNothingUnasked) {
   folder_.write("place.png", "mine");
   const std::vector<std::string> arguments{"draft", at("models/oak.obj"), "-o", at("place.yaml")};
-  expectRefused(scanmill(arguments), "place.png: is there already");
+  expectRefused(scanmill(arguments), "place.png: exists: name another file");
   EXPECT_FALSE(std::filesystem::exists(at("place.yaml")));
   std::vector<std::string> insisting = arguments;
   insisting.emplace_back("--overwrite");
@@ -62,7 +62,7 @@ TEST_F(DraftCommand, ReplacesNothingUnasked) {
 TEST_F(DraftCommand, BadRequestsAreNamed) {
   expectRefused(scanmill({"draft", "-o", at("a.yaml")}), "name 3D files");
   expectRefused(scanmill({"draft", at("models")}), "-o FILE.yaml");
-  expectRefused(scanmill({"draft", at("none.obj"), "-o", at("a.yaml")}), "none.obj: there is no such file");
+  expectRefused(scanmill({"draft", at("none.obj"), "-o", at("a.yaml")}), "none.obj: the file does not exist");
   std::filesystem::create_directory(at("empty"));
   expectRefused(scanmill({"draft", at("empty"), "-o", at("a.yaml")}), "contains no 3D file");
   expectRefused(scanmill({"draft", at("models"), "-o", at("a.yaml"), "--ontology", "nowhere"}), "nowhere");

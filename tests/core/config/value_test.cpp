@@ -76,7 +76,8 @@ TEST(ParseYaml, RefusesWithThePlace) {
   EXPECT_THAT(parseError("a: {b: 1, c: 2, b: 3}"), StartsWith("x.yaml:1:17: duplicate key 'b' (first at 1:5)"));
   EXPECT_THAT(parseError("a: &x [1, *x]"), AllOf(StartsWith("x.yaml:1:11: "), HasSubstr("contains the alias")));
   EXPECT_THAT(parseError("a: *nobody"), AllOf(StartsWith("x.yaml:1:4: "), HasSubstr("anchor is not defined")));
-  EXPECT_THAT(parseError("a: 1\n? [1, 2]\n: 2\n"), StartsWith("x.yaml:2:3: a key must be text, but this key is a list"));
+  EXPECT_THAT(parseError("a: 1\n? [1, 2]\n: 2\n"),
+              StartsWith("x.yaml:2:3: a key must be text, but this key is a list"));
   EXPECT_THAT(parseError("a: 1\n~: 2\n"), StartsWith("x.yaml:2:1: a key must be text"));
   EXPECT_THAT(parseError("a: &k b\n*k : 2\n"), StartsWith("x.yaml:2:1: a key must be text, but this key is an alias"));
   EXPECT_THAT(parseError("a: 1\n---\nb: 2\n"), StartsWith("x.yaml:2:1: a second YAML document"));
