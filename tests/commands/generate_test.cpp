@@ -454,13 +454,13 @@ TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
     EXPECT_FALSE(std::filesystem::exists(at("out")));
     return outcome.error;
   };
-  EXPECT_THAT(message({"--shards", "0", "--workers", "2"}), HasSubstr("give one of them"));
+  EXPECT_THAT(message({"--shards", "0", "--workers", "2"}), HasSubstr("give only one of the two"));
   EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("as in 0-9,12"));
   EXPECT_THAT(message({"--worker", "1"}), HasSubstr("give both --worker I and --workers N"));
   EXPECT_THAT(message({"--workers", "3"}), HasSubstr("give both --worker I and --workers N"));
   EXPECT_THAT(message({"--worker", "3", "--workers", "3"}), HasSubstr("numbered from 0"));
   EXPECT_THAT(message({"--worker", "-1", "--workers", "3"}), HasSubstr("whole number"));
-  EXPECT_THAT(message({"--worker", "0", "--workers", "auto"}), HasSubstr("leave --worker out"));
+  EXPECT_THAT(message({"--worker", "0", "--workers", "auto"}), HasSubstr("leave it out"));
   EXPECT_THAT(message({"--workers", "auto", "--overwrite"}), HasSubstr("--overwrite"));
   EXPECT_THAT(message({"--workers", "auto", "--keep-hits", at("hits")}), HasSubstr("one process"));
   EXPECT_THAT(message({"--workers", "auto", "--set", "method={auto: {min_rate: 5e6}}"}),
@@ -487,7 +487,8 @@ TEST_F(Generate, TwoRunsIntoOneFolderDoNotMix) {
 }
 
 TEST_F(Generate, ResumingAndOverwritingContradictEachOther) {
-  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--overwrite"}), "one of them");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--overwrite"}),
+                "only one of the two");
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("out"), "--resume", "--keep-hits", at("hits")}),
                 "recordings");
 }
