@@ -5,7 +5,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kFarthest = 1e9;  // m; UTM coordinates reach 1e7
+constexpr double kFarthest = 1e9;  // m, largest coordinate; UTM coordinates reach 1e7 m
 
 Vec3d readScale(const Value& value) {
   Vec3d scale;

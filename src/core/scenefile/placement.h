@@ -45,8 +45,8 @@ struct Placement {
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads these keys from an object's map. Throws InputError with the place; for more than kMostCopies the message gives
-// their number and its factors.
+// Reads the keys above from an object's map. Throws InputError with the place; for more than kMostCopies the message
+// gives the number of copies and the factors that it is the product of.
 Placement readPlacement(Fields& object);
 
 }  // namespace scanmill

@@ -133,16 +133,16 @@ class SceneReader {
     return found;
   }
 
-  // True if some of the scene depends on the seed.
+  // Returns true if something in the scene depends on the seed.
   bool procedural() const { return procedural_ > 0 || random_; }
 
-  // Returns the seed of the street or town after `before` others. Multiples of this odd number keep the seeds of one
-  // scene apart from those of scenes with the next seeds.
+  // Returns the seed of the next street or town, if the scene has `before` earlier ones. Multiples of this odd constant
+  // keep these seeds apart from the seeds of a scene whose seed is one higher.
   static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
     return seed + 0x9E3779B97F4A7C15 * before;
   }
 
-  // Returns the pose of a street or a town. Reads all of the object's keys but `what`, which the caller reads.
+  // Returns the pose of a street or a town. Reads all keys of the object except `what`, which the caller reads.
   static Affine proceduralPlace(Fields& f, const std::string& what) {
     f.require(what);
     f.text("name", what);
@@ -163,8 +163,8 @@ class SceneReader {
     return copies;
   }
 
-  // Returns the path of the object's file, or of all files that {one_of: [...]} names itself or by their folder, each
-  // with its name as the scene writes it.
+  // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns these for
+  // all files that it lists and for all files in the folders that it lists.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
     const auto isFolder = [](const std::filesystem::path& path) {
       std::error_code error;
@@ -206,7 +206,7 @@ class SceneReader {
     return files;
   }
 
-  // A file with its options and rules; each copy gets one variant at random.
+  // A file with its options and rules; each copy of the object gets one variant at random.
   struct Variant {
     std::filesystem::path file;
     AssetOptions asset;
@@ -282,7 +282,8 @@ class SceneReader {
     }
   }
 
-  // Reads {clip: NAME, time_s: t}: the clip and the time (s) at which it is frozen; without a time it loops.
+  // A clip's name and the time (s) at which the clip is frozen; without a time the clip loops. Read from {clip: NAME,
+  // time_s: t}.
   using Clip = std::pair<std::string, std::optional<double>>;
   static std::optional<Clip> clipOf(Fields& f) {
     const Value* const value = f.find("animation");
@@ -295,7 +296,8 @@ class SceneReader {
     return clip;
   }
 
-  // Returns the object's own rules, then its class and material as one more rule, then the scene's rules.
+  // Returns all rules for an object in order of precedence: its own rules, its class and material as one rule, the
+  // scene's rules.
   std::vector<Rule> rulesOf(Fields& f) {
     std::vector<Rule> rules;
     if (const Value* own = f.find("rules")) rules = readRules(*own);
@@ -314,8 +316,8 @@ class SceneReader {
     return rules;
   }
 
-  // Throws InputError for unknown classes and materials, so that a typing error is found even if the rule matches
-  // nothing.
+  // Throws InputError for an unknown class or material of a rule, so that a typing error is found even if the rule
+  // matches nothing.
   void checkNames(const std::vector<Rule>& rules) const {
     for (const Rule& rule : rules) {
       if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
@@ -329,7 +331,7 @@ class SceneReader {
     return assetFolder_ / name;
   }
 
-  // Reads the keys of a primitive and appends its shape to a mesh. Returns a key that equal shapes share.
+  // Reads the keys of a primitive and appends its shape to a mesh. Returns a key that is the same for equal shapes.
   static std::string appendPrimitive(Fields& f, const std::string& kind, Mesh& mesh) {
     if (kind == "box") {
       const Vec3d size = readSize(f.require("size"), 3);
@@ -401,7 +403,7 @@ class SceneReader {
   bool random_ = false;
 };
 
-// Returns the scene's objects with random values for the keys that ask for them, and lists these values in `draws`.
+// Returns the scene's objects with all random values drawn, and appends these values to `draws`.
 Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
   const Value* objects = root.find("objects");
   if (objects == nullptr) return {};

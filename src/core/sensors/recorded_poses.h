@@ -10,35 +10,36 @@
 
 namespace scanmill {
 
-// A pose at a time (s).
+// A pose with its time (s).
 struct StampedPose {
   double time = 0;
   Pose pose;
-  int line = 0;  // of the file; 0: the file has no lines
+  int line = 0;  // line of the file; 0: the file has no lines
 };
 
-// Interpolates recorded poses. Positions follow a cubic curve (Hermite's). Its velocity at a pose is that of the
-// parabola through the pose and its neighbours, but at most three times the slower of the mean velocities before and
-// behind it (Fritsch and Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 1980), so that nothing
-// overshoots. Rotations turn evenly from pose to pose.
+// Interpolates recorded poses. Positions follow a cubic Hermite curve. The curve's velocity at a pose is the velocity
+// of the parabola through the pose and its two neighbours, but at most three times the slower of the mean velocities
+// before and after the pose (Fritsch and Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 1980),
+// so that the curve does not overshoot. Rotations are interpolated at constant angular velocity from pose to pose.
 class RecordedPoses {
  public:
   // Needs at least two poses, with ascending times.
   explicit RecordedPoses(std::vector<StampedPose> poses);
 
-  // Returns the pose at a time (s after the first pose); before the first and after the last the vehicle stands still.
+  // Returns the pose at a time (s after the first pose). The vehicle stands still before the first pose and after the
+  // last.
   Pose at(double time) const;
   double duration() const { return poses_.back().time; }  // s
-  double length() const;                                  // m, straight from pose to pose
+  double length() const;                                  // m, sum of the straight distances from pose to pose
   std::vector<double> times() const;                      // s since the first pose, one per pose
   // Describes the poses: "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s".
   std::string about() const;
-  // Returns a warning about poses that are possible but seldom meant: too fast, upside down, or heading elsewhere than
-  // the vehicle drives; else empty.
+  // Returns a warning about poses that are possible but probably wrong: too fast, upside down, or with a heading far
+  // from the direction of travel. Empty if the poses are plausible.
   std::string doubt() const;
 
  private:
-  std::vector<StampedPose> poses_;  // the first at the time 0
+  std::vector<StampedPose> poses_;  // ascending in time; the time of the first pose is 0
 };
 
 // Reads from YAML:

@@ -41,20 +41,20 @@
 
 namespace scanmill {
 
-// The number of beams of a sensor file. It is known without building the table, so that a plan with too many beams is
-// refused before memory is allocated.
+// The number of beams of a sensor file. The number is known without building the table, so that a plan with too many
+// beams is refused before memory is allocated.
 struct SensorSize {
   std::uint64_t rings = 0;
   std::uint64_t columns = 0;
 };
 
-// `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Returns the
-// map of the sensor: the keys of the preset, if there is one, replaced by the pipeline's own keys of the same names.
-// Each value keeps its location in its file. Throws InputError.
+// Returns the complete map of a sensor: the keys of its preset, if it names one, overridden by the keys of `value`.
+// `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Each key
+// keeps its location in its file. Throws InputError.
 Value resolveSensor(const Value& value);
 
-// Read a sensor map, from a file of its own or from a pipeline. A sensor has 1 to 4096 rings and 1 to 65536 columns.
-// Throw InputError with the place.
+// Read a sensor map, from a sensor file or a pipeline. A sensor has 1 to 4096 rings and 1 to 65536 columns. Throw
+// InputError with the place.
 SensorSize sensorSize(const Value& description);
 std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 

@@ -28,7 +28,7 @@ Sway::Sway(const Value& value, std::uint64_t seed) {
   }
 }
 
-// Returns a sum of sinusoids whose variance is 1.
+// Returns a sum of sinusoids at a time (s), scaled so that its variance over time is 1.
 double Sway::sum(const Waves& waves, double time) {
   double all = 0;
   for (const Wave& w : waves) all += std::sin(w.frequency * time + w.phase);
