@@ -206,8 +206,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     return true;
   };
   std::uint64_t misses = 0;
-  // With a density each copy gets one try, and a copy whose place is not free is left out. With a count each copy gets
-  // kTries tries on average; but if `distance_from` excludes much of the surface, only kMisses ends the search.
+  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives each copy kTries
+  // tries on average; but if `distance_from` excludes much of the surface, only kMisses ends the search.
   const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);

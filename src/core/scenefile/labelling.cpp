@@ -65,7 +65,7 @@ std::string gives(const Rule& rule) {
   return text;
 }
 
-// By rule: the number of triangles that the rule matches, and of those whose class or material the rule sets.
+// Numbers of triangles by rule: those that the rule matches, and those whose class or material the rule sets.
 struct RuleCounts {
   std::vector<std::uint64_t> matched, decided;
   explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}

@@ -1,6 +1,7 @@
 #pragma once
 
-// Reads pixels back: single ones, which a compute shader gathers so that only they are transferred, or whole rows.
+// Reads pixels back from the card: single pixels, which a compute shader gathers so that only these are transferred, or
+// complete rows.
 
 #include <vtkTextureObject.h>
 
