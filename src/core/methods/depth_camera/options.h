@@ -10,13 +10,13 @@
 namespace scanmill {
 
 struct DepthCameraOptions {
-  std::string renderer;  // vtk, blender
+  std::string renderer;  // vtk or blender
   std::string layoutName;
   std::string samplingName;
   std::string depthName;
   LayoutOptions layout;
   SampleOptions sample;                    // without `farthest`, which is set for each shot
-  double farthest = 0;                     // m, largest depth; 0: the sensor's range
+  double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
   std::uint32_t rendersPerRevolution = 0;  // 0: auto
 };
 

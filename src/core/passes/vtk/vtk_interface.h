@@ -42,8 +42,8 @@ struct VtkScene {
   std::span<const std::uint32_t> words;  // bits of all cut-outs
 };
 
-// An instance of consecutive triangles. In the image, triangle k of the batch has the number firstNumber + k; the number
-// 0 means that a pixel shows no triangle.
+// An instance of consecutive triangles. In the image, triangle k of the batch has the number firstNumber + k; the
+// number 0 means that a pixel shows no triangle.
 //
 //   (x, y, w) of clip space = rows * (position, 1); depth grows with nearest / w
 struct VtkPlacement {
