@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kWaterIndex = 1.328;
-constexpr double kLargeDrops = 2;           // extinction cross section relative to the area of a drop
+constexpr double kLargeDrops = 2;           // extinction cross section of a drop, relative to its area
 constexpr double kFlakeDensity = 0.1;       // relative to water
 constexpr double kIceLidarRatio = 25;       // sr
 constexpr double kDustLidarRatio = 50;      // sr
@@ -46,16 +46,17 @@ Weather rainOf(double rate) {
   const double face = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
   const double gain = face + (1 - face) * (1 - face) * face * focus * focus;
-  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times gain a^2 / 4 per steradian, with a = D / 2
+  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times gain a^2 / 4 per steradian, with the drop's radius a
+                                                        // = D / 2
   return made;
 }
 
 Weather snowOf(double rate) {
   Weather made;
   made.drops = snowFlakes(rate);
-  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // of a flake, relative to the drop that it melts to
+  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts to
   made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
-  // pi times the flake's extinction cross section (twice the area of radius width * D / 2), over the lidar ratio.
+  // pi times the flake's extinction cross section (twice its area; its radius is width * D / 2), over the lidar ratio.
   made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
   return made;
 }
