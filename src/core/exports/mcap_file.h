@@ -49,10 +49,10 @@ class McapFile {
   AtomicFile file_;
   std::uint32_t crc_ = 0;  // of all bytes written so far
 
-  std::string chunk_;  // records of the current chunk, uncompressed  TimeSpan chunkTimes_;
-  // Messages of the current chunk: time (ns), and offset in chunk_.
-  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>>
-      chunkMessages_;  // by channel: time, offset
+  std::string chunk_;  // records of the current chunk, uncompressed
+  TimeSpan chunkTimes_;
+  // Messages of the current chunk, by channel: time (ns) and offset in chunk_.
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunkMessages_;
 
   // Records of the summary at the end of the file.
   std::string schemas_;
