@@ -15,14 +15,14 @@ struct Verification {
   std::uint64_t samples = 0;
   std::uint64_t scans = 0;
   std::uint64_t points = 0;
-  std::uint64_t damaged = 0;          // shards that differ from the manifest
+  std::uint64_t damaged = 0;          // number of shards that differ from the manifest
   std::vector<std::string> problems;  // one line each, with shard and member; empty: the dataset is sound
 };
 
-// Lists all faults of the data; it continues after each one. Faults are a missing shard, a wrong hash, a member that
-// cannot be decoded, counts that differ, a class id that the ontology does not have, members out of order, and files
-// that the manifest does not list. Throws an InputError only if the manifest cannot be read. progress(done, total)
-// counts shards; it is called after each.
+// Finds all faults of the data; a fault does not end the search. Faults are a missing shard, a wrong hash, a member
+// that cannot be decoded, counts that differ, a class id that the ontology does not have, members out of order, and
+// files that the manifest does not list. Throws an InputError only if the manifest cannot be read. progress(done,
+// total) is called after each shard, with numbers of shards.
 Verification verifyDataset(const std::filesystem::path& folder,
                            const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
