@@ -15,7 +15,7 @@ inline constexpr const char* kRecordSuffix = ".json";          // appended to th
 
 struct FolderContents {
   bool manifest = false;
-  bool unfinished = false;             // see isUnfinished()
+  bool unfinished = false;             // true if isUnfinished()
   std::vector<std::string> shards;     // names relative to the folder
   std::vector<std::string> leftovers;  // names of temporary files, relative to the folder
   std::string foreign;                 // first by name of all other files and folders; empty: none
@@ -25,7 +25,7 @@ struct FolderContents {
 // True if a dataset was started in the folder and not completed.
 bool isUnfinished(const std::filesystem::path& folder);
 
-// Lists the folder and one level below. Throws std::filesystem::filesystem_error.
+// Lists the files in the folder and in its subfolders. Throws std::filesystem::filesystem_error.
 FolderContents contentsOf(const std::filesystem::path& folder);
 
 // Returns the shards that a manifest lists, and the files that describe their samples; none if the manifest does not

@@ -40,7 +40,7 @@ struct ObjectView {
 };
 
 struct ObjectRecord {
-  std::uint32_t id = 0;            // as in the column `instance`
+  std::uint32_t id = 0;            // instance id, as in the column `instance`
   std::uint16_t semantic = 0;      // class id; points of the object may have the class for moving objects instead
   std::string name;                // name of the object in the scene
   std::vector<std::string> parts;  // names of the nodes that the object consists of

@@ -28,7 +28,7 @@ struct DatasetPlan {
 struct DatasetPart {
   std::string plan;                    // hash of the part's plan
   std::vector<std::uint64_t> numbers;  // indices of the part's samples among all samples of the plan
-  Manifest manifest;                   // with only this shard and its samples
+  Manifest manifest;                   // manifest with only this shard and its samples
 };
 
 std::string toJson(const DatasetPlan& plan);

@@ -59,7 +59,7 @@ struct RecordedSensor {
   std::string name;
   std::uint32_t rings = 0;
   std::uint32_t columns = 0;
-  std::string beams;                      // see beamsHash(); empty: unknown
+  std::string beams;                      // hash of the beams, see beamsHash(); empty: unknown
   std::optional<Pose> vehicleFromSensor;  // mounting pose; may be unknown in recordings by other programs
 };
 

@@ -14,7 +14,7 @@ namespace scanmill {
 struct ScanSource {
   Scan scan;
   std::string title;                 // for example "street-s1-lane-000010, top"
-  std::optional<Ontology> ontology;  // from the dataset's manifest or the folder's layout; none: unknown
+  std::optional<Ontology> ontology;  // from the dataset's manifest or the folder's layout; none: unknown classes
 };
 
 // Finds and decodes a scan. `path`: a dataset's folder, a shard, a folder of recorded scans, or a single scan in any

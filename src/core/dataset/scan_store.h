@@ -44,7 +44,7 @@ class ScanStore {
 
   const std::filesystem::path& path() const { return path_; }
   bool single() const { return single_.has_value(); }
-  const Manifest* manifest() const { return manifest_.get(); }  // null: there is none
+  const Manifest* manifest() const { return manifest_.get(); }  // null: the scans have no manifest
   // Returns the classes of the labels, from the manifest or the layout; null if they are unknown.
   const Ontology* ontology() const;
   std::filesystem::path folder() const { return folder_; }  // folder of the manifest

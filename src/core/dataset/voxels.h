@@ -1,8 +1,9 @@
 #pragma once
 
 // The member `<key>.<sensor>.<method>.voxels.npz` of a sample: the classes of the voxels around a sensor, and which
-// voxels its scan sees, as in SemanticKITTI's task of scene completion (Behley et al., "SemanticKITTI: A Dataset for
-// Semantic Scene Understanding of LiDAR Sequences", ICCV 2019, section 4.3). numpy.load() reads it without pickle:
+// voxels its scan sees, as in SemanticKITTI's scene completion task (Behley et al., "SemanticKITTI: A Dataset for
+// Semantic Scene Understanding of LiDAR Sequences", ICCV 2019, section 4.3). numpy.load() reads the archive without
+// pickle:
 //
 //   label     uint16 (X, Y, Z)   class of the voxel; 0: empty
 //   input     bool (X, Y, Z)     the voxel contains a point of the scan
@@ -28,8 +29,9 @@ struct ScanVoxels {
   VoxelGrid grid;
   std::vector<std::uint16_t> label;   // class id of most of the surface in the voxel; 0: empty, or without a class
   std::vector<std::uint8_t> input;    // 1: the voxel contains at least one point of the scan
-  std::vector<std::uint8_t> invalid;  // 1: nothing can be known, as inside of objects: the voxel is neither seen nor
-                                      // connected to seen ones by empty voxels; or it has surfaces of no class
+  std::vector<std::uint8_t> invalid;  // 1: nothing is known about the voxel: it has surfaces without a class, or it is
+                                      // neither seen nor connected to seen voxels through empty ones, as inside of
+                                      // objects
   std::vector<std::uint8_t> unseen;   // 1: no beam of the scan passes through the voxel or ends in it
 };
 

@@ -31,8 +31,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 0.0005;        // m
-constexpr std::uint8_t kSynthetic = 1;  // bit of the classification flags
+constexpr double kStep = 0.0005;        // m, step of the coordinates in the file
+constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classification flags
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 

@@ -22,7 +22,7 @@ struct LasPoints {
   static constexpr std::uint16_t kBytes = 30;  // bytes of a point, without extra bytes
 
   double step = 0;  // m; coordinates are stored as multiples of the step, relative to the offset
-  Vec3d offset;     // m
+  Vec3d offset;     // m, world: subtracted from coordinates before they are stored as steps
   std::uint64_t count = 0;
   std::array<std::uint64_t, kMostReturns> byReturn{};  // number of first returns, of second returns, and so on
   std::array<std::int32_t, 3> least{}, greatest{};     // of the coordinates, in steps; zero if there are no points

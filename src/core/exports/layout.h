@@ -32,7 +32,7 @@ struct ExportSequence {
 struct ExportScan {
   const ScanRecord* record = nullptr;
   const SensorRecord* sensor = nullptr;
-  std::size_t sensorNumber = 0;  // index into ExportPlan::sensors
+  std::size_t sensorNumber = 0;  // index of the sensor in ExportPlan::sensors
   Scan scan;                     // dense, or organised with misses as NaN; its classes are those of the dataset
 };
 

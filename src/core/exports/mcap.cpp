@@ -36,7 +36,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC
+constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC, time 0
 constexpr const char* kWorld = "map";
 constexpr const char* kVehicle = "vehicle";
 constexpr float kBoxOpacity = 0.4f;
@@ -175,8 +175,8 @@ class Bag {
   McapFile file_;
   std::uint16_t mounts_ = 0;
   std::uint16_t poses_ = 0;
-  std::vector<std::uint16_t> clouds_;       // by sensor
-  std::optional<std::uint16_t> objects_{};  // set when the first objects are added
+  std::vector<std::uint16_t> clouds_;       // channel of each sensor's points
+  std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 
 class Mcap : public Layout {

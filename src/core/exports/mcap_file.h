@@ -47,7 +47,7 @@ class McapFile {
   std::string statistics() const;
 
   AtomicFile file_;
-  std::uint32_t crc_ = 0;  // of all bytes written so far
+  std::uint32_t crc_ = 0;  // CRC-32 of all bytes written so far
 
   std::string chunk_;  // records of the current chunk, uncompressed
   TimeSpan chunkTimes_;

@@ -235,7 +235,7 @@ class Tables {
     struct Instance {
       std::uint16_t category = 0;
       std::size_t annotations = 0;
-      OrderedJson first;      // token
+      OrderedJson first;      // token of the first annotation
       OrderedJson last;       // the latest row; its `next` is not known yet
       std::size_t place = 0;  // index of the row `last` for JsonListFile::set()
     };

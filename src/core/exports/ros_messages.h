@@ -14,7 +14,7 @@
 namespace scanmill {
 
 struct RosSchema {
-  std::string_view name;  // "sensor_msgs/msg/PointCloud2"
+  std::string_view name;  // name of the type, such as "sensor_msgs/msg/PointCloud2"
   std::string text;       // the definition of the type, and of all types that it contains
 };
 

@@ -32,7 +32,7 @@ class ScanFiles : public Layout {
  private:
   std::filesystem::path fileOf(const SampleRecord& sample, const SensorRecord& sensor) const;
 
-  std::string suffix_;  // without a dot
+  std::string suffix_;  // suffix of the files, without a dot
 };
 
 // Returns the columns that a scan's file has in addition to the position: the columns of the scan or, if the scan has

@@ -14,10 +14,10 @@ namespace scanmill {
 //
 //   u = cx + fx * x / z,  v = cy + fy * y / z
 struct Camera {
-  std::string name;  // "front"; part of file names
+  std::string name;  // such as "front"; part of file names
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  double fx = 0;  // px
+  double fx = 0;  // px, focal lengths
   double fy = 0;
   double cx = 0;  // px, the principal point; may lie outside of the image
   double cy = 0;

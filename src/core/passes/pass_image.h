@@ -35,7 +35,7 @@ struct PassPlanes {
   std::vector<std::uint32_t> instance;   // instance id; 0: the surface belongs to no thing
   std::vector<std::uint16_t> semantic;   // class id
   std::vector<std::uint16_t> material;   // index into the scene's materials
-  std::vector<std::uint32_t> primitive;  // triangle index in its mesh
+  std::vector<std::uint32_t> primitive;  // index of the triangle in its mesh
   std::vector<float> reflectance;        // near-infrared, 0 to 1, with the texture applied
   std::vector<float> roughness;          // roughness, metallic and retroreflectance: all or none are present; see
                                          // scene/material.h

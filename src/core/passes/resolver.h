@@ -15,7 +15,7 @@ namespace scanmill {
 
 // The triangle visible at a pixel, and its depth.
 struct SeenTriangle {
-  float depth = kNoDepth;      // m, planar
+  float depth = kNoDepth;      // m, planar: along the camera's z axis
   std::uint32_t instance = 0;  // 1 + index into Scene::instances; 0: no surface
   std::uint32_t triangle = 0;  // index into Mesh::triangles
 };
@@ -38,7 +38,8 @@ class Resolver {
   std::uint64_t memoryBytes() const;
 
  private:
-  // All values of a triangle that pixels read at random are in one record, so that a pixel needs few cache lines.
+  // The values of a triangle are in one record, so that a pixel, which accesses triangles at random, needs few cache
+  // lines.
   struct Face {
     Vec3d normal;               // unit, mesh axes
     std::uint32_t surface = 0;  // index into surfaces_

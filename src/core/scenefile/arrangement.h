@@ -65,20 +65,20 @@ class Arrangement {
     std::vector<Distance> distances;
     std::optional<std::uint64_t> count;
     double density = 0;  // copies per m^2
-    double spacing = 0;  // m
-    double slope = 0;    // rad
+    double spacing = 0;  // m, least distance between copies
+    double slope = 0;    // rad, steepest surface that gets copies
     std::optional<std::array<Vec3d, 2>> within;
     bool covered = false;
     Location where;
   };
   struct Along {
     std::vector<Vec3d> waypoints;
-    double every = 0, left = 0;  // m
+    double every = 0, left = 0;  // m along the path from place to place; m to the left of the path
     Location where;
   };
   struct Vary {
     std::array<double, 2> yaw{}, scale{1, 1};  // yaw in rad
-    double position = 0;                       // m
+    double position = 0;                       // m, largest horizontal displacement of a copy
     double presence = 1;
   };
   struct StandOn {

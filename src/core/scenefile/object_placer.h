@@ -19,7 +19,7 @@
 
 namespace scanmill {
 
-// How an object's copies are placed, and how they move.
+// How the copies of an object are placed, and how they move.
 struct Copies {
   Placement placement;
   Arrangement arrangement;

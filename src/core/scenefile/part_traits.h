@@ -12,7 +12,7 @@ namespace scanmill {
 
 // The frame in which the positions of an asset's parts are given.
 struct PartFrame {
-  Vec3d origin;       // m, in the asset's frame
+  Vec3d origin;       // m, origin of this frame in the asset's frame
   double lowest = 0;  // m, lowest z of all parts in this frame
 };
 

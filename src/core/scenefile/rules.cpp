@@ -176,7 +176,7 @@ std::vector<Rgb> readColors(const Value* value) {
   return colors;
 }
 
-constexpr Range kLengths{-1e7, 1e7};  // m
+constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes and heights
 
 std::optional<Between> readBetween(Fields& match, std::string_view key) {
   const Value* const value = match.find(key);

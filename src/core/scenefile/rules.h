@@ -15,7 +15,7 @@
 
 namespace scanmill {
 
-using Rgb = std::array<std::uint8_t, 3>;  // sRGB
+using Rgb = std::array<std::uint8_t, 3>;  // red, green and blue (sRGB)
 
 struct Between {
   double low = 0, high = 0;
@@ -32,7 +32,7 @@ struct Between {
 // a class leaves the triangles out.
 struct Rule {
   Location where;
-  std::string node, material, texture, file;  // patterns; empty: anything
+  std::string node, material, texture, file;  // patterns of names; empty: any name matches
   std::vector<Rgb> colors;                    // sRGB; base colours that match at the triangle's centre
   int within = 16;                            // largest difference in red, green or blue from one of `colors`, of 255
   std::optional<Box> box;                     // m, in the asset's frame; must contain the triangle's centre

@@ -1,7 +1,8 @@
 // A scene file, scenes/*.yaml:
 //
 //   name: town                           # default: the file's name
-//   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths; or one of the program's own: scanmill
+//   ontology: ../labels/scanmill.yaml    # a path, which like all paths is relative to this file; or the name of an
+//                                        # ontology of the program: scanmill
 //   materials: ../labels/materials.yaml
 //   assets: ${SCANMILL_ASSETS}/town      # folder in which relative `file`s start; default: this file's folder
 //   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
@@ -10,32 +11,34 @@
 // An object is one of
 //
 //   file: car.glb                        # an asset; or {one_of: [...]}, files and folders: one at random for each copy
-//   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
-//                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
-//                                        # OBJ, PLY, STL and all others
-//   unit: 0.01                           # metres per unit of the file; default 1; COLLADA and FBX declare theirs, and
-//                                        # this is a factor on top
-//   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
-//                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
-//                                        # if they declare nothing, yes for textures that look like cut-outs: see
-//                                        # AlphaUse in assets/asset.h)
-//   instances: node                      # what is one thing. node: each node with a thing class; part: each group of
-//                                        # connected triangles; /chair_[0-9]+/: all nodes with the same match; object
-//                                        # (default, except for point clouds): the whole asset. See scenefile/things.h
+//   up: y                                # the up axis of the file's coordinates, x, y or z, instead of the axis that
+//                                        # the file declares. Default: the declared axis of COLLADA and FBX, y for glTF
+//                                        # and AC3D, z for OBJ, PLY, STL and all others
+//   unit: 0.01                           # metres per unit of the file; default 1. COLLADA and FBX files declare their
+//                                        # unit; the key is then a further factor
+//   alpha: auto                          # whether beams pass through a surface where its alpha is below 0.5: test
+//                                        # (yes), ignore (no: all is solid), auto (default: as the file's materials
+//                                        # declare; if they declare nothing, yes for textures that look like cut-outs:
+//                                        # see AlphaUse in assets/asset.h)
+//   instances: node                      # the triangles that form one thing. node: of a node with a thing class; part:
+//                                        # of a group of connected triangles; /chair_[0-9]+/: of all nodes with the
+//                                        # same match; object (default, except for point clouds): of the complete
+//                                        # asset. See scenefile/things.h
 //   thing: tree_1                        # the n-th copies of all objects with this key and name are one thing
 //   points: {...}, heights: {...}        # for point clouds and height rasters: see scenefile/survey_options.h
-//   animation: {clip: walk}              # glTF: the clip loops; with time_s it is frozen at that time
+//   animation: {clip: walk}              # glTF: the clip loops, or is frozen at time_s if that is given
 //   rules: [...]                         # see scenefile/rules.h; match: {file: ...} tests `file` as written here
 //   class: car, material: car_paint      # one more rule, which matches everything
 //
 //   A part gets its class from the first of these that matches and has a class: the object's rules in their order, the
-//   object's class, the scene's rules in their order. Its material likewise. An object's class therefore overrides the
-//   classes of all the scene's rules, but their materials only if the object has a material too.
+//   object's class, the scene's rules in their order. Its material is found in the same way. An object's class
+//   therefore overrides the classes of all the scene's rules; an object overrides their materials only if it has a
+//   material too.
 //
 //   primitive: box                       # class and material are required. Centred at the origin, in metres:
 //   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
-//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (height is that of
-//                                        #   the cylinder between the half spheres)
+//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (the height of
+//                                        #   the cylinder, without the half spheres)
 //
 //   street: {...}                        # see town/street/street.h
 //   town: {...}                          # see town/town.h
@@ -75,7 +78,7 @@
 namespace scanmill {
 namespace {
 
-constexpr Range kLength{1e-6, 1e6};  // m
+constexpr Range kLength{1e-6, 1e6};  // m, limits of the sizes of primitives
 
 class SceneReader {
  public:

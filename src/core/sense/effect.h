@@ -57,7 +57,7 @@ class Effect {
 struct EffectEntry {
   std::string_view name;
   std::string_view summary;
-  std::string_view keys;  // the options: "name: default, meaning; ..."
+  std::string_view keys;  // the options, as "name: default, meaning; ..."
   int stage;  // effects run by ascending stage, whatever their order in the YAML: 0 beams, lasers, surfaces, weather
               // and speckle, 1 intensity, 2 detection and dropout, 3 range noise, 4 quantisation, 5 pointing
   std::unique_ptr<Effect> (*make)(Fields& options);
@@ -72,13 +72,13 @@ struct ChosenEffect {
   const Effect* operator->() const { return effect.get(); }
   const Effect& operator*() const { return *effect; }
 };
-using Effects = std::vector<ChosenEffect>;  // in the order in which they run
+using Effects = std::vector<ChosenEffect>;  // ordered by stage, as they run
 using EffectList = std::span<const ChosenEffect>;
 
 // The requirements of all effects of a sensor together.
 std::uint32_t raysPerBeam(EffectList effects);                     // 1 if no effect samples the footprint
 const LightPaths* lightPaths(EffectList effects);                  // null: rays end at their first hit
-std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // of a beam whose rays hit `met` surfaces
+std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // if the rays of a beam hit `met` surfaces
 double intensityFullScale(EffectList effects);                     // the intensity that stands for 1; 0: no effect sets
                                                                    // the intensity
 

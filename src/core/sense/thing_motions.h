@@ -42,7 +42,7 @@ class ThingMotions {
   Vec3d flowOf(const Instance& instance, std::uint32_t primitive, const Vec3d& place, double time) const;
 
   struct Motion {
-    Vec3d pivot;    // m, world: the origin of the mesh in the middle of the revolution
+    Vec3d pivot;    // m, world: origin of the mesh in the middle of the revolution
     Vec3d ofPivot;  // m/s, velocity of the pivot
     Mat3 perMetre;  // m/s per metre of distance from the pivot
   };

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kWaterIndex = 1.328;
 constexpr double kLargeDrops = 2;           // extinction cross section of a drop, relative to its area
-constexpr double kFlakeDensity = 0.1;       // relative to water
-constexpr double kIceLidarRatio = 25;       // sr
-constexpr double kDustLidarRatio = 50;      // sr
-constexpr double kSquareMillimetre = 1e-6;  // m^2
+constexpr double kFlakeDensity = 0.1;       // density of a snowflake, relative to water
+constexpr double kIceLidarRatio = 25;       // sr, extinction over backscatter
+constexpr double kDustLidarRatio = 50;      // sr, extinction over backscatter
+constexpr double kSquareMillimetre = 1e-6;  // m^2, for areas in mm^2
 
 double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));

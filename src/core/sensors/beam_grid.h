@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the beams of a sensor that point into a cone, without looking at all of them.
+// Finds the beams of a sensor that point into a cone, without testing all beams.
 
 #include <cstdint>
 #include <functional>

@@ -32,9 +32,9 @@ struct Rosette {
   std::array<double, 2> phase{};  // rad, orientation of each prism at time 0: from y (left) towards z (up)
 };
 
-// The beams of one revolution of a sensor, indexed by ring * columns + column; column 0 fires first. They are in the
-// sensor's frame: x forward, y left, z up. Azimuths count from x towards y, which is counter-clockwise seen from above,
-// whichever way the sensor rotates.
+// The beams of one revolution of a sensor, indexed by ring * columns + column; column 0 fires first. Directions and
+// origins are in the sensor's frame: x forward, y left, z up. Azimuths count from x towards y, which is
+// counter-clockwise seen from above, for both directions of rotation.
 struct BeamTable {
   std::string model;   // for example "OS1-128"
   std::string source;  // source of the sensor's figures
@@ -53,7 +53,7 @@ struct BeamTable {
   // If `listed` or `rosette` is set, the fields for rings on cones below are not used, and the field is a full circle.
   std::shared_ptr<const ListedBeams> listed;  // null: the beams are not listed one by one
   std::optional<Rosette> rosette;             // pattern of each ring; the columns fire evenly over the period
-  double start = 0;                           // s, time of a rosette's column 0 since the start of the drive
+  double start = 0;                           // s since the start of the drive, when a rosette's column 0 fires
   std::vector<double> columnStart;            // s, firing time of each column of listed beams; set by fillBeams()
   bool clockwise = false;                     // direction of rotation, seen from above
   double firstAzimuth = 0;                    // rad, azimuth of column 0 without the ring's offset
@@ -68,7 +68,7 @@ struct BeamTable {
   // Shifts of the beam's origin per ring (m): to the left, perpendicular to the beam; and upwards, perpendicular to the
   // beam and to the left. Each array is empty if all its values are zero.
   std::vector<double> originLeft, originUp;
-  bool topDown = false;  // ring 0 is the highest beam
+  bool topDown = false;  // true if ring 0 is the highest beam
 
   // Full width of the beam across (in azimuth) and up (in elevation): exit width + divergence * range. The width of a
   // Gaussian beam is measured where the power has fallen to 1/e^2 of the power in the middle. Zero if the sensor file

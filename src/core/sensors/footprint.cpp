@@ -14,7 +14,7 @@ namespace scanmill {
 namespace {
 
 struct GridPoint {
-  double x = 0;  // in half widths of the beam
+  double x = 0;  // coordinates in half widths of the beam
   double y = 0;
   double weight = 1;
 };

@@ -29,7 +29,7 @@ constexpr double pulseLength(double width) {
 double beamArea(const BeamTable& beams, double range);
 
 struct Footprint {
-  // The rays as a table that methods trace like any other. Each column of the sensor's table becomes
+  // A table whose beams are the rays, for methods to trace. Each column of the sensor's table becomes
   // BeamTable::raysPerBeam neighbouring columns; the rings stay the same.
   std::shared_ptr<const BeamTable> rays;
   std::vector<float> weight;  // by ray of a beam: fraction of the beam's power; the sum is 1

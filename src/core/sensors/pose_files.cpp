@@ -43,7 +43,7 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
 // after it, among positions at least 5 cm apart. While a vehicle stands still, the direction is from its previous
 // position to its next one.
 void headAlong(std::vector<StampedPose>& poses) {
-  constexpr double kMoves = 0.05;  // m
+  constexpr double kMoves = 0.05;  // m, least distance of positions that give a direction
   const auto placeOf = [&](std::size_t i) { return poses[i].pose.translation; };
   std::vector<std::size_t> marks{0};  // indices of poses at least kMoves apart
   for (std::size_t i = 1; i < poses.size(); ++i) {

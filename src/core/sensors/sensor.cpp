@@ -363,7 +363,7 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   table.azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table.rings), radians(1));
   table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
   if (fields.boolean("turns_while_firing", false)) {
-    const double turn = (table.clockwise ? -2 : 2) * kPi / table.period;  // rad/s
+    const double turn = (table.clockwise ? -2 : 2) * kPi / table.period;  // rad/s, angular velocity of the head
     for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
       table.azimuthOffset[ring] += turn * table.firingOffset[ring];
     }
@@ -379,7 +379,7 @@ void makeFlash(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "pattern: flash",
                {"azimuth_offset_deg", "firing_time_us", "turns_while_firing", "origin_offset_m", "origin_height_m",
                 "origin_left_m", "origin_up_m"});
-  constexpr double kWidest = 170;  // deg
+  constexpr double kWidest = 170;  // deg, largest field of view of a flash sensor
   const Value& field = fields.require("field_deg");
   if (degrees(table.field) > kWidest) {
     throw InputError(field.where, fmt::format("field_deg of a flash sensor must be {} at most", kWidest));

@@ -21,7 +21,7 @@ struct Shot {
   std::uint32_t frame = 0;   // index in the sequence
   std::uint32_t sensor = 0;  // index of the sensor on the vehicle
   std::string sensorName;
-  std::string sample;   // key of the sample, which names the shot's files
+  std::string sample;   // key of the sample; file names of the shot begin with it
   double time = 0;      // s since the start of the sequence, at column 0
   double duration = 0;  // s, time in which the scene's objects move; 0: objects keep their pose at `time`
   // Time from `time` to the sequence's next frame (s). For the last frame, the interval before it; for a single frame,

@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-// A place at which a vehicle stops for a while.
+// A place on the path at which a vehicle stops for some time.
 struct DriveStop {
   double at = 0;    // m along the path
   double wait = 0;  // s
@@ -33,7 +33,7 @@ class SpeedProfile {
   double timeAt(double distance) const;
 
  private:
-  // Between two nodes the acceleration is constant.
+  // The state of the vehicle at a place on the path; between two nodes the acceleration is constant.
   struct Node {
     double time, distance, speed;
   };

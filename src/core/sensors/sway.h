@@ -32,8 +32,8 @@ class Sway {
   using Waves = std::array<Wave, kWaves>;
   static double sum(const Waves& waves, double time);
 
-  double roll_ = 0, pitch_ = 0;  // rad
-  double heave_ = 0;             // m
+  double roll_ = 0, pitch_ = 0;  // rad, standard deviations
+  double heave_ = 0;             // m, standard deviation
   std::array<Waves, 3> waves_{};
 };
 

@@ -34,17 +34,17 @@ struct RandomWay {
 // The pose worldFromVehicle over time. In YAML it has one of poses, waypoints, along, on and recorded:
 //
 //   poses: [{position: [x, y, z], yaw_deg: 90}, ...]        # one frame each; the vehicle stands still in each
-//   waypoints: [[x, y, z], ...]                             # driven at `speed` (m/s), heading along the path
+//   waypoints: [[x, y, z], ...]                             # driven at `speed`, heading along the path
 //   path: spline | line                                     # through the waypoints; see base/path.h
 //   rounding: 0.5                                           # m, of the corners of `path: line`
 //   along: lane | turns                                     # in place of waypoints: through the scene's town
-//   on: [road]                                              # in place of waypoints: a random drive on such surfaces
-//   keep: right | left | middle                             # side of the surfaces of `on`
+//   on: [road]                                              # in place of waypoints: a random drive on these classes
+//   keep: right | left | middle                             # side of the surfaces to drive on
 //   drives: 3                                               # number of random drives, each a sequence: name-0, ...
 //   recorded: {file: poses.txt, ...}                        # in place of waypoints: see recorded_poses.h
-//   speed: 8.0
-//   acceleration: 1.5                                       # m/s^2: from rest to rest, slower in bends; see
-//                                                           # speed_profile.h
+//   speed: 8.0                                              # m/s
+//   acceleration: 1.5                                       # m/s^2; the drive starts and ends at rest and is
+//                                                           # slower in bends: see speed_profile.h
 //   stops: [{at: 60, wait: 4}]                              # m along the path, s; needs acceleration
 //   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
 //   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see sway.h
@@ -90,7 +90,7 @@ class Trajectory {
                                    const SceneLanes* lanes, std::uint64_t seed, std::uint32_t drive,
                                    double longestTurn);
   struct LaneChange {
-    double at, left, over;  // m
+    double at, left, over;  // m: start on the path, displacement to the left, length on the path
   };
   static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
   void readPoses(Fields& fields, double fallbackPeriod, double limit);

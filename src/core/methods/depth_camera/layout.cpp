@@ -92,7 +92,7 @@ struct Spread {
   std::array<double, kBins> high;  // largest slope per bin of squareAngle()
   double first = 0;                // rad, the azimuths are from first to first + width
   double width = 2 * kPi;
-  double lowest = INFINITY;  // least and largest of all slopes
+  double lowest = INFINITY;  // least slope of all beams
   double highest = -INFINITY;
 
   explicit Spread(std::span<const Vec3d> directions) {
@@ -225,7 +225,7 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
   double bestCost = INFINITY;
   for (const double limit : {90.0, 35.0, 45.0, 55.0, 65.0}) {
     const double steep = limit < 90 ? std::tan(radians(limit)) : 2 * kSteepest;
-    if (limit < 90 && steepest <= steep) continue;  // no beam is steeper: the same as with 90
+    if (limit < 90 && steepest <= steep) continue;  // no beam is steeper, so the result is the same as for 90
     const std::vector<Vec3d> corners = spread.corners(steep);
     const auto consider = [&](const Candidate& candidate) {
       const double cost = Candidate::cost(candidate.windows(corners), focal);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Internals of the depth camera's sampling: computes the ranges of beams from their pixels.
+// Internal to the depth camera's sampling: computes the ranges of beams from the pixels that they fall into.
 
 #include <cstddef>
 
@@ -22,7 +22,7 @@ struct Met {
 // Pixels of the beams of a block: their positions in the image, and their values. If four pixels are blended, also the
 // values of these four.
 struct BlockPixels {
-  const double* u;  // px, of the block's beams
+  const double* u;  // px, column in the image, by beam of the block
   const double* v;
   const PassPlanes* planes;   // values of the batch's pixels
   std::size_t first;          // index in `planes` of the block's first pixel

@@ -38,7 +38,7 @@ double asUnorm(double depth, int bits, double nearest, double farthest) {
 }  // namespace
 
 float storedDepth(float depth, DepthFormat format, double nearest, double farthest) {
-  constexpr double kShift = 500;  // m
+  constexpr double kShift = 500;  // m, added to coordinates by DepthFormat::Half500
   if (!(depth < kNoDepth)) return depth;
   switch (format) {
     case DepthFormat::Float32:

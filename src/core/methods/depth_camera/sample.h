@@ -52,7 +52,7 @@ struct RigBeams {
   std::vector<Vec3d> origin;        // m; empty if all origins are zero
   std::vector<Vec3d> direction;     // unit vectors
   std::vector<std::uint32_t> beam;  // index in Hits, for the result
-  double minRange = 0;              // m
+  double minRange = 0;              // m, hits nearer than this are misses
   double maxRange = 0;
   const BeamTable* table = nullptr;  // table of the sensor; only naive.cpp uses it, for a beam's ring and column
 };

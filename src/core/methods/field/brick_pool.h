@@ -25,7 +25,7 @@ struct BrickPool {
   }
   std::size_t room() const { return firstList.size() - 1 - bricks; }
 
-  // The arrays of DistanceField, filled for the first `bricks` bricks.
+  // The arrays of DistanceField. The elements of the first `bricks` bricks are set.
   RawVector<std::uint16_t> distance;
   RawVector<std::uint32_t> word;
   RawVector<std::uint32_t> lists;

@@ -71,7 +71,7 @@ class Builder {
   std::size_t first_ = 0;                          // place in the pool of the first brick of bricks_
   std::vector<std::uint32_t> unmade_;              // indices of new bricks' table entries
   std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
-  std::vector<std::vector<std::uint32_t>> lists_;  // of new bricks, whose words count from the start of their lists
+  std::vector<std::vector<std::uint32_t>> lists_;  // by new brick: its lists; the brick's words count from their start
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,

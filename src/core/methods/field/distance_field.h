@@ -27,13 +27,13 @@ namespace scanmill {
 constexpr int kBrickVoxels = 8;                     // per axis
 constexpr int kHalfBrick = kBrickVoxels / 2;        // per axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
-constexpr int kCornersPerBrick = 9 * 9 * 9;         // x fastest, then y, then z
+constexpr int kCornersPerBrick = 9 * 9 * 9;         // order of corners: x fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance; even, so that two
                                                     // values fit a 32-bit word
-constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in bricks
+constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in full bricks
 constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // in DistanceField::word: the corner has no triangle or list
-constexpr std::uint32_t kFullBrick = 0x80000000u;   // bit of an entry of DistanceField::table
-constexpr std::uint32_t kLastOfList = 0x80000000u;  // bit of an entry of DistanceField::lists
+constexpr std::uint32_t kFullBrick = 0x80000000u;   // this bit of an entry of DistanceField::table marks a full brick
+constexpr std::uint32_t kLastOfList = 0x80000000u;  // this bit of an entry of DistanceField::lists ends a list
 constexpr std::uint32_t kMaxLevels = 16;
 
 // All distances are in voxels of the corner's level. A brick is empty if its centre is at least kEmptyBrick from all

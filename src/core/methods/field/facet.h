@@ -1,6 +1,6 @@
 #pragma once
 
-// A triangle prepared for computing its distances to many nearby points quickly.
+// A triangle that is prepared for computing its distances to many nearby points quickly.
 
 #include <algorithm>
 #include <array>

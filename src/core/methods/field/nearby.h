@@ -30,7 +30,7 @@ inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle,
 constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;
 
 struct NearestFacet {
-  float distance2 = 0;  // voxels^2, by Facet<float>::distance2()
+  float distance2 = 0;  // voxels^2, computed by Facet<float>::distance2()
   std::uint32_t triangle = kNoTriangle;
 };
 

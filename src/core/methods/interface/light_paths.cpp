@@ -15,7 +15,7 @@ constexpr double kStep = 1e-4;  // m; a ray continues this far behind a surface,
 struct Onward {
   std::uint32_t beam;
   Vec3d origin;     // m, world axes, relative to the sensor's position at the start of the revolution
-  Vec3d direction;  // unit, world axes
+  Vec3d direction;  // unit vector, world axes
   double way;       // m, length of the path so far
   double weight;
   std::uint32_t panes;

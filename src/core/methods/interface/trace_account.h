@@ -15,7 +15,7 @@ struct BeamWarning {
   std::string sensor;       // name of the sensor
   unsigned kind = 0;        // number of the warning within its method; warnings are reported in this order
   std::uint64_t count = 0;  // number of the scan's beams with the problem
-  std::string text;         // the complete sentence, with the count, the sensor and the remedy
+  std::string text;         // the complete sentence for the user, with count, sensor and remedy
 };
 
 struct TraceAccount {

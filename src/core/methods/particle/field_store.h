@@ -50,7 +50,7 @@ class FieldStore {
   void keep(const Work& work) const;
 
   ParticleOptions options_;
-  Box bounds_;  // m, world
+  Box bounds_;  // bounds of the scene (m, world frame)
   std::size_t mostPools_;
   Worlds worlds_;
   mutable std::mutex mutex_;

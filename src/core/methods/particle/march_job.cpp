@@ -55,7 +55,7 @@ Vec3f fieldFrame(const DistanceField& field, const Vec3d& point) {
 // The triangle and the range of a hit.
 struct Rest {
   std::uint32_t triangle;
-  double range;  // m
+  double range;  // m, from the beam's origin
 };
 
 // Returns the triangle that a beam with direction `d` hits at `place`, a point on the plane of `triangle`: either
@@ -140,7 +140,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
   Rays rays;
   while (!open.empty()) {
     std::vector<std::uint32_t> passing;
-    known = tiles.size();  // index of the tile whose rays are set up; none yet
+    known = tiles.size();  // index of the tile whose rays are set up; tiles.size(): none
     for (const std::uint32_t i : open) {
       const std::size_t tile = i / kPacket;
       const auto lane = static_cast<int>(i % kPacket);

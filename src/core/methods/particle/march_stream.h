@@ -37,7 +37,7 @@ struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
   HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only in fields with lists
   HWY_ALIGN_MAX LaneFloats way = {};
-  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * steps taken
+  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that have a particle
 
@@ -425,7 +425,7 @@ class RayStream {
   const std::uint32_t spent_;  // the largest number of steps, times 4 as in outcomes
   const Particles& particles_;
   std::span<const std::uint32_t> which_;
-  std::size_t next_ = 0;  // index into which_
+  std::size_t next_ = 0;  // index in which_ of the next particle to load
   HitRecords& records_;
   LevelTables tables_;
   TriangleTester tester_;

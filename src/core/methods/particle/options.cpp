@@ -19,7 +19,7 @@ namespace {
 
 // Diameter in voxels of the smallest ball that is hit by every beam through its centre; see smallestSeen().
 constexpr double kSmallestBall = 2;
-constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m
+constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m, limits of the key voxel_m
 constexpr std::uint32_t kMostVoxels = 1024;
 constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 

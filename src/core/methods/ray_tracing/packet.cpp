@@ -85,7 +85,7 @@ struct Pending {
   Tile tile;
   Rays rays;
   HitTriangle triangles[kPacket];
-  float traced[kPacket];  // m
+  float traced[kPacket];  // m, range that Embree found
   float parts[kPacket];
 };
 

@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// Embree's occlusion filter for the queries of Unobstructed, which accepts only hits on the thing.
+// Embree's occlusion filter for the class Unobstructed: accepts only hits on the thing whose visibility is computed.
 void thingFilter(const RTCFilterFunctionNArguments* arguments);
 
 // Traces rays only from the point where they enter a thing's box to the point where they leave it, and ignores all

@@ -87,7 +87,7 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// The limits within which a sensor reports hits.
+// The nearest and the farthest range that a sensor reports (m).
 struct RangeLimits {
   double nearest, farthest;  // m
 };
@@ -96,7 +96,7 @@ RangeLimits limitsOf(const BeamTable& beams);
 
 // Largest difference between the range to a triangle's plane and the traced range: this fraction of the range plus this
 // many metres. The limit is needed because the plane of a triangle that is seen edge-on gives an unreliable range.
-constexpr double kTrust = 1e-2;  // this share of the range, plus this many m
+constexpr double kTrust = 1e-2;  // fraction of the traced range; and also m
 
 // Sets each range to the distance along the ray to the plane of its triangle, clamped to the traced range +- kTrust. A
 // hit outside of the sensor's range limits becomes a miss.

@@ -63,7 +63,7 @@ struct PlacedBlock {
   Affine at(double part) const;
 };
 
-// Owners of Embree's reference-counted handles.
+// Deleters for Embree's reference-counted handles.
 struct DeviceDeleter {
   void operator()(RTCDeviceTy* device) const;
 };
@@ -80,7 +80,7 @@ std::string embreeVersion(RTCDeviceTy* device);
 enum class HierarchyQuality { Low, Medium, High };
 enum class Instancing { Auto, Always, Never };
 
-// How Embree's hierarchy is built.
+// Options for building Embree's hierarchy.
 struct HierarchyOptions {
   bool robust = true;  // watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;

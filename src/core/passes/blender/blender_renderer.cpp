@@ -37,7 +37,7 @@ constexpr double kReach = 512;                // m, largest distance of the came
                                               // float32 steps are 6e-5 m there
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
                                               // plane, as a fraction of the depth
-constexpr std::size_t kFrameGrain = 1 << 14;  // pixels
+constexpr std::size_t kFrameGrain = 1 << 14;  // pixels per task
 constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels with a depth but without ids; more of them are an error,
                                                     // fewer may be cut-outs
 
@@ -100,7 +100,7 @@ class ExactDepth {
  private:
   const Scene& scene_;
   const Camera& camera_;
-  std::vector<Affine> cameraFromMesh_;  // per instance
+  std::vector<Affine> cameraFromMesh_;  // by instance of the scene
 };
 
 class BlenderRenderer : public PassRenderer {

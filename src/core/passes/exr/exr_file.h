@@ -21,7 +21,8 @@ namespace scanmill {
 using ExrMatrix3 = std::array<double, 9>;  // row by row
 using ExrMatrix4 = std::array<double, 16>;
 using ExrMatrix4f = std::array<float, 16>;
-// std::monostate: an attribute of a type that is not read. Numbers and matrices of either precision are read as double.
+// The value of an attribute. std::monostate: the attribute has a type that is not read. Numbers and matrices of either
+// precision are read as double.
 using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4, ExrMatrix4f>;
 using ExrAttributes = std::map<std::string, ExrValue>;
 

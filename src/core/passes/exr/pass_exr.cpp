@@ -177,7 +177,7 @@ class PassReader {
   // Checks that normals are unit vectors, and flips normals that face away from the camera. Normals from writePasses()
   // are not changed: their signs are right, except for edge-on surfaces, where float32 rounding may flip them.
   void finishNormal() {
-    constexpr double kEdgeOn = 1e-6;  // cosine
+    constexpr double kEdgeOn = 1e-6;  // cosine of the angle of incidence below which a surface counts as edge-on
     const Camera& camera = image_.camera;
     const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);
     Vec3f* const normal = planes_.normal.data();

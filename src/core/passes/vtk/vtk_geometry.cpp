@@ -28,7 +28,7 @@ constexpr double kLongestEdge = 256;
 constexpr double kShare = 1.0 / 256;
 
 struct Corner {
-  Vec3f position;  // relative to the mesh's origin
+  Vec3f position;  // m, relative to the mesh's origin
   Vec2f uv;
 };
 

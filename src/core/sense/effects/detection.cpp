@@ -53,9 +53,9 @@ struct DetectionOptions {
   std::uint32_t most = 1;  // number of echoes that Report::Strongest reports
   double noise = 0;
   double threshold = 4.8;
-  float separation = 0;  // m
+  float separation = 0;  // m, least distance between reported echoes
   bool sun = false;
-  Vec3d towardsSun;  // unit, world axes
+  Vec3d towardsSun;  // unit vector, world axes
   double sunNoise = 0;
   double interference = 0;
 };

@@ -22,7 +22,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearest = 0.001;  // m
+constexpr double kNearest = 0.001;  // m, least range that is reported
 
 // Sigma rises by `slope` per metre, from `start` (m) on, for at most `length` (m).
 struct Ramp {
@@ -32,7 +32,7 @@ struct Ramp {
 };
 
 struct Sigma {
-  double base = 0;    // m
+  double base = 0;    // m, standard deviation at range 0
   double growth = 0;  // m per m of range
   std::vector<Ramp> ramps;
   double overSnr = 0;  // m, `over_snr_m`

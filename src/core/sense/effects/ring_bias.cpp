@@ -18,7 +18,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearestRange = 0.001;  // m
+constexpr double kNearestRange = 0.001;  // m, least range that is reported
 
 // One kind of error: either a list with a value per ring, or the standard deviation for sampling them.
 struct PerRing {

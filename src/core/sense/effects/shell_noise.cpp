@@ -48,7 +48,7 @@ class ShellNoise : public Effect {
   }
 
   double scale_;   // m
-  double growth_;  // m per m
+  double growth_;  // m per m of range
 };
 
 }  // namespace

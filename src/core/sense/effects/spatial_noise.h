@@ -45,7 +45,7 @@ class PlacesOfHits {
 struct SpatialField {
   std::uint64_t seed = 0;
   Purpose purpose = Purpose::Test;
-  std::uint32_t number = 0;  // below 4096
+  std::uint32_t number = 0;  // number of the field, below 4096; fields of different number are independent
 };
 
 // Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: number of cubes per metre, by row.
