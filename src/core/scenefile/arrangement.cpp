@@ -17,7 +17,7 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;       // tries for each copy of a count, to find a free place
+constexpr std::uint64_t kTries = 30;       // tries to find a free place, per copy, if `count` is given
 constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after which the search ends
 constexpr double kOverhead = 0.05;         // m; a surface is covered if another surface lies more than this above it
 constexpr double kSame = 1e-3;             // m; surfaces whose heights differ by less are the same surface

@@ -33,8 +33,7 @@ struct Echo {
   float power = 0;           // sum of the powers of all rays
   float spread = 0;          // m, standard deviation of the rays' ranges, weighted by power
   float share = 1;           // fraction of the power that comes from surfaces of the class of `hit`
-  std::uint16_t label2 = 0;  // the class that contributes most of the remaining power; 0: all power comes from one
-                             // class
+  std::uint16_t label2 = 0;  // class with the second largest part of the power; 0: none
   Cause cause = Cause::Surface;
 };
 

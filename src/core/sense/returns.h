@@ -47,7 +47,7 @@ class Returns {
   // The next three columns are empty if every beam fires one ray.
   std::vector<float> spread;          // m, standard deviation of the ranges of the echo's rays
   std::vector<float> share;           // fraction of the echo's power that comes from surfaces of the class `label`
-  std::vector<std::uint16_t> label2;  // the class that contributes most of the remaining power; 0: none
+  std::vector<std::uint16_t> label2;  // class with the second largest part of the power; 0: none
 
   std::vector<float> air;  // fraction of the power that the weather transmits; empty: 1, or reasons are not recorded
 
