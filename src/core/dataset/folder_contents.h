@@ -15,7 +15,7 @@ inline constexpr const char* kRecordSuffix = ".json";          // appended to th
 
 struct FolderContents {
   bool manifest = false;
-  bool unfinished = false;             // true if isUnfinished()
+  bool unfinished = false;             // true if the folder has an unfinished dataset
   std::vector<std::string> shards;     // names relative to the folder
   std::vector<std::string> leftovers;  // names of temporary files, relative to the folder
   std::string foreign;                 // first by name of all other files and folders; empty: none

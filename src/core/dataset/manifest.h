@@ -89,7 +89,7 @@ struct FormatRecord {
 // The setting that `method: auto` has chosen, and the reason.
 struct MethodRecord {
   std::string setting;     // for example "depth_camera resolution=1024"
-  std::string assignment;  // the same for --set: "method={depth_camera: {resolution: 1024}}"
+  std::string assignment;  // argument of --set: "method={depth_camera: {resolution: 1024}}"
   std::string why;
   bool operator==(const MethodRecord&) const = default;
 };

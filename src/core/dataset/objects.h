@@ -27,11 +27,11 @@ struct ObjectView {
   // Firing time (s) of the middle one of the beams that point at the object; the time of the scan if nothing in the
   // scene moves during a revolution.
   double time = 0;
-  Pose sensorFromBox;                    // pose of the box at `time`, in the frame of the scan's points
-  std::uint64_t points = 0;              // number of the scan's points on the object, after all effects
-  std::uint32_t beams = 0;               // number of beams whose axis hits the object first, within the sensor's range
-  std::uint32_t beamsAlone = 0;          // number of beams whose axis would hit the object if nothing occluded it
-  double truncation = 0;                 // fraction of the visible box outside of the field of view or range
+  Pose sensorFromBox;            // pose of the box at `time`, in the frame of the scan's points
+  std::uint64_t points = 0;      // number of the scan's points on the object, after all effects
+  std::uint32_t beams = 0;       // number of beams whose axis hits the object first, within the sensor's range
+  std::uint32_t beamsAlone = 0;  // number of beams whose axis would hit the object if nothing occluded it
+  double truncation = 0;         // fraction of the box, as seen from the sensor, outside its field of view or range
   std::optional<double> nearestRange{};  // m, noise-free, least range of `beams`; none if `beams` is 0
 
   // Returns the fraction of the beams towards the object that nothing occludes, 0 to 1; nothing if no beam would hit

@@ -1,6 +1,7 @@
 #pragma once
 
 // A dataset in parts: its plan, the records of its complete shards, and the function that joins them.
+//
 // Any number of processes may write parts, in any order. A part names its plan and the samples that it contains, so
 // that parts of another plan, missing samples and duplicates are detected.
 

@@ -37,7 +37,8 @@ struct ScanVoxels {
 
 // Returns the bytes of the archive. Throws Error if a vector does not have one entry per voxel.
 std::string encodeVoxels(const ScanVoxels& voxels);
-// Reads such an archive. Throws an InputError that begins with `what` if the bytes are not an archive of voxels.
+// Reads the bytes of an archive. Throws an InputError that begins with `what` if the bytes are not an archive of
+// voxels.
 ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what);
 // Returns an upper bound of the size of the result of encodeVoxels(). The result is usually a twentieth of the bound or
 // less.

@@ -2,7 +2,7 @@
 // that use its layout:
 //
 //   sequences/00/velodyne/000000.bin            the odometry benchmark; SemanticKITTI has labels/000000.label beside it
-//   training/velodyne/000000.bin                the object benchmark; testing/ likewise
+//   training/velodyne/000000.bin                the object benchmark; testing/ has the same folders
 //   DRIVE/velodyne_points/data/0000000000.bin   raw drives
 //
 // The given folder may be the root or any folder between the root and the scans.

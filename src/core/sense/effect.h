@@ -29,10 +29,7 @@ class Effect {
   virtual bool needsIntensity() const { return false; }    // apply() requires an earlier effect with setsIntensity()
   virtual bool setsSnr() const { return false; }           // apply() fills Returns::snr
   virtual bool needsSnr() const { return false; }          // apply() requires an earlier effect with setsSnr()
-  virtual bool setsGain() const {
-    return false;
-  }  // apply() fills Returns::gain, which only changes the
-     // intensity
+  virtual bool setsGain() const { return false; }          // apply() fills Returns::gain
   // Returns the number of rays that sample the footprint of a beam.
   virtual std::uint32_t raysPerBeam() const { return 1; }
   // Returns how rays continue behind glass and off mirrors; null: they do not continue.

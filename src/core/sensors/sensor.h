@@ -8,14 +8,15 @@
 //   rate_hz: 10                        # revolutions per second
 //   direction: clockwise               # or counterclockwise (default), seen from above
 //   first_azimuth_deg: 180             # where column 0 points: 0 is forward, 90 is left (default 0)
-//   field_deg: 360                     # horizontal field of view; a partial field is swept from edge to edge (default
-//   360) elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16} ring_order: top_down
-//   # or bottom_up; a list may be `unordered` (default top_down) azimuth_offset_deg: [4.2, ...]     #
-//   counter-clockwise, one per ring or a pattern that repeats (default 0) origin_offset_m: 0.0158            # beam
-//   origin to the axis of rotation, towards the head's azimuth (default 0) origin_height_m: 0.036             # beam
-//   origin above the sensor's own origin (default 0) origin_left_m: [0.026, ...]        # further offset of the beam
-//   origin, to the left of the beam: one per ring or
-//                                      # one for all
+//   field_deg: 360                     # horizontal field of view; a partial one is swept from edge to edge (default
+//                                      # 360)
+//   elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16}
+//   ring_order: top_down               # or bottom_up; a list may be `unordered` (default top_down)
+//   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a list that is repeated (default 0)
+//   origin_offset_m: 0.0158            # beam origin to the axis of rotation, towards the head's azimuth (default 0)
+//   origin_height_m: 0.036             # beam origin above the sensor's origin (default 0)
+//   origin_left_m: [0.026, ...]        # further offset of the beam origin to the left of the beam: one per ring or one
+//                                      # for all
 //   origin_up_m: [0.195, ...]          # the same upwards, perpendicular to the beam
 //   calibration: 64e_s2.yaml           # replaces elevation_deg, ring_order, azimuth_offset_deg, origin_left_m and
 //                                      # origin_up_m: see calibration.h

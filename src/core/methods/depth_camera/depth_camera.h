@@ -31,8 +31,8 @@ class DepthCamera : public Method {
   // Renders the shot's images and calls `take` for each step of the revolution, in order. The images are complete,
   // whereas trace() only reads the pixels that beams fall into.
   virtual TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const = 0;
-  // Fills `hits` for the beams of the step's columns, from the step's images, with the same bytes as trace(). The
-  // caller must have called Hits::reset() for the shot.
+  // Fills `hits` for the beams of the step's columns, from the step's images; the values are the same as from trace().
+  // The caller must have called Hits::reset() for the shot.
   virtual TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const = 0;
 };
 
@@ -40,7 +40,8 @@ class DepthCamera : public Method {
 //                      near_m: 0.01, far_m: 120, renders_per_turn: auto}
 std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 
-// The same with another renderer, which is created when it is first needed; the option `renderer` has no effect.
+// Returns the depth camera with another renderer, which is created when it is first needed; the option `renderer` has
+// no effect.
 using RendererMaker = std::function<std::unique_ptr<PassRenderer>()>;
 std::unique_ptr<DepthCamera> makeDepthCamera(const Scene& scene, Fields& options, RendererMaker renderer);
 

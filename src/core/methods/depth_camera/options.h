@@ -17,7 +17,7 @@ struct DepthCameraOptions {
   LayoutOptions layout;
   SampleOptions sample;                    // without `farthest`, which is set for each shot
   double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
-  std::uint32_t rendersPerRevolution = 0;  // images of a revolution in time; 0: chosen from the sensor's motion
+  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: chosen from its motion
 };
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields);

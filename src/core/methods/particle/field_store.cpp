@@ -100,8 +100,7 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
       work = work_;
     }
     if (own && hasWaiters()) {
-      // This thread is loading the scene. Threads that wait for the scene help to build the field; no thread waits only
-      // for the field.
+      // This thread is loading the scene, so threads that wait for the scene help to build the field.
       build(*work, clock);
     } else {
       tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });

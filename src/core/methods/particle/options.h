@@ -8,10 +8,9 @@
 
 namespace scanmill {
 
-inline constexpr double kLargestVoxel = 10;         // m, largest value of ParticleOptions::voxel
-inline constexpr std::uint32_t kFewestVoxels = 64;  // voxels across each level, lower limit
-inline constexpr std::uint32_t kVoxelsStep =
-    2 * kBrickVoxels;  // voxels across each level are a multiple of this, for complete bricks
+inline constexpr double kLargestVoxel = 10;                     // m, largest value of ParticleOptions::voxel
+inline constexpr std::uint32_t kFewestVoxels = 64;              // voxels across each level, lower limit
+inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // voxels across each level are a multiple of this
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {

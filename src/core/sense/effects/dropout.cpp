@@ -109,7 +109,7 @@ std::unique_ptr<Effect> makeDropOut(Fields& options) {
   const double probability = options.number("probability", {0, 1}, 0);
   const bool things = options.boolean("things", false);
   const double rings = options.number("rings", {0, 1}, 0);
-  options.finish();  // check this first: if a required key is missing, it is probably misspelt
+  options.finish();  // report unknown keys first: a missing key is probably misspelt
   if (!options.has("threshold") && !options.has("probability") && !options.has("rings")) {
     throw InputError(options.where(), "effect dropout: give threshold, probability or rings, or several of them");
   }

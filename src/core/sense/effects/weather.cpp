@@ -246,9 +246,8 @@ class WeatherEffect : public Effect {
       for (std::uint32_t k = 0; k < kMostStretches; ++k) {
         const double start = beams.minRange + k * whole;
         const double length = std::min(whole, double{open[beam]} - start);
-        if (length <= 0 || mean[k] * 23 < o_.least)
-          break;  // the exponential factor is below 23, because the smallest
-                  // uniform number is 2^-33
+        // The random factor is below 23, because the smallest uniform number is 2^-33.
+        if (length <= 0 || mean[k] * 23 < o_.least) break;
         if (k % 2 == 0) words = draw(shot, beam, k / 2, Purpose::Fog);
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
         const double factor = -naturalLog(uniform(words[2 * (k % 2)]));
