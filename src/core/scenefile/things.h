@@ -18,7 +18,7 @@ struct ThingBounds {
                         // one thing
   Location where;
 
-  std::string text() const;  // Returns a text that is the same for equal bounds only.
+  std::string text() const;  // the same only if all bounds are equal
 };
 
 // Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.

@@ -26,7 +26,7 @@ struct Particles {
   std::vector<float> begin, end;  // section of the line that is marched; a particle with begin >= end is a miss
   // The following arrays are empty in fields without lists.
   std::vector<float> wx, wy, wz;  // m, origin relative to the world's origin
-  std::vector<float> ix, iy, iz;  // 1 / direction; components smaller than 1e-12 are replaced by 1e-12
+  std::vector<float> ix, iy, iz;  // 1 / direction, whose components are replaced by 1e-12 if they are smaller
 
   std::size_t size() const { return begin.size(); }
   void resize(std::size_t count, bool lists);
