@@ -74,8 +74,8 @@ class Trajectory {
   // Returns a warning about recorded poses that are possible but probably wrong; otherwise empty.
   std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
 
-  // What the trajectory needs from the scene before it has poses: a random path, and ground to be placed on. Null if
-  // the trajectory does not need it.
+  // Return requirements that must be met before the trajectory has poses: a random path, and ground to be placed on.
+  // Null if the trajectory does not need this.
   const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
   // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomWay() requires.

@@ -67,8 +67,8 @@ class BrickMaker {
   std::vector<std::uint32_t> triangles_;  // triangles near the brick or the block, ordered as in lists
   std::vector<std::uint64_t> order_;
 
-  // By corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's list
-  // in listed_. Infinite and kNoWord if unknown or too far away.
+  // Arrays by corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's
+  // list in listed_. Infinite and kNoWord if unknown or too far away.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};
