@@ -33,14 +33,14 @@ constexpr std::chrono::seconds kPatience(60);
 constexpr std::chrono::seconds kShortPatience(2);
 constexpr std::chrono::milliseconds kPause(50);
 
-// Returns the device and the inode of a path; zeros if it does not exist.
+// Returns the device and the inode of a path; zeros if the path does not exist.
 std::pair<std::uint64_t, std::uint64_t> placeOnDisk(const fs::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {0, 0};
   return {status.st_dev, status.st_ino};
 }
 
-// True if the path exists. Throws Error if this cannot be found out.
+// Returns true if the path exists. Throws Error if this cannot be determined.
 bool isThere(const fs::path& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
@@ -87,8 +87,8 @@ void removeFile(const fs::path& file) {
   }
 }
 
-// Removes everything in the hidden folder, all of which this program wrote, except the lock. The plan goes first:
-// without it the rest does not count as an unfinished dataset.
+// Removes all files in the hidden folder except the lock; this program wrote all of them. The plan is removed first,
+// because without a plan the other files do not count as an unfinished dataset.
 void clearHidden(const fs::path& hidden) {
   removeFile(hidden / kPlanName);
   std::vector<fs::path> paths;
@@ -104,8 +104,8 @@ void removeShard(const fs::path& folder, const std::string& name) {
   if ((folder / name).parent_path() != folder) fs::remove((folder / name).parent_path(), notEmpty);
 }
 
-// Returns the text of the manifest. If the descriptions of all samples take more than `most` bytes, writes them to
-// files beside the shards.
+// Returns the text of the manifest. If the descriptions of all samples together take more than `most` bytes, they are
+// left out of the manifest and written to files beside the shards.
 std::string describe(const fs::path& folder, std::uint64_t most, const Manifest& manifest) {
   std::vector<std::vector<std::uint64_t>> numbers(manifest.shards.size());
   for (std::size_t i = 0; i < manifest.samples.size(); ++i) numbers[manifest.samples[i].shard].push_back(i);
@@ -164,7 +164,7 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
       fs::create_directories(staging_);
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName);
     }
-    checkUse(folder_, use);  // again: another process may have changed the folder before it was locked
+    checkUse(folder_, use);  // check again: another process may have changed the folder before it was locked
     whole_ = shared_ && !isUnfinished(folder_) && fs::exists(folder_ / kManifestName);
     place_ = placeOnDisk(folder_);
     if (!whole_) begin(use);
@@ -177,7 +177,8 @@ DatasetFolder::DatasetFolder(fs::path folder, FolderUse use, DatasetPlan plan)
   }
 }
 
-// Releases the lock. Removes the hidden folder, and the dataset's folder if the constructor created it, if empty.
+// Releases the lock. Removes the hidden folder if it is empty, and also the dataset's folder if the constructor has
+// created it and it is empty.
 void DatasetFolder::leave() {
   std::error_code ignored;
   lock_.reset();
@@ -185,7 +186,8 @@ void DatasetFolder::leave() {
   if (created_) fs::remove(folder_, ignored);
 }
 
-// Takes a shared lock. If another process is completing the dataset, which may remove the hidden folder, waits a while.
+// Takes a shared lock. Waits for some time if another process is completing the dataset, because that process may
+// remove the hidden folder.
 void DatasetFolder::share() {
   shared_ = true;
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -195,7 +197,7 @@ void DatasetFolder::share() {
       lock_ = std::make_unique<FolderLock>(folder_, staging_ / kLockName, LockKind::Shared);
     } catch (const ForeignFile&) {
       throw;
-    } catch (const InputError&) {  // another process holds the lock
+    } catch (const InputError&) {  // another process has the lock
       if (std::chrono::steady_clock::now() > end) throw;
     } catch (const Error&) {  // the hidden folder was removed, or the disk fails
       if (std::chrono::steady_clock::now() > end - kPatience + kShortPatience) throw;
@@ -205,7 +207,7 @@ void DatasetFolder::share() {
 }
 
 void DatasetFolder::begin(FolderUse use) {
-  // Processes that share the folder take turns here.
+  // Only one of the processes that share the folder may be here at a time.
   std::unique_ptr<FolderLock> turn;
   std::string holder;
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -225,8 +227,8 @@ void DatasetFolder::begin(FolderUse use) {
         "has an unfinished dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
         "the pipeline names, or of another version of this program: choose another folder, or add --overwrite");
   }
-  // Without a manifest, shards are left over from a run that was killed while it replaced a dataset. A complete dataset
-  // stays until the new one is complete.
+  // If there is no manifest, shards are left over from a run that was killed while it replaced a dataset. If there is a
+  // manifest, the complete dataset stays until the new one is complete.
   if (!fs::exists(folder_ / kManifestName)) {
     for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
   }
@@ -251,15 +253,16 @@ DatasetFolder::~DatasetFolder() {
     whole = !published_ && !whole_ && !recordedIn(staging_).empty();
     if (!whole) clearHidden(staging_);
   } catch (const std::exception&) {
-    whole = true;  // the folder has changed: remove nothing more
+    whole = true;  // the folder has changed: remove no more files
   }
   lock_.reset();
-  // Both are removed only if they are empty.
+  // Both folders are removed only if they are empty.
   fs::remove(staging_, ignored);
   if (created_ && !whole && !published_) fs::remove(folder_, ignored);
 }
 
-// Returns the path of a shard: in staging_, or its final path if a process that was killed in publish() has moved it.
+// Returns the path of a shard: in staging_, or the final path if a process has moved the shard there and was then
+// killed in publish().
 fs::path DatasetFolder::placeOf(const std::string& name) const {
   return isThere(staging_ / name) ? staging_ / name : folder_ / name;
 }
@@ -270,7 +273,8 @@ std::unique_ptr<FolderLock> DatasetFolder::claim(const std::string& name) {
   fs::create_directories(file.parent_path(), failure);
   if (failure) throw Error(fmt::format("{}: cannot be made: {}", file.parent_path().string(), failure.message()));
   std::string holder;
-  // On a file system without locks several processes may write the same shard: the bytes are the same in any case.
+  // On a file system without locks several processes may write the same shard, which is harmless: they write the same
+  // bytes.
   return FolderLock::tryTake(folder_, file, lock_->isKept() ? LockKind::Alone : LockKind::Shared, holder);
 }
 
@@ -288,7 +292,7 @@ std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check ch
   try {
     part = parsePart(text, record.string());
   } catch (const InputError&) {
-    return std::nullopt;  // a damaged record counts as none
+    return std::nullopt;  // a damaged record is treated as missing
   }
   if (part.plan != plan_.hash) {
     throw InputError({record.string()},
@@ -319,12 +323,13 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       throw Error(fmt::format("{}: is not as it was written: --resume makes it again", placeOf(shard.file).string()));
     }
     if (fs::exists(folder_ / kManifestName)) {
-      // This comes first and is flushed to the disk, so that a mixture of both datasets never looks complete.
+      // The manifest is moved first, and the move is flushed to the disk, so that a mixture of both datasets never
+      // looks complete.
       moveFile(folder_ / kManifestName, staging_ / kReplacedName);
       syncFolder(folder_);
     }
     for (const std::string& name : listedIn(staging_ / kReplacedName)) {
-      // A shard of the new dataset, moved here by a process that was then killed, must stay.
+      // A shard of the new dataset must stay, if a process has moved it here and was then killed.
       const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
       checkPlace();
       if (!moved) removeShard(folder_, name);
@@ -342,7 +347,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     AtomicFile file(folder_ / kManifestName);
     file.write(text);
     file.flush();
-    // Check the folder's identity once more: from here on there are only names to check and a file to rename.
+    // Check the folder's identity once more, because after this only names are checked and a file is renamed.
     checkPlace();
     for (const ShardRecord& shard : manifest.shards) {
       if (isThere(folder_ / shard.file)) continue;

@@ -3,9 +3,9 @@
 // The folder that a dataset is written into.
 //
 // Until a dataset is complete, all its files are in the hidden subfolder .scanmill: its complete shards, a small record
-// beside each (parts.h), the plan, and the locks of the processes that write the dataset. Readers ignore this folder.
-// At the end the shards are moved to their final paths, the manifest is written, and the hidden folder is removed. A
-// dataset that is to be replaced stays until then.
+// beside each shard (parts.h), the plan, and the locks of the processes that write the dataset. Readers ignore this
+// folder. At the end the shards are moved to their final paths, the manifest is written, and the hidden folder is
+// removed. An existing dataset that is replaced stays until that moment.
 
 #include <cstdint>
 #include <filesystem>
@@ -22,36 +22,38 @@ namespace scanmill {
 
 enum class FolderUse {
   New,      // the folder must be absent or empty
-  Replace,  // replaces the dataset in the folder, be it complete or unfinished
-  Resume,   // continues the unfinished dataset in the folder; like New if there is none
-  Share,    // like Resume, together with other processes; these may have completed the dataset, see isWhole()
+  Replace,  // replaces the dataset in the folder, whether it is complete or unfinished
+  Resume,   // continues the unfinished dataset in the folder; like New if the folder has none
+  Share,    // like Resume, but several processes may write; others may have completed the dataset, see isWhole()
 };
 
 class DatasetFolder {
  public:
-  // Creates the folder. Throws InputError, and changes nothing, if the folder holds something that `use` does not
-  // allow: a dataset, files of other programs, files with the names of shards, an unfinished dataset of another plan;
-  // or if a process that does not share the folder is writing into it.
+  // Creates the folder. Throws InputError, and changes nothing, if the folder contains something that `use` does not
+  // allow: a dataset, files of other programs, files with the names of shards, or an unfinished dataset of another
+  // plan. Also throws InputError if a process that does not share the folder is writing into it.
   DatasetFolder(std::filesystem::path folder, FolderUse use, DatasetPlan plan);
-  // Releases the lock. An unfinished dataset stays, so that it can be resumed, if it has a complete shard or other
-  // processes work on it.
+  // Releases the lock. An unfinished dataset stays on the disk, so that it can be resumed, if it has a complete shard
+  // or if other processes are working on it.
   ~DatasetFolder();
   DatasetFolder(const DatasetFolder&) = delete;
   DatasetFolder& operator=(const DatasetFolder&) = delete;
 
-  // Throws the constructor's errors about the contents of the folder, except about another plan; changes nothing.
+  // Throws the errors of the constructor about the contents of the folder, except the error about another plan. Changes
+  // nothing.
   static void check(const std::filesystem::path& folder, FolderUse use);
 
-  // Removes the hidden folder if a process died after it had written the manifest.
+  // Removes the hidden folder if it is left over from a process that was killed after it had written the manifest.
   static void tidy(const std::filesystem::path& folder);
 
-  // Returns the plan of the unfinished dataset in the folder. Throws InputError if there is none.
+  // Returns the plan of the unfinished dataset in the folder. Throws InputError if the folder has none.
   static DatasetPlan planned(const std::filesystem::path& folder);
 
-  // True if other processes that share the folder have already completed the dataset: then nothing is left to do.
+  // Returns true if other processes that share the folder have already completed the dataset, so that nothing remains
+  // to be done.
   bool isWhole() const { return whole_; }
 
-  // Returns the folder that shards are written into.
+  // Returns the folder into which shards are written.
   const std::filesystem::path& staging() const { return staging_; }
 
   // Claims a shard for this process as long as the returned lock lives; null if another process has claimed it.
@@ -59,17 +61,18 @@ class DatasetFolder {
   // Stores the record of a shard that is complete in staging().
   void keep(const DatasetPart& part);
   enum class Check { Size, Bytes };
-  // Returns the record of a shard if it was stored and the shard has the recorded size and, with Check::Bytes, the
-  // recorded hash. Throws InputError for a record of another plan. `name`: see shardName().
+  // Returns the record of a shard, if a record was stored and the shard has the recorded size and (with Check::Bytes)
+  // the recorded hash; otherwise nothing. `name`: see shardName(). Throws InputError if the record belongs to another
+  // plan.
   std::optional<DatasetPart> kept(const std::string& name, Check check) const;
 
-  // Takes the folder for this process alone. Returns false, and leaves a shared folder to the others, if other
-  // processes work on it. Must be called before publish().
+  // Changes the lock so that only this process may write the folder. Returns false, and leaves a shared folder to the
+  // others, if other processes work on it. Must be called before publish().
   bool makeAlone();
-  // Moves the shards of the manifest, all of which must be recorded, to their final paths, replaces those of an earlier
-  // dataset, and writes the manifest last. If the descriptions of all samples take more than `mostSampleBytes`, they go
-  // to files beside the shards. Throws Error if the disk fails, or if the folder was removed or replaced; the dataset
-  // can then be resumed.
+  // Moves the shards of the manifest, all of which must have records, to their final paths, replaces the shards of an
+  // earlier dataset, and finally writes the manifest. If the descriptions of all samples take more than
+  // `mostSampleBytes`, they are written to files beside the shards. Throws Error if the disk fails, or if the folder
+  // was removed or replaced; the dataset can then be resumed.
   void publish(const Manifest& manifest, std::uint64_t mostSampleBytes = 100'000'000);
   // Throws Error if the folder was removed or replaced since this object was created.
   void checkPlace() const;
@@ -87,7 +90,7 @@ class DatasetFolder {
   std::unique_ptr<FolderLock> lock_;
   bool shared_ = false;
   bool whole_ = false;
-  bool created_ = false;  // this object has created the folder
+  bool created_ = false;  // true if this object has created the folder
   bool published_ = false;
 };
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns the names of the files in the folder and one level below, relative to it and sorted.
+// Returns the names, relative to the folder, of the files in the folder and in its subfolders; sorted.
 std::vector<std::string> filesIn(const fs::path& folder) {
   std::vector<std::string> names;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -37,7 +37,7 @@ std::vector<std::string> filesIn(const fs::path& folder) {
   return names;
 }
 
-// True if the folder has a split's name and holds no folders.
+// Returns true if the folder's name could be that of a split, and the folder contains no folders.
 bool couldBeSplit(const fs::path& folder) {
   if (!isSplitName(folder.filename().string())) return false;
   std::error_code unreadable;

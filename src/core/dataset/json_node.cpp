@@ -8,7 +8,7 @@ namespace {
 
 Location placeOfByte(const std::string& text, std::size_t byte, const std::string& file) {
   const std::string_view before = std::string_view(text).substr(0, byte == 0 ? 0 : std::min(byte - 1, text.size()));
-  const std::size_t lineStart = before.rfind('\n') + 1;  // npos + 1 is 0
+  const std::size_t lineStart = before.rfind('\n') + 1;  // if there is no line break, npos + 1 is 0
   return {file, static_cast<int>(std::count(before.begin(), before.end(), '\n')) + 1,
           static_cast<int>(before.size() - lineStart) + 1};
 }
@@ -19,7 +19,7 @@ Json parseJson(const std::string& text, const std::string& file) {
   try {
     return Json::parse(text);
   } catch (const Json::parse_error& error) {
-    // "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
+    // The message begins "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error while ..."
     const std::string_view what = error.what();
     const std::size_t colon = what.find(": ");
     throw InputError(

@@ -1,7 +1,7 @@
 #pragma once
 
-// Strict reading of this program's own JSON files. A key that is missing or unknown, and a value of the wrong type or
-// out of range, throw an InputError with the file and the place, which is a JSON pointer (RFC 6901).
+// Strict reading of the JSON files that this program writes. A key that is missing or unknown, and a value that has the
+// wrong type or is out of range, throw an InputError with the file and the place as a JSON pointer (RFC 6901).
 
 #include <fmt/core.h>
 
@@ -24,10 +24,11 @@ namespace scanmill {
 
 using Json = nlohmann::json;
 
-// Throws InputError with file, line and column.
+// Parses a JSON text. Throws InputError with file, line and column.
 Json parseJson(const std::string& text, const std::string& file);
 
-// A JSON value with its place. It refers to the parsed document and the file's name, which must outlive it.
+// A JSON value and its place in the document. The node refers to the parsed document and to the file's name, both of
+// which must outlive it.
 class JsonNode {
  public:
   JsonNode(const Json& value, std::string place, const std::string& file)
@@ -37,11 +38,11 @@ class JsonNode {
     throw InputError({file_}, fmt::format("{}: {}", place_.empty() ? "/" : place_, what));
   }
 
-  // Checks the keys of a map: all of `required` must exist, and all others must be in `optional`.
+  // Checks the keys of a map: all keys in `required` must exist, and all other keys must be in `optional`.
   const JsonNode& keys(std::initializer_list<std::string_view> required,
                        std::initializer_list<std::string_view> optional = {}) const {
     expect(value_.is_object(), "a map");
-    for (const auto& entry : value_.items()) {  // first: if a key is missing, it is probably misspelt
+    for (const auto& entry : value_.items()) {  // unknown keys first: a missing key is probably misspelt
       const auto is = [&](std::string_view key) { return key == entry.key(); };
       if (std::any_of(required.begin(), required.end(), is) || std::any_of(optional.begin(), optional.end(), is)) {
         continue;

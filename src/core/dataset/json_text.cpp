@@ -18,7 +18,7 @@ bool isNumberList(const OrderedJson& value) {
          std::all_of(value.begin(), value.end(), [](const OrderedJson& v) { return v.is_number(); });
 }
 
-// Joins the texts of the items of a list or an object, between its brackets.
+// Joins the texts of the items of a list or an object, between brackets.
 std::string joined(const std::vector<std::string>& parts, const char* brackets, bool oneLine, std::size_t indent) {
   std::size_t width = indent + 2;
   std::size_t bytes = 2 * indent + 8;
@@ -46,7 +46,7 @@ std::string joined(const std::vector<std::string>& parts, const char* brackets, 
 }  // namespace
 
 std::string scalarText(const OrderedJson& value) {
-  // Text that is not UTF-8, such as a comment in a pipeline, must not keep the manifest from being written.
+  // A text that is not UTF-8, such as a comment in a pipeline, must not prevent the manifest from being written.
   return value.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
 }
 

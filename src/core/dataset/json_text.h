@@ -1,7 +1,7 @@
 #pragma once
 
-// Writes JSON as text. Keys keep their order and numbers read back to the same bits, so that the same values give the
-// same bytes.
+// Writes JSON as text. Keys keep their order, and numbers read back to the same bits. The same values therefore always
+// give the same bytes.
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,17 +16,16 @@ namespace scanmill {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Returns the text of a single value, without line breaks.
+// Returns the text of a single value (no list or map), without line breaks.
 std::string scalarText(const OrderedJson& value);
 
-// Returns the text of a complete value. Values that fit into a line, and all lists of numbers, stay on one line; others
-// are broken into lines, indented by one space per level.
+// Returns the text of a value of any kind. Values that fit into a line, and all lists of numbers, are written on one
+// line; other values are broken into lines, indented by one space per level.
 std::string layOut(const OrderedJson& value, std::size_t indent = 0);
-// Returns the text of a list whose items are texts that were laid out with `indent` + 1.
+// Returns the text of a list. `items`: the texts of the items, laid out with `indent` + 1.
 std::string layOutList(const std::vector<std::string>& items, std::size_t indent);
 
-// These return the given values. For infinities and NaN, which JSON does not have, they throw an Error that names
-// `what`.
+// Return the given values. Infinities and NaN, which JSON does not have, cause an Error that names `what`.
 double finite(double value, std::string_view what);
 OrderedJson finiteList(const std::vector<double>& values, std::string_view what);
 

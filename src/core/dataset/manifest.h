@@ -23,10 +23,10 @@
 namespace scanmill {
 
 struct SensorRecord {
-  std::string name;  // on the vehicle
+  std::string name;  // name of the sensor on the vehicle
   BeamTable beams;   // only the compact description, without the tables per beam
   Pose vehicleFromSensor;
-  double intensityFullScale = 1;  // the value of the column intensity that means 1: 255 if the column has bytes
+  double intensityFullScale = 1;  // the value of the column intensity that stands for 1, such as 255 for bytes
 };
 
 // One scan: a revolution of a sensor in a sample.
@@ -34,51 +34,52 @@ struct ScanRecord {
   std::string sensor;
   std::string method;
   double time = 0;                             // s since the start of the sequence
-  std::optional<Pose> vehicleFromSensor = {};  // set only if the mount differs from sequence to sequence
-  std::vector<Pose> worldFromSensor;  // at the start of the revolution and, if the sensor moves, of its last step
+  std::optional<Pose> vehicleFromSensor = {};  // set only if the mounting pose differs between sequences
+  std::vector<Pose> worldFromSensor;  // at the start of the revolution and, if the sensor moves, also at its last step
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
-  std::uint64_t unresolved = 0;  // beams that the method gave up: neither hit nor miss
+  std::uint64_t unresolved = 0;  // beams that the method could not trace: neither hit nor miss
   std::map<std::uint16_t, std::uint64_t> pointsPerClass;
   std::uint32_t instances = 0;  // number of object instances with points
   ReasonCounts beamsPerReason;  // reasons of all beams; empty if the pipeline does not ask for reasons
 };
 
-// Returns the pose at which the sensor of a scan was mounted.
+// Returns the pose at which the sensor of a scan is mounted on the vehicle.
 inline const Pose& mountOf(const SensorRecord& sensor, const ScanRecord& scan) {
   return scan.vehicleFromSensor ? *scan.vehicleFromSensor : sensor.vehicleFromSensor;
 }
 
-// Returns the part of the name of a scan's member that follows the sample's key and a dot, in lower case:
-// "top.ray_tracing.pcd".
+// Returns the part of a member's name that follows the sample's key and a dot, in lower case: "top.ray_tracing.pcd".
 std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix);
 
 // Counts of the object instances of one class near the sensors of a sample.
 struct ObjectCount {
   std::uint64_t objects = 0;
-  std::uint64_t withPoints = 0;  // those with points in any of the sample's scans
+  std::uint64_t withPoints = 0;  // instances with points in at least one of the sample's scans
   bool operator==(const ObjectCount&) const = default;
 };
 
 struct SampleRecord {
-  std::string key;  // scene-seed-trajectory-frame, no dots
+  std::string key;  // scene-seed-trajectory-frame, without dots
   std::string split;
   std::uint32_t shard = 0;  // index into Manifest::shards
   std::vector<ScanRecord> scans;
-  std::vector<std::string> members;    // names in the shard, in order
-  std::vector<std::string> xxh3 = {};  // XXH3 of each member's bytes; empty in earlier manifests
-  // Counts of the objects in the member `<key>.objects.json`, by class; none if the pipeline does not ask for objects.
+  std::vector<std::string> members;    // names of the members in the shard, in order
+  std::vector<std::string> xxh3 = {};  // hash of each member's bytes; empty in manifests of earlier versions
+  // Counts of the objects in the member `<key>.objects.json`, by class; nothing if the pipeline does not ask for
+  // objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
-  std::vector<DrawnValue> draws = {};  // random values of keys in the scene file and the pipeline
+  std::vector<DrawnValue> draws = {};  // random values that keys in the scene file and the pipeline got
 };
 
 struct ShardRecord {
-  std::string file;  // relative to the manifest
+  std::string file;  // path relative to the manifest
   std::string split;
   std::string sha256;
   std::uint64_t bytes = 0;
   std::uint64_t samples = 0;
-  // Hash of the file that describes the shard's samples, see samplesFileOf(); empty if the manifest describes them.
+  // Hash of the file that describes the shard's samples, see samplesFileOf(); empty if the manifest itself describes
+  // them.
   std::string samplesSha256 = {};
 };
 
@@ -88,47 +89,50 @@ struct FormatRecord {
   double maxErrorMetres = 0;
 };
 
-// The setting that `method: auto` has chosen, and why.
+// The setting that `method: auto` has chosen, and the reason.
 struct MethodRecord {
-  std::string setting;     // "depth_camera resolution=1024"
-  std::string assignment;  // for --set, to choose the setting again: "method={depth_camera: {resolution: 1024}}"
+  std::string setting;     // for example "depth_camera resolution=1024"
+  std::string assignment;  // argument of --set: "method={depth_camera: {resolution: 1024}}"
   std::string why;
   bool operator==(const MethodRecord&) const = default;
 };
 
 struct Manifest {
-  static constexpr int kSchemaVersion = 2;  // 1 is written if the manifest itself describes the samples
+  static constexpr int kSchemaVersion = 2;  // the manifest states 1 if it describes the samples itself
   std::string programVersion;
   std::string name;
-  std::string pipelineText;  // with the overrides applied
+  std::string pipelineText;  // with the overrides of --set applied
   std::string pipelineSha256;
-  std::string planSha256;  // see datasetPlan(); empty in earlier manifests
+  std::string planSha256;  // see datasetPlan(); empty in manifests of earlier versions
   std::uint64_t seed = 0;
   bool organised = false;
   bool deskewed = false;
-  std::vector<std::string> columns;  // names of the columns that every scan has
+  std::vector<std::string> columns;  // columns of every scan
   std::vector<FormatRecord> formats;
   Ontology ontology;
   std::vector<SensorRecord> sensors;
-  std::vector<std::string> modelled;   // what was modelled and what was left out, one line each
-  std::optional<MethodRecord> chosen;  // set if the pipeline says `method: auto`
+  std::vector<std::string> modelled;   // features that are modelled or left out, one line each
+  std::optional<MethodRecord> chosen;  // set if the pipeline has `method: auto`
   std::vector<ShardRecord> shards;
   std::vector<SampleRecord> samples;
 };
 
-// Returns the name of the file beside a shard that describes its samples in a large dataset: train/train-000000.json.
+// Returns the name of the file that describes the samples of a shard in a large dataset; it is beside the shard:
+// train/train-000000.json.
 std::string samplesFileOf(const std::string& shardFile);
-// Returns the text of this file. `numbers`: the indices of the shard's samples in the manifest, in order.
+// Returns the text of the file that samplesFileOf() names. `numbers`: the indices of the shard's samples in the
+// manifest, in order.
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
 
-// Returns the text of the manifest, without samples that are described in other files. Its last key, `digest`, is the
-// SHA-256 of the complete text with 64 zeros in place of the digest.
+// Returns the text of the manifest, without samples that other files describe. Its last key, `digest`, is the SHA-256
+// of the complete text with 64 zeros in place of the digest.
 std::string toJson(const Manifest& manifest);
-// Returns what is wrong with the digest in a manifest's text: it is missing or does not match; empty if it matches.
+// Returns the problem with the digest in a manifest's text: the digest is missing or does not match. Empty if it
+// matches.
 std::string digestProblem(std::string text);
-// Throws an InputError that names `file`, the place in it, and what is wrong there.
+// Parses a manifest. Throws an InputError that names `file`, the place in the text, and the problem.
 Manifest parseManifest(const std::string& text, const std::string& file);
-// Reads manifest.json in a dataset's folder, and the files beside the shards if these describe the samples. Throws
+// Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws
 // InputError.
 Manifest readManifest(const std::filesystem::path& folder);
 

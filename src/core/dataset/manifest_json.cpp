@@ -1,5 +1,5 @@
-// Writes manifests and sample members as JSON text: keys in a fixed order, numbers that round-trip, always the same
-// bytes.
+// Writes manifests and the members that describe samples as JSON text, with keys in a fixed order and numbers that read
+// back to the same bits, so that the bytes are always the same.
 
 #include <fmt/core.h>
 
@@ -26,7 +26,7 @@ const SemanticClass& classOf(std::uint16_t id, const std::string& key, const Ont
   return *known;
 }
 
-// Adds the classes' names if `ontology` is not null.
+// Returns the JSON of a scan; with the names of the classes if `ontology` is not null.
 OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
   if (scan.worldFromSensor.empty()) throw Error(fmt::format("{}: a scan of {} has no pose", key, scan.sensor));
   OrderedJson poses = OrderedJson::array();
@@ -180,7 +180,7 @@ bool describesInFiles(const Manifest& m) {
                      [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); });
 }
 
-// Returns the manifest without its samples.
+// Returns the JSON of the manifest without its samples.
 OrderedJson manifestJson(const Manifest& m) {
   OrderedJson json{
       {"schema_version", describesInFiles(m) ? Manifest::kSchemaVersion : 1},
@@ -231,13 +231,14 @@ OrderedJson sampleObject(const SampleRecord& sample) {
 
 std::string toJson(const Manifest& manifest) {
   std::string text = layOut(manifestJson(manifest), 0) + "\n";
-  // Samples are converted one by one: the JSON objects of all would take ten times as much memory as their text.
+  // Samples are converted to text one by one: the JSON objects of all samples would take ten times as much memory as
+  // their text.
   std::vector<std::string> samples;
   if (!describesInFiles(manifest)) {
     samples.reserve(manifest.samples.size());
     for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
   }
-  constexpr std::string_view kPlace = "\n \"samples\": null";  // unique: a JSON string would have \\n
+  constexpr std::string_view kPlace = "\n \"samples\": null";  // unique: in a JSON string, \\n is escaped
   text.replace(text.rfind(kPlace) + kPlace.size() - 4, 4, layOutList(samples, 1));
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
   return text;

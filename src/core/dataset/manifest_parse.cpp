@@ -1,5 +1,5 @@
-// Parses manifest.json. Keys that are missing or unknown, and values of the wrong type or out of range, are refused
-// with their place (a JSON pointer, RFC 6901).
+// Parses manifest.json. Keys that are missing or unknown, and values that have the wrong type or are out of range, are
+// refused with their place (a JSON pointer, RFC 6901).
 
 #include <fmt/core.h>
 
@@ -87,7 +87,7 @@ ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
   return counts;
 }
 
-// Returns the class whose id and name a map holds.
+// Returns the id of the class whose id and name a map contains.
 std::uint16_t classOf(const JsonNode& node, const Ontology& ontology) {
   const std::uint16_t id = node["id"].integer<std::uint16_t>();
   const SemanticClass* known = ontology.find(id);
@@ -145,7 +145,8 @@ ShardRecord shardOf(const JsonNode& node) {
   ShardRecord shard;
   shard.file = node["file"].text();
   shard.split = node["split"].text();
-  // Overwriting a dataset removes the files that its manifest names: none may be outside of its folder.
+  // Overwriting a dataset removes the files that its manifest names, so no name may lead outside of the dataset's
+  // folder.
   if (!isShardName(shard.file) || !shard.file.starts_with(shard.split + "/")) {
     node["file"].fail(fmt::format("'{}' is no shard of split '{}' (SPLIT/SPLIT-000000.tar)", shard.file, shard.split));
   }
@@ -250,7 +251,7 @@ Manifest manifestOf(const JsonNode& root) {
   root["sensors"].forEach([&](const JsonNode& item) { m.sensors.push_back(sensorOf(item)); });
   m.modelled = root["modelled"].texts();
   if (root.has("method_choice")) m.chosen = choiceOf(root["method_choice"]);
-  // Only old manifests have this key, from before manifests became the same on all machines.
+  // Only manifests of earlier versions have the key `stages` with times, which differ between machines.
   if (root.has("stages")) root["stages"].forEachEntry([](const std::string&, const JsonNode& time) { time.number(0); });
   root["shards"].forEach([&](const JsonNode& item) { m.shards.push_back(shardOf(item)); });
   if (root.has("digest")) root["digest"].sha256();
@@ -262,7 +263,7 @@ Manifest manifestOf(const JsonNode& root) {
   return m;
 }
 
-// Reads the file beside a shard that describes the shard's samples, into the samples of the manifest.
+// Reads the file that describes a shard's samples, and adds these samples to `samples`.
 void readSamples(const std::filesystem::path& folder, std::uint32_t number, const Manifest& head,
                  std::vector<SampleRecord>& samples) {
   const ShardRecord& shard = head.shards[number];

@@ -9,9 +9,9 @@
 namespace scanmill {
 
 // Joins the parts in a folder, writes the manifest, and returns it. If the dataset is already complete, only returns
-// its manifest. Shards are checked by their records and sizes; they are not read, which verifyDataset() does. Throws
-// InputError if shards are missing, with their numbers, for parts of another plan, and if a process is writing into the
-// folder; Error if a sample occurs twice or the disk fails.
+// its manifest. Shards are checked by their records and sizes, but not read; verifyDataset() reads them. Throws
+// InputError if shards are missing (with their numbers), if parts belong to another plan, or if a process is writing
+// into the folder. Throws Error if a sample occurs twice or the disk fails.
 Manifest mergeDataset(const std::filesystem::path& folder);
 
 }  // namespace scanmill

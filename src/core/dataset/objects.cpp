@@ -14,14 +14,14 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLengths = 1e4;  // rounding steps per metre
-constexpr double kAngles = 1e9;   // rounding steps of quaternions, from 0 to 1
-constexpr double kShares = 1e3;   // rounding steps from 0 to 1
-constexpr double kTimes = 1e7;    // rounding steps per second
+constexpr double kLengths = 1e4;  // rounding steps per metre of lengths
+constexpr double kAngles = 1e9;   // rounding steps per unit of a quaternion's component
+constexpr double kShares = 1e3;   // rounding steps of a fraction from 0 to 1
+constexpr double kTimes = 1e7;    // rounding steps per second of times
 
 double rounded(double value, double steps) {
   const double result = std::round(value * steps) / steps;
-  return result == 0 ? 0.0 : result;  // no -0
+  return result == 0 ? 0.0 : result;  // not -0
 }
 
 OrderedJson vectorJson(const Vec3d& v, const std::string& what) {

@@ -1,9 +1,9 @@
 #pragma once
 
-// A dataset in parts: its plan, the records of its complete shards, and how these are joined.
+// A dataset in parts: its plan, the records of its complete shards, and the function that joins them.
 //
-// Any number of processes write parts, in any order. A part states its plan and which of the plan's samples it holds,
-// so that parts of another plan, missing samples and duplicates are found.
+// Any number of processes may write parts, in any order. A part names its plan and the samples that it contains, so
+// that parts of another plan, missing samples and duplicates are detected.
 
 #include <cstdint>
 #include <optional>
@@ -16,10 +16,10 @@
 namespace scanmill {
 
 struct DatasetPlan {
-  std::string hash;  // a text without line breaks, different for plans of different datasets
+  std::string hash;  // a text without line breaks that differs between plans of different datasets
   std::uint64_t samples = 0;
-  std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;  // in the order of the shards
-  std::optional<MethodRecord> chosen = {};                           // set if the pipeline says `method: auto`
+  std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;  // splits with their numbers of shards, in order
+  std::optional<MethodRecord> chosen = {};                           // set if the pipeline has `method: auto`
 
   bool operator==(const DatasetPlan&) const = default;
   // Returns the names of all shards, see shardName().
@@ -27,18 +27,18 @@ struct DatasetPlan {
 };
 
 struct DatasetPart {
-  std::string plan;                    // hash of its plan
-  std::vector<std::uint64_t> numbers;  // indices of its samples among all samples of the plan
-  Manifest manifest;                   // with only this shard and its samples
+  std::string plan;                    // hash of the part's plan
+  std::vector<std::uint64_t> numbers;  // indices of the part's samples among all samples of the plan
+  Manifest manifest;                   // manifest with only this shard and its samples
 };
 
 std::string toJson(const DatasetPlan& plan);
 std::string toJson(const DatasetPart& part);
-// Throw an InputError that names `file`, the place in it, and what is wrong there.
+// Parse the texts that toJson() writes. Throw an InputError that names `file`, the place in the text, and the problem.
 DatasetPlan parsePlan(const std::string& text, const std::string& file);
 DatasetPart parsePart(const std::string& text, const std::string& file);
 
-// Returns the manifest of the complete dataset, from all parts in the order of the plan's shards. Throws Error if a
+// Returns the manifest of the complete dataset, from all parts, in the order of the plan's shards. Throws Error if a
 // sample is missing or occurs twice.
 Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts);
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBlockBytes = 1 << 20;  // read at a time
+constexpr std::size_t kBlockBytes = 1 << 20;  // bytes to read at a time
 
 }  // namespace
 

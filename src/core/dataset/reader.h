@@ -19,11 +19,11 @@
 namespace scanmill {
 
 // Calls visit(name, bytes) for each member of a tar file, in the file's order. Throws an InputError with the file and
-// the offset if it is truncated or not a tar file.
+// the offset if the file is truncated or not a tar file.
 void readTar(const std::filesystem::path& file, const std::function<void(const std::string&, std::string_view)>& visit);
 
-// Decodes a member of a shard in the format that its suffix names. Throws an InputError that names the member, also if
-// no format has this suffix.
+// Decodes a member of a shard in the format that the suffix of its name stands for. Throws an InputError that names the
+// member, also if no format has this suffix.
 Scan decodeMember(const std::string& name, std::string_view bytes);
 
 }  // namespace scanmill

@@ -110,7 +110,8 @@ Material materialOf(const JsonNode& node) {
   return material;
 }
 
-// Reads the name of a file that must be directly in the recording's folder, since the JSON may come from anywhere.
+// Reads the name of a file, which must be directly in the recording's folder: other paths are refused, because the JSON
+// may come from an untrusted source.
 std::string fileOf(const JsonNode& node) {
   std::string name = node.text();
   if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..") {
@@ -140,8 +141,8 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
   return s;
 }
 
-// True if an earlier run wrote the file: "street-s1-lane-000012.top.json", if the earlier recording has this sequence
-// and this sensor.
+// Returns true if an earlier run of this program wrote the file. "street-s1-lane-000012.top.json" is
+// its file if the earlier recording has this sequence and this sensor.
 bool isOurs(const std::string& name, const Recording& earlier) {
   if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
   if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
@@ -155,8 +156,8 @@ bool isOurs(const std::string& name, const Recording& earlier) {
          });
 }
 
-// Removes the files of an earlier recording by this program. Throws InputError if there are others, such as images that
-// a user has rendered, which look much the same.
+// Removes the files of an earlier recording by this program. Throws InputError if the folder contains other files, such
+// as images that a user has rendered, whose names look similar.
 void removeEarlier(const fs::path& folder) {
   const std::optional<RecordingKind> kind = recordingIn(folder);
   if (!kind) {
@@ -178,7 +179,7 @@ void removeEarlier(const fs::path& folder) {
     }
     old.push_back(entry.path());
   }
-  fs::remove(folder / kIndex);  // first, so that the rest never looks like a finished recording
+  fs::remove(folder / kIndex);  // remove the index first, so that the other files never look like a finished recording
   for (const fs::path& file : old) fs::remove(file);
 }
 
@@ -246,7 +247,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
     root["kind"].fail(fmt::format("is a recording of {}: read it with --from-{}", found, found));
   }
   if (root.has("program")) r.programVersion = root["program"].text();
-  // Recordings by other programs hold passes, and need not name a method.
+  // Recordings by other programs contain passes, and do not have to name a method.
   r.method =
       root.has("method") ? root["method"].text() : std::string(firstMethodThat(&MethodCapabilities::passes).name);
   if (root.has("ontology")) r.ontology = ontologyOf(root["ontology"]);

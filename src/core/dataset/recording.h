@@ -26,14 +26,14 @@ namespace scanmill {
 
 enum class RecordingKind { Hits, Passes };
 
-std::string_view nameOf(RecordingKind kind);  // "hits", "passes"
+std::string_view nameOf(RecordingKind kind);  // Returns "hits" or "passes".
 
-// A part of a revolution, columns [firstColumn, endColumn), and the images that were rendered for it.
+// Consecutive columns of a revolution, [firstColumn, endColumn), and the images that were rendered for them.
 struct RecordedStep {
   std::uint32_t firstColumn = 0;
   std::uint32_t endColumn = 0;
-  Pose worldFromRig;                // pose of the sensor for which the images were rendered
-  std::vector<std::string> images;  // files
+  Pose worldFromRig;                // pose of the sensor from which the images were rendered
+  std::vector<std::string> images;  // names of files
 };
 
 // A revolution of a sensor in a sample.
@@ -41,9 +41,9 @@ struct RecordedShot {
   std::string sample;  // key of the sample
   std::string sensor;
   double time = 0;                    // s since the start of the sequence
-  std::vector<Pose> worldFromSensor;  // see Shot
-  std::string hits;                   // file; kind hits
-  std::vector<RecordedStep> steps;    // kind passes
+  std::vector<Pose> worldFromSensor;  // as in Shot
+  std::string hits;                   // name of a file; only for kind hits
+  std::vector<RecordedStep> steps;    // only for kind passes
 };
 
 struct RecordedSequence {
@@ -52,55 +52,55 @@ struct RecordedSequence {
   std::string trajectory;
   std::uint32_t frames = 0;
   std::uint32_t materials = 0;            // index into Recording::materials
-  std::vector<std::string> without = {};  // classes, names and instance ids removed from the scene: "car", "17"
+  std::vector<std::string> without = {};  // classes, names and ids removed from the scene: "car", "17"
 };
 
 struct RecordedSensor {
   std::string name;
   std::uint32_t rings = 0;
   std::uint32_t columns = 0;
-  std::string beams;                      // see beamsHash(); empty: unknown
+  std::string beams;                      // hash of the beams, see beamsHash(); empty: unknown
   std::optional<Pose> vehicleFromSensor;  // mounting pose; may be unknown in recordings by other programs
 };
 
-// Returns the SHA-256 of those properties of beams that hits depend on: origins, directions and range limits.
+// Returns the SHA-256 of the properties of beams that determine hits: origins, directions and range limits.
 std::string beamsHash(const BeamTable& beams);
 
 struct Recording {
   static constexpr int kSchemaVersion = 1;
   RecordingKind kind = RecordingKind::Hits;
   std::string programVersion;
-  std::string method;  // the method that computed the hits or passes
+  std::string method;  // name of the method that computed the hits or passes
   std::filesystem::path folder;
-  Ontology ontology;  // without classes if the recording has no ontology: then the pipeline must name one
+  Ontology ontology;  // has no classes if the recording has no ontology; the pipeline must then name one
   std::vector<RecordedSensor> sensors;
   std::vector<RecordedSequence> sequences;
-  std::vector<std::vector<Material>> materials;  // tables of materials, indexed by Hits::material
+  std::vector<std::vector<Material>> materials;  // tables of materials, each indexed by Hits::material
   std::vector<std::string> modelled;
 
-  // Reads the file of a shot. `sample` is a key such as "street-s1-lane-000012". Throws InputError.
+  // Reads the JSON file of a shot. `sample`: a key such as "street-s1-lane-000012". Throws InputError.
   RecordedShot shot(const std::string& sample, const std::string& sensor) const;
 };
 
-// Reads recording.json in a folder. Throws an InputError that names the file, the place in it, and what is wrong there,
-// also for a recording of the other kind.
+// Reads recording.json in a folder. Throws an InputError that names the file, the place in it, and the problem, also if
+// the recording is not of the kind `kind`.
 Recording readRecording(const std::filesystem::path& folder, RecordingKind kind);
 
-// Returns the kind of the recording in a folder; nullopt if there is none.
+// Returns the kind of the recording in a folder; nothing if the folder has no recording.
 std::optional<RecordingKind> recordingIn(const std::filesystem::path& folder);
 
 class RecordingWriter {
  public:
-  // Creates the folder. Throws an InputError if it exists and holds files, unless `overwrite` is true and all files
-  // belong to a finished recording by this program; then they are removed.
+  // Creates the folder. Throws an InputError if the folder exists and contains files. Exception: if `overwrite` is true
+  // and all files belong to a finished recording by this program, they are removed.
   RecordingWriter(std::filesystem::path folder, bool overwrite);
 
   const std::filesystem::path& folder() const { return folder_; }
-  // Returns the path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". Any thread may call it.
+  // Returns the path of a file of a shot, such as "street-s1-lane-000012.top.hits.exr". May be called from any thread.
   std::filesystem::path file(std::string_view sample, std::string_view sensor, std::string_view rest) const;
-  // Writes the JSON file of a shot whose images have been written. Any thread may call it.
+  // Writes the JSON file of a shot whose images have been written. May be called from any thread.
   void add(const RecordedShot& shot);
-  // Writes recording.json, after everything else.
+  // Writes recording.json; must be the last call.
   void finish(const Recording& recording);
 
  private:

@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the Levenshtein distance.
+// Returns the Levenshtein distance of two texts.
 std::size_t edits(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -67,7 +67,7 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& wan
   if (wanted.empty()) return keys.size() / 2;
   const auto found = std::find(keys.begin(), keys.end(), wanted);
   if (found != keys.end()) return static_cast<std::size_t>(found - keys.begin());
-  const std::string digits = wanted.substr(wanted.front() == '#' ? 1 : 0);  // as the viewer writes indices
+  const std::string digits = wanted.substr(wanted.front() == '#' ? 1 : 0);  // "#12", as in the viewer
   const bool number = !digits.empty() && digits.find_first_not_of("0123456789") == std::string::npos;
   if (number) {
     const std::uint64_t index = digits.size() > 18 ? UINT64_MAX : std::stoull(digits);

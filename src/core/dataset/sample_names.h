@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads the names of members and samples.
+// Interprets the names of members and samples.
 
 #include <cstddef>
 #include <string>
@@ -9,21 +9,22 @@
 namespace scanmill {
 
 // The parts of a member's name such as "dir/key.top.ray_tracing.pcd". As in WebDataset, the key ends at the first dot
-// of the file's name. Parts that a name lacks are empty.
+// of the file's name. A part that the name does not have is empty.
 struct MemberName {
   std::string key;
   std::string sensor;
   std::string method;
-  std::string suffix;  // the suffix of the format
+  std::string suffix;  // suffix of the format
 };
 MemberName partsOfMember(const std::string& member);
 
-// Returns the text with the letters A to Z in lower case. Members' names are in lower case, whatever the sensor's name.
+// Returns the text with the letters A to Z in lower case. Members' names are in lower case even if the sensor's name is
+// not.
 std::string lowerCase(std::string text);
 
-// Returns the index of the key that `wanted` names: by the full key, its index from 0 ("12", "#12"), or a part that no
-// other key has. If `wanted` is empty, returns that of the middle key. Throws an InputError with the nearest keys, in
-// which `where` names the dataset.
+// Returns the index of the key that `wanted` specifies: the full key, an index from 0 ("12", "#12"), or a part of
+// exactly one key. If `wanted` is empty, returns the index of the middle key. Throws an InputError that lists the most
+// similar keys and names the dataset as `where`.
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where);
 
 }  // namespace scanmill

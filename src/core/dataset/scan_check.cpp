@@ -11,13 +11,13 @@ namespace scanmill {
 
 namespace {
 
-// Noise may move a point beyond the sensor's maximum range: the `shell` effect by half the range, Gaussian noise in
-// principle without limit. Points beyond this multiple of the maximum range count as damaged.
+// Largest range of a sound point, as a multiple of the sensor's maximum range. Noise may move a point beyond the
+// maximum range: the `shell` effect by half the range, Gaussian noise in principle without limit.
 constexpr double kNoiseReach = 1.5;
-// Ranges are stored in float32, or in CSV's decimal digits.
+// Relative error of ranges, which are stored in float32 or in CSV's decimal digits.
 constexpr double kRangeRounding = 1e-5;
 
-// Counts the points that break a rule and remembers the first.
+// Counts the points that break a rule, and stores the first of them.
 class Rule {
  public:
   explicit Rule(std::string what) : what_(std::move(what)) {}
@@ -37,7 +37,8 @@ class Rule {
   std::size_t first_ = 0;
 };
 
-// Returns how far the sensor moves during the revolution (m): deskewed points are relative to its first pose.
+// Returns the distance (m) that the sensor moves during the revolution. Deskewed points may be farther away than the
+// maximum range by this distance, because they are relative to the sensor's first pose.
 double egoMotion(const ScanRecord& record) {
   return length(record.worldFromSensor.back().translation - record.worldFromSensor.front().translation);
 }
@@ -68,13 +69,15 @@ class ScanCheck {
     problems_.push_back(fmt::format(text, std::forward<Parts>(parts)...));
   }
 
-  // Asks the manifest whether the scan is organised: a CSV file keeps misses as rows, but not that they form an image.
+  // Returns true if a point is a miss. The manifest says whether the scan is organised, because a CSV file has misses
+  // as rows but does not say that the rows form an image.
   bool isMiss(std::size_t i) const {
     const Vec3f& p = scan_.position[i];
     return manifest_.organised && std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z);
   }
 
-  // True if the point may come from no surface: its cause is not a surface, or the scan lacks the column cause.
+  // Returns true if the point may not come from a surface: its cause is not Surface, or the scan lacks the column
+  // cause.
   bool mayComeFromNothing(std::size_t i) const {
     return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(1);
   }
@@ -88,7 +91,8 @@ class ScanCheck {
     if (scan_.size() > 0) checkColumns();
   }
 
-  // A format may leave `time` out: it follows from ring, column and the beam table. An empty scan has no columns.
+  // A format may leave out `time`, because it follows from ring, column and the beam table. An empty scan has no
+  // columns.
   void checkColumns() {
     const std::vector<std::string> found = columnNames(scan_);
     const auto has = [](const std::vector<std::string>& names, const std::string& name) {
@@ -125,7 +129,7 @@ class ScanCheck {
     if (points != record_.points) problem("{} points, but the manifest says {}", points, record_.points);
   }
 
-  // Checks each column by its validity in the table of columns.
+  // Checks each column by the validity that the table of columns states.
   void checkTable() {
     visitTable(scan_, [&](auto key, const auto& values) {
       if (!values.empty()) checkColumn(key.row, values);
@@ -162,7 +166,7 @@ class ScanCheck {
                      });
       }
       case ColumnValidity::Interval: {
-        // The largest error of a value in a format, and the rounding of a bound to float32.
+        // Twice the largest error that a lossy format may cause, and the rounding of a bound to float32.
         const double slack = 2 * column.lossBound + 1e-6 * std::max(std::abs(column.low), std::abs(column.high));
         return check(
             fmt::format("of {} outside {:.6g} to {:.6g} {}", column.name, column.low, column.high, column.unit),
@@ -198,7 +202,7 @@ class ScanCheck {
   void checkInstances() {
     if (scan_[kInstance].empty()) return;
     std::unordered_set<std::uint32_t> instances;
-    std::uint32_t last = 0;  // neighbouring points mostly belong to the same object
+    std::uint32_t last = 0;  // id of the previous point: neighbouring points mostly belong to the same object
     for (const std::uint32_t id : scan_[kInstance]) {
       if (id != last && id != 0) instances.insert(id);
       last = id;

@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Larger beam tables are not filled: a damaged manifest may claim 65536 x 65536 beams, each of 40 bytes.
+// Largest number of beams for which a beam table is filled: a damaged manifest may claim 65536 x 65536 beams, each of
+// which takes 40 bytes.
 constexpr std::size_t kMostFilledBeams = std::size_t{1} << 23;
 
 void requireDataset(const fs::path& folder) {
@@ -39,7 +40,8 @@ void requireDataset(const fs::path& folder) {
                                kManifestName, scanSuffixes()));
 }
 
-// Returns the manifest that lists the shard, from its folder or the one above; null if there is none.
+// Returns the manifest that lists the shard, from the shard's folder or the folder above it; null if neither has such a
+// manifest. Sets `folderOfManifest`.
 std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& folderOfManifest) {
   const fs::path file = fs::absolute(shard).lexically_normal();
   for (const fs::path& folder : {file.parent_path(), file.parent_path().parent_path()}) {
@@ -149,7 +151,8 @@ std::shared_ptr<const BeamTable> ScanStore::beams(const std::string& sensor, dou
     beams_.resize(known.size());
     if (beams_[number] != nullptr) return beamsAt(beams_[number], time);
   }
-  // Not locked: the threads that fill the table may take up other work, which may call this function.
+  // The table is filled without the lock, because the threads that fill it may take up other work, which may call this
+  // function.
   auto table = std::make_shared<BeamTable>(found->beams);
   if (table->size() <= kMostFilledBeams) fillBeams(*table);
   const std::lock_guard lock(mutex_);
@@ -311,7 +314,7 @@ std::vector<std::size_t> ScanStore::unreadableSamples() const {
       const std::uint64_t size = fs::file_size(shard.file, missing);
       try {
         if (missing || size < shard.bytes) openIndex(shard);
-      } catch (const InputError&) {  // reported when one of its samples is loaded
+      } catch (const InputError&) {  // this is reported when one of the shard's samples is loaded
       }
     }
     suspect.push_back(shard.failed || (shard.index != nullptr && !shard.index->damage().empty()));

@@ -21,75 +21,75 @@
 
 namespace scanmill {
 
-// One scan of a sample, in all the formats that it was written in.
+// One scan of a sample, in all formats in which it was written.
 struct StoredScan {
-  std::string sensor;                  // as in the manifest, else as in the members' names; empty: unknown
-  std::string method;                  // as in the manifest, else as in the members' names; empty: unknown
-  std::vector<std::string> members;    // the names of the shard's members that hold the scan, in the shard's order
-  const ScanRecord* record = nullptr;  // in the manifest; null: there is no manifest
+  std::string sensor;                  // from the manifest or, without one, from the members' names; empty: unknown
+  std::string method;                  // from the manifest or, without one, from the members' names; empty: unknown
+  std::vector<std::string> members;    // names of the shard's members that contain the scan, in the shard's order
+  const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 
 class ScanStore {
  public:
-  // Whether members are compared with their XXH3 in the manifest when they are read, if it has any. Reading a member
-  // that differs throws.
+  // Whether the bytes of each member are compared with the XXH3 that the manifest states for it, if any. Reading a
+  // member that differs then throws an InputError.
   enum class Digests { Ignored, Compared };
 
-  // Reads the manifest of a dataset, the headers of a shard, a single scan, or the list of scans in a folder with a
-  // layout that imports/scan_folder.h knows. The manifest of a shard is searched beside and above it; a shard without a
-  // manifest can be read, too. The complete members of a truncated shard can be read. Throws InputError.
+  // Reads the manifest of a dataset, the headers of a shard, a single scan, or the list of scans in a folder whose
+  // layout imports/scan_folder.h supports. The manifest of a shard is searched beside and above the shard; a shard
+  // without a manifest can also be read. Of a truncated shard, the complete members can be read. Throws InputError.
   explicit ScanStore(std::filesystem::path path, Digests digests = Digests::Ignored);
   ScanStore(const ScanStore&) = delete;
   ScanStore& operator=(const ScanStore&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
   bool single() const { return single_.has_value(); }
-  const Manifest* manifest() const { return manifest_.get(); }  // null: there is none
+  const Manifest* manifest() const { return manifest_.get(); }  // null: the scans have no manifest
   // Returns the classes of the labels, from the manifest or the layout; null if they are unknown.
   const Ontology* ontology() const;
-  std::filesystem::path folder() const { return folder_; }  // of the manifest
-  // Returns the beam table of a sensor, with directions filled in; null if it is unknown. `time` is that of the scan
-  // (s), for sensors whose beams differ from scan to scan. Any thread may call it.
+  std::filesystem::path folder() const { return folder_; }  // folder of the manifest
+  // Returns the complete beam table of a sensor; null if the sensor's beams are unknown. `time`: time of the scan (s),
+  // for sensors whose beams differ from scan to scan. May be called from any thread.
   std::shared_ptr<const BeamTable> beams(const std::string& sensor, double time) const;
 
-  // Returns the keys of the samples; for a single scan the name of its file.
+  // Returns the keys of all samples; for a single scan, the name of its file.
   const std::vector<std::string>& keys() const { return keys_; }
-  // Returns the index of the sample with this key.
+  // Returns the index of the sample with this key; nothing if there is none.
   std::optional<std::size_t> find(const std::string& key) const;
-  // Returns the names of all sensors; empty for a single scan.
+  // Returns the names of all sensors; none for a single scan.
   std::vector<std::string> sensors() const;
 
-  // Returns the scans of a sample that are in known formats: those of one sensor, or all if `sensor` is empty. Any
-  // thread may call it. Throws InputError if there is no such scan, with the sensors that the sample has.
+  // Returns the scans of a sample that have a known format, for one sensor or, if `sensor` is empty, for all. May be
+  // called from any thread. If there is no such scan, throws InputError with the sensors that the sample has.
   std::vector<StoredScan> scans(std::size_t sample, const std::string& sensor = {}) const;
-  // Decodes a scan from the first of its members that can be decoded. Any thread may call it. If there is none, throws
-  // an InputError that says what is wrong with each member.
+  // Decodes a scan from the first of its members that can be decoded. May be called from any thread. If no member can
+  // be decoded, throws an InputError with the problem of each member.
   Scan decode(std::size_t sample, const StoredScan& scan) const;
-  // Returns the object instances near the sensors of a sample; none if the dataset lists no objects. Any thread may
-  // call it. Throws InputError if the list is damaged.
+  // Returns the object instances near the sensors of a sample; nothing if the dataset lists no objects. May be called
+  // from any thread. Throws InputError if the list is damaged.
   std::optional<SampleObjects> objects(std::size_t sample) const;
-  // Returns the bytes of the member with the voxels around a sensor, see dataset/voxels.h; none if the dataset has no
-  // voxels. Any thread may call it. Throws InputError if the member is damaged.
+  // Returns the bytes of the member with the voxels around a sensor, see dataset/voxels.h; nothing if the dataset has
+  // no voxels. May be called from any thread. Throws InputError if the member is damaged.
   std::optional<std::string> voxels(std::size_t sample, const std::string& sensor) const;
-  // Returns what is wrong with the sample's shard, even if the sample itself is intact. Empty if nothing is known to be
-  // wrong, or if the shard cannot be opened at all. Any thread may call it.
+  // Returns the known damage of the sample's shard, even if the sample itself is intact. Empty if no damage is known,
+  // or if the shard cannot be opened at all. May be called from any thread.
   std::string damage(std::size_t sample) const;
-  // Returns the indices of samples known by now to be unreadable, ascending: their shard is missing, is not a tar file,
-  // or was truncated before them. Any thread may call it.
+  // Returns the indices, ascending, of the samples that are already known to be unreadable: their shard is missing, is
+  // not a tar file, or was truncated before them. May be called from any thread.
   std::vector<std::size_t> unreadableSamples() const;
 
  private:
   struct Sample {
     std::size_t shard = 0;
-    std::vector<std::string> members;  // empty if a manifest lists them
+    std::vector<std::string> members;  // names of the members; empty if a manifest lists them
     const SampleRecord* record = nullptr;
   };
   struct Shard {
     std::filesystem::path file;
-    std::unique_ptr<const ShardIndex> index;  // null until it is needed
-    std::uint64_t bytes = 0;                  // the shard's size in the manifest; 0: unknown
-    bool failed = false;                      // the last attempt to open it has failed
-    bool sized = false;                       // the shard's size has been compared with `bytes`
+    std::unique_ptr<const ShardIndex> index;  // null until the index is needed
+    std::uint64_t bytes = 0;                  // size according to the manifest; 0: unknown
+    bool failed = false;                      // true if the last attempt to open the shard failed
+    bool sized = false;                       // true if the size has been compared with `bytes`
   };
 
   void openDataset();

@@ -15,9 +15,9 @@ namespace scanmill {
 
 namespace {
 
-// Bytes that are hashed and then written at a time: they are still in the cache when they are written.
+// Number of bytes that are hashed and then written at a time, while they are still in the cache.
 constexpr std::size_t kPieceBytes = 1 << 17;
-// Headers, padding and short members are collected up to this size before they are written.
+// Size up to which headers, padding and short members are collected before they are written.
 constexpr std::size_t kShortBytes = 1 << 14;
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::size_t kUstarName = 100;
@@ -35,13 +35,13 @@ struct ShardFile::State {
   archive* tar = archive_write_new();
   archive_entry* entry = archive_entry_new();
   std::string waiting;         // bytes that are not hashed and written yet
-  std::exception_ptr failure;  // thrown in writeBytes(): an exception must not cross libarchive's C frames
-  bool discard = false;        // write nothing more
+  std::exception_ptr failure;  // exception from writeBytes(), which must not pass through libarchive's C code
+  bool discard = false;        // if true, nothing more is written
 
   explicit State(const std::filesystem::path& where) : path(where), file(where) {}
   ~State() {
     archive_entry_free(entry);
-    discard = true;  // freeing an unfinished archive flushes it
+    discard = true;  // set first, because freeing an unfinished archive flushes it
     archive_write_free(tar);
   }
   State(const State&) = delete;
@@ -53,7 +53,8 @@ struct ShardFile::State {
     try {
       state.put({static_cast<const char*>(data), size});
     } catch (...) {
-      // This is hidden from libarchive, which leaks its buffers after a failed write; check() throws it to the caller.
+      // The failure is hidden from libarchive, which leaks its buffers after a failed write; check() throws it to the
+      // caller.
       state.failure = std::current_exception();
       state.discard = true;
     }
@@ -91,7 +92,7 @@ ShardFile::ShardFile(const std::filesystem::path& path) : state_(std::make_uniqu
   State& s = *state_;
   s.check(archive_write_set_format_pax_restricted(s.tar));
   s.check(archive_write_set_bytes_per_block(s.tar, 0));      // no blocks: libarchive passes bytes on without a copy
-  s.check(archive_write_set_bytes_in_last_block(s.tar, 1));  // no padding to whole blocks
+  s.check(archive_write_set_bytes_in_last_block(s.tar, 1));  // the end is not padded to a complete block
   s.check(archive_write_open(s.tar, &s, nullptr, &State::writeBytes, nullptr));
 }
 
@@ -120,7 +121,7 @@ ShardFile::Whole ShardFile::close() {
 
 std::uint64_t ShardFile::memberBytes(std::size_t nameLength, std::uint64_t bytes) {
   std::uint64_t size = kTarBlock + wholeBlocks(bytes);
-  // The pax header and its one record: "<length> path=<name>\n".
+  // A long name needs a pax header with one record: "<length> path=<name>\n".
   if (nameLength > kUstarName) size += kTarBlock + wholeBlocks(nameLength + 16);
   return size;
 }

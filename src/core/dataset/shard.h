@@ -11,9 +11,9 @@
 
 namespace scanmill {
 
-// A tar file in the format POSIX ustar; a name that is too long for ustar gets a pax header. The file holds no times
-// and no user names, so that the same members give the same bytes. Only close() gives the file its final name: after an
-// exception, or if the run is killed, it never gets it. All calls throw an Error with the path if the disk fails.
+// A tar file in the format POSIX ustar; a name that is too long for ustar gets a pax header. The file contains no times
+// and no user names, so that the same members give the same bytes. Only close() gives the file its final name, so that
+// a file is never incomplete under that name. All calls throw an Error with the path if the disk fails.
 class ShardFile {
  public:
   explicit ShardFile(const std::filesystem::path& path);
@@ -28,10 +28,10 @@ class ShardFile {
     std::string sha256;
     std::uint64_t bytes = 0;
   };
-  // Completes the file and gives it its final name. Returns its hash and size.
+  // Completes the file and gives it its final name. Returns the file's hash and size.
   Whole close();
 
-  // Returns how many bytes add() appends to the file for a member. close() appends kEndBytes.
+  // Returns the number of bytes that add() appends to the file for a member; close() appends kEndBytes.
   static std::uint64_t memberBytes(std::size_t nameLength, std::uint64_t bytes);
   static constexpr std::uint64_t kEndBytes = 1024;
 

@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-// Bytes to read at a time: enough for a header and a pax header before it.
+// Number of bytes to read at a time: enough for a header and a preceding pax header.
 constexpr std::size_t kHeaderBytes = 2048;
 
 class OpenFile {

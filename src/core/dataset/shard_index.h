@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the offsets of a shard's members, so that a member can be read without the others.
+// Finds the offsets of a shard's members, so that a member can be read without reading the others.
 
 #include <cstdint>
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace scanmill {
 
 struct ShardMember {
   std::string name;
-  std::uint64_t offset = 0;  // offset of the first byte in the file
+  std::uint64_t offset = 0;  // of the member's first byte in the file
   std::uint64_t bytes = 0;
 };
 
 // How to treat a shard whose end is missing or damaged.
 enum class DamagedShard {
   Refused,           // the constructor throws
-  ReadAsFarAsWhole,  // members before the damage can be read; the constructor throws if there are none
+  ReadAsFarAsWhole,  // the members before the damage can be read; the constructor throws if there are none
 };
 
 class ShardIndex {
@@ -32,19 +32,19 @@ class ShardIndex {
 
   const std::filesystem::path& file() const { return file_; }
   const std::vector<ShardMember>& members() const { return members_; }  // in the shard's order
-  const ShardMember* find(std::string_view name) const;                 // the first of that name; null: absent
-  // Returns why some members are missing, with the file's name; empty if the shard is complete.
+  const ShardMember* find(std::string_view name) const;                 // the first member with that name; null: absent
+  // Returns why members are missing, with the file's name; empty if the shard is complete.
   const std::string& damage() const { return damage_; }
 
-  // Returns a member's bytes. Any thread may call it. Throws an InputError if the file was removed or truncated since
-  // the headers were read.
+  // Returns a member's bytes. May be called from any thread. Throws an InputError if the file was removed or truncated
+  // after the headers were read.
   std::string read(const ShardMember& member) const;
 
  private:
   std::filesystem::path file_;
   std::vector<ShardMember> members_;
   std::string damage_;
-  std::unordered_map<std::string_view, std::size_t> byName_;  // views of members_
+  std::unordered_map<std::string_view, std::size_t> byName_;  // keys are views of members_
 };
 
 }  // namespace scanmill

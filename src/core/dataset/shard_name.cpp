@@ -41,7 +41,7 @@ bool isLeftover(std::string_view name) {
   if (mark == std::string_view::npos || !isDigits(name.substr(mark + kMark.size()))) return false;
   const std::string_view final = name.substr(0, mark);
   constexpr std::string_view kJson = ".json";
-  const bool ofSamples = final.ends_with(kJson) &&  // see samplesFileOf()
+  const bool ofSamples = final.ends_with(kJson) &&  // file names from samplesFileOf()
                          isShardName(std::string(final.substr(0, final.size() - kJson.size())) + ".tar");
   return final == kManifestName || isShardName(final) || ofSamples;
 }

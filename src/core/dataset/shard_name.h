@@ -9,17 +9,19 @@
 namespace scanmill {
 
 inline constexpr std::string_view kManifestName = "manifest.json";
-// The folder that holds a dataset until it is complete (dataset_folder.h); readers ignore it.
+// The folder that contains a dataset until the dataset is complete (dataset_folder.h); readers ignore it.
 inline constexpr std::string_view kHiddenName = ".scanmill";
 
-// True if a split may have this name: it is not empty and has only lower-case letters, digits, '-' and '_'.
+// Returns true if a split may have this name: the name is not empty and has only lower-case letters, digits, '-' and
+// '_'.
 bool isSplitName(std::string_view split);
 
-// Returns the name of a split's shard, relative to the dataset's folder; numbers count from 0.
+// Returns the name of a split's shard, relative to the dataset's folder. `number`: from 0.
 std::string shardName(const std::string& split, std::uint64_t number);
-// True if `name`, relative to the dataset's folder, is a name that shardName() returns.
+// Returns true if shardName() can return `name`, which is relative to the dataset's folder.
 bool isShardName(std::string_view name);
-// True if `name` is a temporary name, left by a killed run, of a shard, of the file beside a shard, or of a manifest.
+// Returns true if `name` is the temporary name, left by a killed run, of a shard, of a file that describes a shard's
+// samples, or of a manifest.
 bool isLeftover(std::string_view name);
 
 }  // namespace scanmill

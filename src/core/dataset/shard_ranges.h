@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers of shards as people write them: "0-9,12".
+// Numbers of shards as people write them, such as "0-9,12".
 
 #include <cstdint>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace scanmill {
 
-// `numbers` must be sorted.
+// Returns the text for some numbers, which must be sorted: "0-9,12".
 std::string shardRanges(const std::vector<std::uint64_t>& numbers);
 
 // Returns the numbers in `text`, sorted and without duplicates. Throws InputError if the text is not a list of ranges,

@@ -16,37 +16,38 @@ namespace scanmill {
 
 // A file of a sample.
 struct Member {
-  std::string suffix;  // "top.ray_tracing.pcd": what follows the sample's key and a dot; lower-case
+  std::string suffix;  // end of the name, after the key and a dot: "top.ray_tracing.pcd"
   std::string bytes;
 };
 
-// All scans of a frame.
+// All scans of a frame, and the files that describe them.
 struct Sample {
   std::string key;
   std::string split;
   std::vector<ScanRecord> scans;
   std::vector<Member> members;
-  // See SampleRecord.
+  // These members are the same as in SampleRecord.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
   std::vector<DrawnValue> draws = {};
 };
 
-// Returns how many bytes the sample takes in its shard, including its description and all headers.
+// Returns the number of bytes that the sample takes in its shard, including its description and all headers.
 std::uint64_t bytesInShard(const Sample& sample);
 
-// The records of one shard and its samples for a manifest (SampleRecord::shard is 0).
+// The records of one shard and its samples, for a manifest; SampleRecord::shard is 0.
 struct ShardPart {
   ShardRecord shard;
   std::vector<SampleRecord> samples;
 };
 
-// The same samples in the same order give the same bytes. Only finish() gives the file its final name.
+// Writes one shard. The same samples in the same order give the same bytes. Only finish() gives the file its final
+// name.
 class ShardWriter {
  public:
-  // `name`: relative to the folder, see shardName(). Like all calls, throws Error if the disk fails.
+  // `name`: path relative to the folder, see shardName(). All member functions throw Error if the disk fails.
   ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split);
 
-  // Throws Error for names that readers of WebDataset would misread. After any other failure nothing more can be added.
+  // Throws Error for names that readers of WebDataset would misread. After any other failure no sample can be added.
   void add(const Sample& sample);
   std::uint64_t bytes() const { return bytes_; }  // size of the file if finished now
   [[nodiscard]] ShardPart finish();
@@ -55,7 +56,7 @@ class ShardWriter {
   ShardPart part_;
   ShardFile file_;
   std::uint64_t bytes_ = ShardFile::kEndBytes;
-  bool broken_ = false;  // a sample was only partly written: the shard must not be closed
+  bool broken_ = false;  // true if a sample was only partly written, so that the shard must not be closed
 };
 
 }  // namespace scanmill

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
 constexpr const char* kAdvice = "; --set splits=null puts all into train";
-using Assignment = std::map<std::string, std::string>;  // group -> split
+using Assignment = std::map<std::string, std::string>;  // by group: its split
 
 std::string groupOf(const SequenceName& sequence, bool bySeed) {
   return bySeed ? std::to_string(sequence.seed) : sequence.trajectory;
@@ -29,8 +29,8 @@ std::string plural(const std::string& by) {
   return by == "seed" ? "seeds" : "trajectories";
 }
 
-// Sorts groups by a hash of the seed and the group's name, so that neither their order in the pipeline nor a new group
-// changes the order of the others.
+// Sorts groups by a hash of the seed and the group's name. The order of the groups in the pipeline therefore does not
+// matter, and a new group does not change the order of the others.
 std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint64_t seed) {
   std::map<std::string, std::string> ranked;
   for (const std::string& group : groups) ranked[sha256(fmt::format("split {} {}", seed, group))] = group;
@@ -40,8 +40,8 @@ std::vector<std::string> shuffled(const std::set<std::string>& groups, std::uint
   return order;
 }
 
-// Returns how many groups each share gets: the integer part of its quota, and one more for those with the largest
-// remainders; among equal remainders, the first in kSplits gets it.
+// Returns the number of groups of each share: the integer part of its quota, and one more for the shares with the
+// largest remainders. Among equal remainders the first in kSplits is preferred.
 std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSplits.size()>& shares,
                                                   std::size_t groups) {
   std::array<std::size_t, kSplits.size()> counts{};
@@ -49,7 +49,7 @@ std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSpli
   std::size_t given = 0;
   for (std::size_t i = 0; i < kSplits.size(); ++i) {
     const double quota = shares[i] * static_cast<double>(groups);
-    counts[i] = static_cast<std::size_t>(std::floor(quota + 1e-9));  // 0.1 * 30 may fall short of 3
+    counts[i] = static_cast<std::size_t>(std::floor(quota + 1e-9));  // 0.1 * 30 may be just below 3
     remainders[i] = quota - static_cast<double>(counts[i]);
     given += counts[i];
   }
@@ -124,7 +124,7 @@ Assignment byLists(Fields& fields, const std::set<std::string>& groups, const st
   return splits;
 }
 
-// True if the splits are given as lists. Throws InputError if shares and lists are mixed.
+// Returns true if the splits are given as lists. Throws InputError if shares and lists are mixed.
 bool usesLists(Fields& fields) {
   bool any = false;
   bool lists = false;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Assigns sequences to splits. All frames of a sequence go to the same split, since neighbouring frames look alike.
+// Assigns sequences to splits. All frames of a sequence go to the same split, because neighbouring frames look alike.
 
 #include <string>
 #include <vector>
@@ -9,21 +9,21 @@
 
 namespace scanmill {
 
-// A sequence is one scene with one seed and one trajectory.
+// Identifies a sequence: one scene with one seed and one trajectory.
 struct SequenceName {
   std::string scene;
   std::uint64_t seed = 0;
   std::string trajectory;
 };
 
-// Returns the split of each sequence. `value` is the pipeline's key `splits`; if it is null, all sequences go to
-// "train". The sequences of one seed, or of one trajectory, form a group and share a split. Groups are assigned by
-// shares that sum to 1, {by: seed, train: 0.8, val: 0.1, test: 0.1}, or by lists, {by: trajectory, train: [a, b],
-// val: [c]}.
+// Returns the split of each sequence. `value`: the pipeline's key `splits`; if it is null, all sequences go to "train".
+// The sequences with the same seed, or with the same trajectory, form a group that goes to one split. Groups are
+// assigned either by shares that sum to 1, {by: seed, train: 0.8, val: 0.1, test: 0.1}, or by lists, {by: trajectory,
+// train: [a, b], val: [c]}.
 //
-// Shares are met as closely as undivided groups allow (method of the largest remainder). Which groups go to which split
-// is random and depends only on `seed`. Throws InputError with the place; also if a share above 0 gets no group, with
-// the number of groups.
+// Shares are matched as closely as undivided groups allow (method of the largest remainder). Which groups go to which
+// split is random and depends only on `seed`. Throws InputError with the place; also if a share above 0 gets no group,
+// in which case the message gives the number of groups.
 std::vector<std::string> assignSplits(const Value* value, const std::vector<SequenceName>& sequences,
                                       std::uint64_t seed);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
-constexpr std::size_t kMostNameBytes = 4096;  // the usual limit of paths
+constexpr std::size_t kMostNameBytes = 4096;  // bytes, the usual limit of paths
 
 }  // namespace
 
@@ -68,7 +68,8 @@ std::uint64_t TarReader::position() const {
   return static_cast<std::uint64_t>(archive_filter_bytes(tar_.get(), 0));
 }
 
-// Libarchive accepts a file that stops between two members; only the end mark shows that the file is complete.
+// Throws InputError if the end mark is missing. Libarchive accepts a file that ends between two members; only the end
+// mark shows that the file is complete.
 void TarReader::checkEnd() const {
   if (size_ >= end_ + kEndBytes) return;
   throw InputError({file_.string()},

@@ -11,20 +11,20 @@ struct archive;
 
 namespace scanmill {
 
-// Goes through the file from front to back, and skips the bytes of members that are not asked for. Throws an InputError
-// with the file and the offset if it is truncated, is not a tar file, or holds anything but plain files.
+// Reads the file from front to back, and skips the bytes of members that are not read. Throws an InputError with the
+// file and the offset if the file is truncated, is not a tar file, or contains anything but regular files.
 class TarReader {
  public:
-  // `blockBytes` is how much is read from the disk at a time. It should be large if members are read, and small if only
-  // headers are read.
+  // `blockBytes`: number of bytes that are read from the disk at a time. It should be large if members are read, and
+  // small if only headers are read.
   TarReader(const std::filesystem::path& file, std::size_t blockBytes);
 
   // Goes to the next member; returns false at the end of the archive.
   [[nodiscard]] bool next();
 
-  // These are about the current member.
+  // The following calls refer to the current member.
   const std::string& name() const { return name_; }
-  std::uint64_t offset() const { return begin_; }  // of its first byte in the file
+  std::uint64_t offset() const { return begin_; }  // of the member's first byte in the file
   std::uint64_t bytes() const { return memberBytes_; }
   // Replaces `bytes` by the bytes of the member.
   void readInto(std::string& bytes);
@@ -42,7 +42,7 @@ class TarReader {
   std::unique_ptr<archive, Free> tar_;
   std::uint64_t size_ = 0;  // size of the file
   std::uint64_t begin_ = 0;
-  std::uint64_t end_ = 0;  // offset of the current member's end, with its padding
+  std::uint64_t end_ = 0;  // end of the current member, with its padding
   std::uint64_t memberBytes_ = 0;
   std::string name_;
 };

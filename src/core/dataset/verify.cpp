@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Checks one shard: its file, its members, its scans.
+// Checks one shard: its file, its members and its scans.
 class ShardCheck {
  public:
   ShardCheck(const fs::path& folder, const Manifest& manifest, std::uint32_t shard,
@@ -62,7 +62,7 @@ class ShardCheck {
  private:
   void problem(std::string_view text) { problems_.push_back(fmt::format("{}: {}", record_.file, text)); }
 
-  // Returns the error's text without the shard's name, which problem() adds.
+  // Returns the error's text without the shard's path at its start, because problem() adds the shard's name.
   std::string withoutPlace(const InputError& error) const {
     const std::string text = error.what();
     const std::string place = file_.string() + ": ";
@@ -104,7 +104,7 @@ class ShardCheck {
 
   void checkMember(const std::string& name, std::string_view bytes) {
     const auto owner = owner_.find(name);
-    if (owner == owner_.end()) return;  // reported by checkOrder()
+    if (owner == owner_.end()) return;  // checkOrder() reports this
     const SampleRecord& sample = *owner->second;
     if (name == sample.key + ".json") {
       const std::string difference = differenceOfSampleJson(bytes, sample);
@@ -121,7 +121,8 @@ class ShardCheck {
     }
   }
 
-  // Finds a member that can be decoded and agrees with the manifest, but was changed since it was written.
+  // Reports a member whose bytes differ from its hash in the manifest; such a member may decode and agree with the
+  // manifest in all other respects.
   void checkDigest(const std::string& name, std::string_view bytes) {
     const auto owner = owner_.find(name);
     if (owner == owner_.end() || owner->second->xxh3.empty()) return;
@@ -171,7 +172,7 @@ class ShardCheck {
     }
   }
 
-  // The list of objects comes before the scans of its sample, so that they can be compared with it.
+  // Checks a list of objects, and stores it to compare it with the scans of its sample, which follow in the shard.
   void checkObjects(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     objects_ = nullptr;
     countedSensors_.clear();
@@ -250,17 +251,16 @@ class ShardCheck {
   const ShardRecord& record_;
   fs::path file_;
   std::uint64_t samples_ = 0;
-  std::vector<std::string> expected_;                 // members, in order
+  std::vector<std::string> expected_;                 // names of the members, in order
   std::map<std::string, const SampleRecord*> owner_;  // by member: the sample that it belongs to
   std::vector<std::string> problems_;
-  std::unique_ptr<const SampleObjects>
-      objects_;                           // objects of the sample whose list was read last; null: the list is damaged
-  std::set<std::string> countedSensors_;  // sensors whose points were compared with objects_
+  std::unique_ptr<const SampleObjects> objects_;  // latest list of objects; null: it is damaged
+  std::set<std::string> countedSensors_;          // sensors whose points were compared with objects_
   std::uint64_t scans_ = 0;
   std::uint64_t points_ = 0;
 };
 
-// Checks that the manifest is consistent in itself.
+// Checks that the manifest does not contradict itself.
 void checkManifest(const Manifest& manifest, std::vector<std::string>& problems) {
   const auto problem = [&](const std::string& text) { problems.push_back(std::string(kManifestName) + ": " + text); };
   if (sha256(manifest.pipelineText) != manifest.pipelineSha256) {
@@ -296,8 +296,8 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
   }
 }
 
-// Reports files that look like part of the dataset but are not listed: anything beside the shards of a split, and any
-// tar or temporary file in the folder or below it. Other files in the dataset's folder, such as notes, are allowed.
+// Reports files that look like part of the dataset but are not listed: any other file beside the shards of a split, and
+// any tar or temporary file in the folder or below it. Other files in the dataset's folder, such as notes, are allowed.
 void checkStrangers(const fs::path& folder, const Manifest& manifest, std::vector<std::string>& problems) {
   std::set<std::string> listed;
   std::set<std::string> splits;

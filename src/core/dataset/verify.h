@@ -17,7 +17,7 @@ struct Verification {
   std::uint64_t samples = 0;
   std::uint64_t scans = 0;
   std::uint64_t points = 0;
-  std::uint64_t damaged = 0;          // shards that differ from the manifest
+  std::uint64_t damaged = 0;          // number of shards that differ from the manifest
   std::vector<std::string> problems;  // one line each, with shard and member; empty: the dataset is sound
 };
 

@@ -22,7 +22,7 @@ constexpr const char* kUInt16 = "<u2";
 constexpr const char* kFloat64 = "<f8";
 constexpr const char* kBool = "|b1";
 
-// The arrays of an archive by their names.
+// The arrays of an archive, found by their names.
 class VoxelArrays {
  public:
   VoxelArrays(std::string_view bytes, const std::string& what) : what_(what), arrays_(readNpzArrays(bytes, what)) {}

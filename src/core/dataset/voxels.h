@@ -1,8 +1,9 @@
 #pragma once
 
 // The member `<key>.<sensor>.<method>.voxels.npz` of a sample: the classes of the voxels around a sensor, and which
-// voxels its scan sees, as in SemanticKITTI's task of scene completion (Behley et al., "SemanticKITTI: A Dataset for
-// Semantic Scene Understanding of LiDAR Sequences", ICCV 2019, section 4.3). numpy.load() reads it without pickle:
+// voxels its scan sees, as in SemanticKITTI's scene completion task (Behley et al., "SemanticKITTI: A Dataset for
+// Semantic Scene Understanding of LiDAR Sequences", ICCV 2019, section 4.3). numpy.load() reads the archive without
+// pickle:
 //
 //   label     uint16 (X, Y, Z)   class of the voxel; 0: empty
 //   input     bool (X, Y, Z)     the voxel contains a point of the scan
@@ -20,24 +21,27 @@
 
 namespace scanmill {
 
-// The end of the member's name, in place of a format's suffix.
+// The end of the member's name; it takes the place of a format's suffix.
 inline constexpr std::string_view kVoxelsSuffix = "voxels.npz";
 
-// The voxels of one scan. Each vector has an entry per voxel of the grid, which is in the frame of the scan's points.
+// The voxels of one scan. Each vector has one entry per voxel of the grid, which is in the frame of the scan's points.
 struct ScanVoxels {
   VoxelGrid grid;
-  std::vector<std::uint16_t> label;   // class id of most of the surface in the voxel; 0: empty, or only of no class
+  std::vector<std::uint16_t> label;   // class id of most of the surface in the voxel; 0: empty, or without a class
   std::vector<std::uint8_t> input;    // 1: the voxel contains at least one point of the scan
-  std::vector<std::uint8_t> invalid;  // 1: nothing can be known, as inside of objects: the voxel is neither seen nor
-                                      // connected to seen ones by empty voxels; or it has surfaces of no class
+  std::vector<std::uint8_t> invalid;  // 1: nothing is known about the voxel: it has surfaces without a class, or it is
+                                      // neither seen nor connected to seen voxels through empty ones, as inside of
+                                      // objects
   std::vector<std::uint8_t> unseen;   // 1: no beam of the scan passes through the voxel or ends in it
 };
 
-// Throws Error if a vector does not have one entry per voxel.
+// Returns the bytes of the archive. Throws Error if a vector does not have one entry per voxel.
 std::string encodeVoxels(const ScanVoxels& voxels);
-// Throws an InputError that begins with `what` if the bytes are not such an archive.
+// Reads the bytes of an archive. Throws an InputError that begins with `what` if the bytes are not an archive of
+// voxels.
 ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what);
-// Returns an upper bound of the size of encodeVoxels()'s result. Most grids take a twentieth of it or less.
+// Returns an upper bound of the size of the result of encodeVoxels(). The result is usually a twentieth of the bound or
+// less.
 std::uint64_t mostVoxelsBytes(const VoxelGrid& grid);
 
 }  // namespace scanmill

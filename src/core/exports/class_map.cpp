@@ -9,7 +9,8 @@ namespace scanmill {
 
 namespace {
 
-// Finds the class in `to` by the name of `own` or, if `to` does not know this, by one of the aliases of `own`.
+// Returns the class of `to` with the name of `own` or, if there is none, with one of the aliases of `own`; null if `to`
+// has none of these names.
 const SemanticClass* counterpart(const SemanticClass& own, const Ontology& to) {
   if (const SemanticClass* found = to.find(std::string_view(own.name))) return found;
   for (const std::string& alias : own.aliases) {

@@ -30,11 +30,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kRecord = "scanmill_export.json";       // what was exported; written once the export is complete
-constexpr const char* kUnfinished = ".scanmill_export.json";  // the same text until then
+constexpr const char* kRecord = "scanmill_export.json";       // description of a complete export
+constexpr const char* kUnfinished = ".scanmill_export.json";  // description of an unfinished export
 constexpr const char* kLock = ".scanmill_export.lock";
 
-// True if this is the temporary name of a file (AtomicFile).
+// Returns true if a file name is the temporary name of an AtomicFile.
 bool isLeftover(const std::string& name) {
   constexpr std::string_view kMark = ".partial-";
   const std::size_t mark = name.rfind(kMark);
@@ -42,7 +42,7 @@ bool isLeftover(const std::string& name) {
          name.find_first_not_of("0123456789", mark + kMark.size()) == std::string::npos;
 }
 
-// A frame or a complete sequence.
+// A unit of work: a frame, or a complete sequence.
 struct Unit {
   std::size_t sequence = 0;
   std::size_t frame = 0;
@@ -202,7 +202,7 @@ class Export {
     }
   }
 
-  // Returns the description of this export. An export can be resumed only with the same description.
+  // Returns the description of this export. An unfinished export can only be resumed with the same description.
   std::string record() const {
     OrderedJson json{{"program", {{"name", "scanmill"}, {"version", kVersion}}},
                      {"layout", options_.layout->name},
@@ -217,8 +217,8 @@ class Export {
     return layOut(json) + "\n";
   }
 
-  // True if the export is to be resumed, and the folder already has it complete. Throws InputError if the folder must
-  // not be written.
+  // Returns true if the export is to be resumed but is already complete in the folder. Throws InputError if the folder
+  // must not be written to.
   bool lookAtFolder() const {
     const fs::path& folder = folder_.path();
     std::error_code failure;
@@ -279,7 +279,7 @@ class Export {
     return sample;
   }
 
-  // Calls work(unit, read) for all units. Frames count as done when they are read.
+  // Calls work(unit, read) for all units, on several threads. A frame counts for the progress when it has been read.
   template <class Do>
   void forUnits(const char* stage, const std::vector<Unit>& units, const Do& work) {
     std::uint64_t all = 0;
@@ -303,7 +303,7 @@ class Export {
   std::unique_ptr<Layout> layout_;
   ScanStore store_;
   ExportFolder folder_;
-  std::unique_ptr<FolderLock> lock_;  // held while the folder is written
+  std::unique_ptr<FolderLock> lock_;  // locked while the folder is written
   ExportPlan plan_;
   ExportSummary summary_;
 };

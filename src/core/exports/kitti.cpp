@@ -1,5 +1,5 @@
-// The folders of KITTI's object benchmark (Geiger, Lenz and Urtasun, "Are we ready for Autonomous Driving? The KITTI
-// Vision Benchmark Suite", CVPR 2012; devkit_object/readme.txt):
+// Writes the folders of KITTI's object benchmark (Geiger, Lenz and Urtasun, "Are we ready for Autonomous Driving? The
+// KITTI Vision Benchmark Suite", CVPR 2012; devkit_object/readme.txt):
 //
 //   training/velodyne/000000.bin   float32 x, y, z, reflectance per point
 //   training/label_2/000000.txt    a line for each object: type, truncation, occlusion, alpha, box in the image (px),
@@ -9,8 +9,8 @@
 //   ImageSets/train.txt            the frames of each split; those of `test` are in testing/
 //
 // The camera is placed at the sensor's origin, looks along the sensor's x axis and has the field of view of KITTI's
-// left colour camera. As in KITTI, only objects in the image are listed. Frames are numbered across all sequences of a
-// folder.
+// left colour camera. As in KITTI, only objects in the image are listed. The frames of all sequences in a folder are
+// numbered consecutively.
 
 #include <fmt/core.h>
 
@@ -35,11 +35,11 @@ constexpr int kHeight = 375;
 constexpr double kFocal = 721.5377;
 constexpr double kCenterX = 609.5593;
 constexpr double kCenterY = 172.854;
-constexpr double kNear = 0.1;  // m, in front of the camera
+constexpr double kNear = 0.1;  // m, distance of the near clipping plane in front of the camera
 
-constexpr std::size_t kMostFrames = 1'000'000;  // numbers have six digits
+constexpr std::size_t kMostFrames = 1'000'000;  // largest number of frames, because their numbers have six digits
 
-// Camera axes: x right, y down, z forward.
+// Converts a point from the sensor's axes to the camera's: x right, y down, z forward.
 Vec3d inCamera(const Vec3d& p) {
   return {-p.y, -p.z, p.x};
 }
@@ -54,8 +54,8 @@ struct ImageBox {
   }
 };
 
-// Returns the bounds of a box's projected corners (px). Edges that reach behind the camera are clipped kNear in front
-// of it.
+// Returns the bounds (px) of the projected edges of a box. Edges that reach behind the camera are clipped at the plane
+// kNear in front of it.
 ImageBox projected(const Pose& sensorFromBox, const Vec3d& size) {
   std::array<Vec3d, 8> corners;
   for (std::size_t k = 0; k < 8; ++k) {
@@ -79,7 +79,7 @@ ImageBox projected(const Pose& sensorFromBox, const Vec3d& size) {
   return box;
 }
 
-// Returns the devkit's levels: 0 fully visible, 1 partly occluded, 2 largely occluded.
+// Returns the devkit's level of occlusion: 0 fully visible, 1 partly occluded, 2 largely occluded.
 int occlusion(const ObjectView& view) {
   const double visibility = view.visibility().value_or(0);
   return visibility >= 0.8 ? 0 : visibility >= 0.4 ? 1 : 2;
@@ -93,13 +93,13 @@ Vec3d bottomOf(const ObjectRecord& object, const ObjectView& view) {
   return inCamera(view.sensorFromBox * Vec3d{0, 0, -object.size.z / 2});
 }
 
-// True if a part of the box is in the image, and the middle of its bottom is in front of the camera.
+// Returns true if a part of the box is in the image, and the centre of its bottom face is in front of the camera.
 bool isShown(const ObjectRecord& object, const ObjectView& view) {
   const ImageBox seen = projected(view.sensorFromBox, object.size).within(kWidth - 1, kHeight - 1);
   return seen.area() > 0 && bottomOf(object, view).z >= kNear;
 }
 
-// Returns the object's line in label_2; empty if the object is not in the image.
+// Returns the object's line in the file in label_2; empty if the object is not in the image.
 std::string labelOf(const std::string& type, const ObjectRecord& object, const ObjectView& view) {
   if (!isShown(object, view)) return {};
   const ImageBox whole = projected(view.sensorFromBox, object.size);
@@ -187,7 +187,7 @@ class Kitti : public Layout {
   }
 
  private:
-  // Calls work(type, object, view) for the objects of KITTI's types that have points in the scan.
+  // Calls work(type, object, view) for the objects that have points in the scan and a class that KITTI has.
   template <class Do>
   static void forSeen(const ExportPlan& plan, const SampleObjects& objects, const Do& work) {
     for (const ObjectRecord& object : objects.objects) {

@@ -1,5 +1,5 @@
-// A LAS 1.4 file for each scan: "LAS Specification 1.4 - R15", American Society for Photogrammetry and Remote Sensing,
-// 2019. Point format 6, uncompressed:
+// Writes a LAS 1.4 file for each scan: "LAS Specification 1.4 - R15", American Society for Photogrammetry and Remote
+// Sensing, 2019. Point format 6, uncompressed:
 //
 //   X, Y, Z              in the world (m), in steps of 0.5 mm, so that a coordinate is off by at most 0.25 mm. The
 //                        file's offset is the sensor's position, rounded to whole metres
@@ -14,7 +14,7 @@
 //   point source ID      1 for the first sensor that is exported, 2 for the second, and so on
 //   extra bytes          the other columns in their own types, and the unscaled intensity as `intensity_f`
 //
-// The coordinate system is a local one, without a place on the earth. Misses are left out.
+// The coordinate system is local, without a position on the earth. Misses are left out.
 
 #include <fmt/core.h>
 
@@ -31,14 +31,14 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 0.0005;        // m
-constexpr std::uint8_t kSynthetic = 1;  // bit of the classification flags
+constexpr double kStep = 0.0005;        // m, step of the coordinates in the file
+constexpr std::uint8_t kSynthetic = 1;  // the bit "synthetic" of the classification flags
 
 constexpr ColumnKey<columnIndex("returns")> kReturns;
 
 // Transforms the points of a scan to the world. Points of a deskewed scan are in the sensor's frame at the start of the
-// revolution, others in the sensor's frame at the time of their own column. The record has the poses at the first and
-// the last column; between them the sensor counts as moving evenly.
+// revolution, points of other scans in the sensor's frame when their column fired. The record has the poses at the
+// first and the last column; in between, the motion of the sensor is interpolated linearly.
 class WorldPlaces {
  public:
   WorldPlaces(const ExportPlan& plan, const ExportScan& given)
@@ -62,8 +62,9 @@ class WorldPlaces {
   }
 
  private:
-  // Returns how far the sensor has moved when a point is measured, from 0 at the first column to 1 at the last. If the
-  // scan does not know its beams, the column follows from the point's time, up to offsets between the rings' times.
+  // Returns the fraction of the sensor's motion at the time when a point is measured, from 0 at the first column to 1
+  // at the last. If the scan has no beam numbers, the column is derived from the point's time, which ignores offsets
+  // between the rings' times.
   double shareOf(std::size_t point) const {
     const double all = starts_.empty() ? 0 : starts_.back() - starts_.front();
     if (!(all > 0)) return 0;
@@ -76,10 +77,11 @@ class WorldPlaces {
   Pose first_, last_;
   bool moves_ = false;
   bool knowsBeams_ = false;
-  std::vector<double> starts_;  // s since the start of the revolution, when each column fires
+  std::vector<double> starts_;  // s since the start of the revolution, firing time of each column
 };
 
-// The return numbers. If the scan lacks the columns, the points of each beam are counted; they are in the right order.
+// Computes return numbers. If the scan lacks the columns for them, the points of each beam are counted; the points of a
+// beam are in the order of their returns.
 class Returns {
  public:
   explicit Returns(const Scan& scan)
@@ -93,8 +95,8 @@ class Returns {
     }
   }
 
-  // Returns a point's return number in the lower four bits, and the number of returns in the upper four. Must be called
-  // for all points in their order, without misses.
+  // Returns a point's return number in the lower four bits, and the number of returns of its beam in the upper four.
+  // Must be called for all points in order, without misses.
   std::uint8_t next(std::size_t point) {
     std::uint32_t number = counts_ ? ++soFar_[beamOf(point)] : 1;
     std::uint32_t all = counts_ ? all_[beamOf(point)] : 1;
@@ -114,7 +116,7 @@ class Returns {
   const Scan& scan_;
   bool counts_ = false;
   PointKey extent_;
-  std::vector<std::uint32_t> all_, soFar_;  // points of each beam
+  std::vector<std::uint32_t> all_, soFar_;  // by beam: number of all points, and of the points so far
 };
 
 class Las : public ScanFiles {
@@ -132,7 +134,7 @@ class Las : public ScanFiles {
     const Scan& scan = given.scan;
     const WorldPlaces places(plan, given);
     const ColumnSet columns = exportedColumns(plan, scan);
-    // Columns that no field of the point format holds in full.
+    // The columns that no field of the point format can represent completely.
     const ColumnSet extraColumns = columns.without(kLabel).without(kReturn).without(kReturns).without(kTime);
     Returns returns(scan);
     LasPoints points;
@@ -184,7 +186,7 @@ class Las : public ScanFiles {
     }
   }
 
-  // Appends X, Y and Z. NaN fails the comparison too.
+  // Appends X, Y and Z of a point. Throws InputError if a coordinate does not fit; NaN fails the comparison too.
   static void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
                        LasPoints& points, std::string& bytes) {
     const Vec3d exact = (place - points.offset) * (1 / kStep);

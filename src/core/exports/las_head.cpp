@@ -1,5 +1,5 @@
-// Header and variable length records of LAS: "LAS Specification 1.4 - R15", American Society for Photogrammetry and
-// Remote Sensing, 2019.
+// The header and the variable length records of LAS: "LAS Specification 1.4 - R15", American Society for Photogrammetry
+// and Remote Sensing, 2019.
 
 #include "exports/las_head.h"
 
@@ -14,16 +14,16 @@ namespace {
 
 constexpr std::uint16_t kHeaderBytes = 375;
 constexpr std::uint8_t kFormat = 6;
-constexpr std::uint16_t kReturnsAreMadeUp = 1 << 3;  // bits of the global encoding
+constexpr std::uint16_t kReturnsAreMadeUp = 1 << 3;  // bit of the global encoding
 constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;
 
-// A local system without a place on the earth, in the notation of "OpenGIS Implementation Specification: Coordinate
-// Transformation Services", OGC 01-009, 7.2; a local datum may have the types 10000 to 32767. There is no third axis
-// because PROJ, which most readers use, refuses one.
+// A local coordinate system without a position on the earth, in the notation of "OpenGIS Implementation Specification:
+// Coordinate Transformation Services", OGC 01-009, 7.2, in which a local datum may have the types 10000 to 32767. The z
+// axis is left out, because PROJ, which most readers use, refuses a local system with three axes.
 constexpr std::string_view kCoordinateSystem =
     R"(LOCAL_CS["scanmill world",LOCAL_DATUM["scanmill world",32767],UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]])";
 
-// Appends a text in a field of `length` bytes: cut off, or filled up with zeros.
+// Appends a text as a field of `length` bytes: truncated, or padded with zeros.
 void putText(std::string text, std::size_t length, std::string& bytes) {
   text.resize(length, '\0');
   bytes += text;
@@ -39,7 +39,8 @@ void putRecord(const char* user, std::uint16_t id, const char* description, std:
   bytes += data;
 }
 
-// Returns 256 entries of 16 bytes: a class id and 15 characters of the class's name.
+// Returns the classification lookup: 256 entries of 16 bytes, each with a class id and 15 characters of the class's
+// name.
 std::string classNames(const Ontology& classes) {
   std::string bytes;
   for (std::uint16_t id = 0; id <= kMostLasClass; ++id) {
@@ -103,7 +104,7 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
   putNumber(static_cast<std::uint32_t>(extra.empty() ? 2 : 3), bytes);
   putNumber(kFormat, bytes);
   putNumber(static_cast<std::uint16_t>(pointBytes), bytes);
-  bytes.append(4 + 5 * 4, '\0');  // counts in the form of earlier versions: none
+  bytes.append(4 + 5 * 4, '\0');  // counts of points as in earlier versions: 0
   for (int axis = 0; axis < 3; ++axis) putNumber(points.step, bytes);
   const std::array<double, 3> offset{points.offset.x, points.offset.y, points.offset.z};
   for (const double along : offset) putNumber(along, bytes);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The header and the records before the points of a LAS 1.4 file with point format 6.
+// The header of a LAS 1.4 file with point format 6, and the records between header and points.
 
 #include <array>
 #include <cstdint>
@@ -16,22 +16,22 @@ namespace scanmill {
 
 constexpr std::uint16_t kMostLasClass = 255;
 
-// The figures of the header about the points.
+// The values of the header that describe the points.
 struct LasPoints {
   static constexpr std::uint8_t kMostReturns = 15;
-  static constexpr std::uint16_t kBytes = 30;  // bytes of a point without extra bytes
+  static constexpr std::uint16_t kBytes = 30;  // bytes of a point, without extra bytes
 
-  double step = 0;  // m: coordinates are stored as steps from the offset
-  Vec3d offset;     // m
+  double step = 0;  // m; coordinates are stored as multiples of the step, relative to the offset
+  Vec3d offset;     // m, world: subtracted from coordinates before they are stored as steps
   std::uint64_t count = 0;
-  std::array<std::uint64_t, kMostReturns> byReturn{};  // number of first returns, of second returns, ...
-  std::array<std::int32_t, 3> least{}, greatest{};     // in steps; zero if there are no points
-  bool returnsAreMadeUp = false;                       // return numbers do not come from the sensor
+  std::array<std::uint64_t, kMostReturns> byReturn{};  // number of first returns, of second returns, and so on
+  std::array<std::int32_t, 3> least{}, greatest{};     // of the coordinates, in steps; zero if there are no points
+  bool returnsAreMadeUp = false;                       // true if return numbers do not come from the sensor
 };
 
-// A column after the fields of the point format.
+// A column that is stored after the fields of the point format.
 struct LasExtra {
-  std::string_view name;  // 32 characters at most
+  std::string_view name;  // at most 32 characters
   ColumnType type;
   std::string_view unit;  // may be empty
 };

@@ -1,18 +1,18 @@
-// An MCAP file (mcap.dev, profile ros2) for each sequence, train/street-s1-lane.mcap, which Foxglove, the tools of MCAP
-// and rosbag2 of ROS 2 read. Its topics:
+// Writes an MCAP file (mcap.dev, profile ros2) for each sequence, train/street-s1-lane.mcap, which Foxglove, the tools
+// of MCAP and rosbag2 of ROS 2 read. Its topics:
 //
 //   /<sensor>/points  sensor_msgs/msg/PointCloud2           all columns of the scan, in the sensor's frame
 //   /tf               tf2_msgs/msg/TFMessage                map -> vehicle, at the start of each revolution
 //   /tf_static        tf2_msgs/msg/TFMessage                vehicle -> sensors, once
 //   /objects          visualization_msgs/msg/MarkerArray    boxes and their names in map, if the dataset lists objects
 //
-// map is the dataset's world; the frames of the sensors have the sensors' names. If the sensor moves during the
-// revolution and the dataset is not deskewed, each point is in the sensor's frame at the time when its column fired
-// (field `time`), while /tf has the pose at the start of the revolution. The misses of organised scans stay, as NaN.
-// Classes are in the fields `label` and `label_2`; the metadata record "classes" names them, and the record "scanmill"
-// names the dataset and the sequence.
+// The frame `map` is the dataset's world; the frames of the sensors have the sensors' names. If the sensor moves during
+// the revolution and the dataset is not deskewed, each point is in the sensor's frame at the time when its column fired
+// (field `time`), while /tf has the pose at the start of the revolution. The misses of organised scans are kept, as
+// NaN. Classes are in the fields `label` and `label_2`; the metadata record "classes" lists their names, and the record
+// "scanmill" the dataset and the sequence.
 //
-// Time 0 of a sequence is the start of 2020, since a time of 0 has a meaning of its own in tf2.
+// Time 0 of a sequence is the start of 2020, because a time stamp of 0 has a special meaning in tf2.
 
 #include <fmt/core.h>
 
@@ -36,19 +36,19 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC
+constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 2020-01-01 00:00:00 UTC, time 0
 constexpr const char* kWorld = "map";
 constexpr const char* kVehicle = "vehicle";
 constexpr float kBoxOpacity = 0.4f;
-constexpr double kLetters = 0.5;  // m, height
+constexpr double kLetters = 0.5;  // m, height of letters
 constexpr std::array<float, 4> kTextColor{1, 1, 1, 1};
 
 std::uint64_t timeOf(double seconds) {
   return static_cast<std::uint64_t>(kStart + std::llround(seconds * 1e9));
 }
 
-// Returns the topic of a sensor's points. Names in ROS have letters, digits and '_', and do not begin with a digit
-// (design.ros2.org/articles/topic_and_service_names.html).
+// Returns the topic of a sensor's points. Names in ROS consist of letters, digits and '_', and do not begin with a
+// digit (design.ros2.org/articles/topic_and_service_names.html).
 std::string topicOf(const SensorRecord& sensor) {
   std::string name = sensor.name;
   for (char& c : name) {
@@ -58,9 +58,9 @@ std::string topicOf(const SensorRecord& sensor) {
   return "/" + name + "/points";
 }
 
-// Returns how rosbag2 shall publish a topic when it plays the file: reliably, and `forLatecomers` (static transforms)
-// also to subscribers that join later. Numbers are those of ROS 2's middleware interface (rmw/types.h); durations are
-// infinite.
+// Returns the metadata that tells rosbag2 how to publish a topic when it plays the file: reliably and, if
+// `forLatecomers` (for static transforms), also to subscribers that join later. The numbers are from ROS 2's middleware
+// interface (rmw/types.h); the durations mean infinity.
 McapMap publishing(bool forLatecomers) {
   constexpr const char* kEndless = "{sec: 9223372036, nsec: 854775807}";
   return {{"offered_qos_profiles",
@@ -73,7 +73,8 @@ class Bag {
  public:
   Bag(const ExportPlan& plan, std::size_t sequence, const std::filesystem::path& path)
       : plan_(plan), file_(path, "ros2", fmt::format("scanmill {}", kVersion)) {
-    // This record, which Humble writes, makes later versions of rosbag2 read the above numbers as Humble does.
+    // This record, which Humble writes, makes later versions of rosbag2 interpret the numbers of publishing() as Humble
+    // does.
     file_.addMetadata("rosbag2", {{"ROS_DISTRO", "humble"}});
     file_.addMetadata("scanmill", {{"dataset", plan.manifest.name},
                                    {"sequence", plan.sequences[sequence].name},
@@ -91,7 +92,7 @@ class Bag {
 
   void add(ExportSample sample) {
     if (sample.frame == 0) addMounts(sample);
-    std::set<std::uint64_t> known;  // sensors may start at different times
+    std::set<std::uint64_t> known;  // time stamps that /tf already has; sensors may start at different times
     for (ExportScan& scan : sample.scans) {
       const std::uint64_t time = timeOf(scan.record->time);
       const Pose vehicle = scan.record->worldFromSensor.front() * inverse(mountOf(*scan.sensor, *scan.record));
@@ -136,7 +137,7 @@ class Bag {
       RosMarker box;
       box.shape = RosMarker::Shape::Cube;
       box.nameSpace = semantic.name;
-      box.id = static_cast<std::int32_t>(object.id);  // ids from 2^31 become negative, but stay unique
+      box.id = static_cast<std::int32_t>(object.id);  // ids from 2^31 on become negative, but stay unique
       box.pose = object.worldFromBox;
       box.scale = object.size;
       for (std::size_t i = 0; i < 3; ++i) box.color[i] = static_cast<float>(semantic.color[i]) / 255;
@@ -156,7 +157,8 @@ class Bag {
     file_.addMessage(*objects_, time, markersMessage(time, kWorld, markers));
   }
 
-  // Returns "car 7, 72 %": the class, the id, and the highest visibility of the object from any exported sensor.
+  // Returns the text for an object, such as "car 7, 72 %": class, id, and the object's highest visibility over all
+  // exported sensors.
   std::string nameOf(const ObjectRecord& object, const SemanticClass& semantic) const {
     std::optional<double> visible;
     for (const ObjectView& view : object.views) {
@@ -173,8 +175,8 @@ class Bag {
   McapFile file_;
   std::uint16_t mounts_ = 0;
   std::uint16_t poses_ = 0;
-  std::vector<std::uint16_t> clouds_;       // by sensor
-  std::optional<std::uint16_t> objects_{};  // set when the first objects are added
+  std::vector<std::uint16_t> clouds_;       // channel of each sensor's points
+  std::optional<std::uint16_t> objects_{};  // channel of the objects; set when the first objects are added
 };
 
 class Mcap : public Layout {

@@ -1,4 +1,5 @@
-// The container MCAP, version 0 (specification: mcap.dev/spec, registry of names: mcap.dev/spec/registry):
+// Writes the container format MCAP, version 0 (specification: mcap.dev/spec, registry of names:
+// mcap.dev/spec/registry):
 //
 //   magic, Header
 //   Metadata
@@ -8,9 +9,8 @@
 //   summary: Schemas, Channels, Statistics, ChunkIndices, MetadataIndices, and a SummaryOffset for each of these groups
 //   Footer, magic
 //
-// A record is a byte with its kind, the length of its content (uint64) and the content; numbers have the least
-// significant byte first. A chunk is compressed as an LZ4 frame, unless this makes it larger. Check sums are the CRC-32
-// of zlib.
+// A record consists of a byte for its kind, the length of its content (uint64) and the content; numbers are
+// little-endian. A chunk is compressed as an LZ4 frame, unless that makes it larger. Check sums are the CRC-32 of zlib.
 
 #include "exports/mcap_file.h"
 
@@ -44,7 +44,7 @@ enum class Kind : std::uint8_t {
 };
 
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
-constexpr std::size_t kChunkBytes = std::size_t{4} << 20;  // a chunk ends with the message that reaches this size
+constexpr std::size_t kChunkBytes = std::size_t{4} << 20;  // a chunk ends when it reaches this size
 
 void putText(std::string_view text, std::string& bytes) {
   putNumber(static_cast<std::uint32_t>(text.size()), bytes);
@@ -119,7 +119,7 @@ void McapFile::addMetadata(std::string_view name, const McapMap& values) {
 }
 
 std::uint16_t McapFile::addSchema(std::string_view name, std::string_view encoding, std::string_view text) {
-  const std::uint16_t id = ++schemaCount_;  // from 1: 0 means that a channel has no schema
+  const std::uint16_t id = ++schemaCount_;  // ids start at 1, because 0 means that a channel has no schema
   std::string content;
   putNumber(id, content);
   putText(name, content);
@@ -152,8 +152,8 @@ void McapFile::addMessage(std::uint16_t channel, std::uint64_t time, std::string
   std::string head;
   putNumber(channel, head);
   putNumber(static_cast<std::uint32_t>(count++), head);
-  putNumber(time, head);  // recorded
-  putNumber(time, head);  // published
+  putNumber(time, head);  // time of recording
+  putNumber(time, head);  // time of publishing
   chunkMessages_[channel].emplace_back(time, chunk_.size());
   putHead(Kind::Message, head.size() + data.size(), chunk_);
   chunk_ += head;

@@ -16,20 +16,20 @@ namespace scanmill {
 
 using McapMap = std::map<std::string, std::string>;
 
-// Only the current chunk and the indices of earlier chunks are in memory. Calls throw the Errors of AtomicFile; without
-// commit() nothing is left on the disk.
+// Only the current chunk and the indices of earlier chunks are in memory. Calls throw the Errors of AtomicFile. Without
+// commit() no file remains on the disk.
 class McapFile {
  public:
-  // `profile`: a name in the specification's registry, "ros2". `library`: the program that writes the file.
+  // `profile`: a name from the specification's registry, such as "ros2". `library`: the program that writes the file.
   McapFile(const std::filesystem::path& path, std::string_view profile, std::string_view library);
 
-  // Adds a named list of keys and values, independent of the messages.
+  // Adds a named list of keys and values, which is independent of the messages.
   void addMetadata(std::string_view name, const McapMap& values);
-  // These return the number by which channels refer to the schema, and messages to the channel.
+  // Add a schema or a channel. Return its id, by which channels refer to their schema, and messages to their channel.
   std::uint16_t addSchema(std::string_view name, std::string_view encoding, std::string_view text);
   std::uint16_t addChannel(std::uint16_t schema, std::string_view topic, std::string_view encoding,
                            const McapMap& metadata);
-  // `time`: ns, both the time of publishing and of recording. Times may come in any order.
+  // Adds a message. `time`: ns, used as the time of publishing and of recording. Times may come in any order.
   void addMessage(std::uint16_t channel, std::uint64_t time, std::string_view data);
   // Writes the summary and gives the file its final name. Nothing can be added afterwards.
   void commit();
@@ -47,13 +47,14 @@ class McapFile {
   std::string statistics() const;
 
   AtomicFile file_;
-  std::uint32_t crc_ = 0;  // CRC of all bytes written so far
+  std::uint32_t crc_ = 0;  // CRC-32 of all bytes written so far
 
   std::string chunk_;  // records of the current chunk, uncompressed
   TimeSpan chunkTimes_;
-  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunkMessages_;  // time, offset
+  // Messages of the current chunk, by channel: time (ns) and offset in chunk_.
+  std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunkMessages_;
 
-  // Records of the summary.
+  // Records of the summary at the end of the file.
   std::string schemas_;
   std::string channels_;
   std::string chunkIndices_;
@@ -62,7 +63,7 @@ class McapFile {
   std::uint16_t schemaCount_ = 0;
   std::uint32_t chunkCount_ = 0;
   std::uint32_t metadataCount_ = 0;
-  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel; also the number of the next message
+  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel; also the sequence number of its next message
   TimeSpan times_;
 };
 

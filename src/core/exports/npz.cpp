@@ -1,13 +1,13 @@
-// A NumPy archive for each scan (numpy.org/doc/stable/reference/generated/numpy.lib.format.html), which numpy.load()
-// reads without pickle. N is the number of points; in an organised scan N stands for (rings * planes, columns), and
-// misses stay as NaN. P is the number of poses: one or, if the sensor moves during the revolution, two, of its first
-// and its last column. M is the number of boxes.
+// Writes a NumPy archive for each scan (numpy.org/doc/stable/reference/generated/numpy.lib.format.html), which
+// numpy.load() reads without pickle. N is the number of points; in an organised scan N stands for (rings * planes,
+// columns), and misses are kept as NaN. P is the number of poses: one pose; or, if the sensor moves during the
+// revolution, two poses, at its first and its last column. M is the number of boxes.
 //
 //   xyz                float32 (N, 3)    in the sensor's frame (m)
 //   a column's name    (N,)              each of the scan's columns, in its own type; classes are the exported ones
 //   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
 //
-// If the dataset lists objects, all objects whose boxes are within the sensor's range, even those without points:
+// If the dataset lists objects: all objects whose boxes are within the sensor's range, even objects without points:
 //
 //   boxes              float32 (M, 7)    x, y, z of the centre, length, width, height (m), yaw (rad); frame of xyz
 //   box_pose           float64 (M, 4, 4) sensor point = matrix * point from the box's centre; with pitch and roll
@@ -76,7 +76,7 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
   });
 }
 
-// Appends the pose as a 4 x 4 matrix, row by row.
+// Appends a pose as a 4 x 4 matrix, row by row.
 void putPose(const Pose& pose, std::string& bytes) {
   const Mat3 r = toMatrix(pose.rotation);
   const Vec3d& t = pose.translation;

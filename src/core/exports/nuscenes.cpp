@@ -10,20 +10,22 @@
 //   maps/TOKEN.png                                     a white map
 //   sweeps/LIDAR_TOP/                                  empty
 //
-// - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models that were trained
-//   with it can be used; calibrated_sensor has the frame's pose on the vehicle. Rings count from the lowest beam; they
-//   are 0 if the dataset does not know them. Intensities are integers from 0 to 255, as from the real sensor: those
-//   above 1 become 255, and without the column all are 0.
+// - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models trained on nuScenes
+//   can be used; calibrated_sensor has the frame's pose on the vehicle. Rings are numbered from the lowest beam; they
+//   are 0 if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
+//   intensities above the full scale become 255, and all are 0 without the column.
 // - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
-// - Each sequence is a scene with a log. The first is on 2020-01-01, each other one day later, since times must differ
-//   from scene to scene. Times and ego_pose are those of the start of a revolution.
-// - sample_annotation has the listed objects that are things in labels/nuscenes.yaml, of which nuScenes has boxes, and
-//   that have at least one point. Boxes are where the beams hit the objects. visibility is that from the lidar.
-// - Instances count from 1 to 999 within a class and a scene, in the order of the dataset's own ids.
-// - splits.json lists the scenes of each split, for newer versions of the devkit. These reserve the names of nuScenes's
-//   own splits (`train`, `val`, ...), so each split is also listed as `scanmill_train` and so on.
-// - Without the column label there are no labels, without the column instance no panoptic labels, and without lists of
-//   objects no rows in sample_annotation and instance. The devkit refuses to read labels of a scan without points.
+// - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
+//   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
+// - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
+//   thing class, because nuScenes has boxes of these. Boxes are where the beams hit the objects. visibility is the
+//   visibility from the lidar.
+// - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
+// - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of
+//   nuScenes's splits (`train`, `val`, ...), so each split is also listed with a prefix, as `scanmill_train`.
+// - Without the column label there are no labels, without the column instance there are no panoptic labels, and without
+//   lists of objects the tables sample_annotation and instance are empty. The devkit refuses to read labels of a scan
+//   without points.
 
 #include <fmt/core.h>
 
@@ -47,12 +49,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint16_t kClassStep = 1000;   // between the panoptic labels of classes
-constexpr std::size_t kMostInstances = 999;  // the greatest number of instances of a class in a scene
-constexpr std::size_t kMostClasses = 65;     // 64 * 1000 + 999 is the largest label that fits 16 bits
+constexpr std::uint16_t kClassStep = 1000;   // between the panoptic labels of successive classes
+constexpr std::size_t kMostInstances = 999;  // largest number of instances of a class in a scene
+constexpr std::size_t kMostClasses = 65;     // the largest label, 64 * 1000 + 999, fits 16 bits
 constexpr float kFullIntensity = 255;
 
-// A class of the target and an instance id. Both count, since the parts of an object may have different classes.
+// A class of the target and an instance id of the dataset. Both are needed, because the parts of an object may have
+// different classes.
 using Instance = std::pair<std::uint16_t, std::uint32_t>;
 
 Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point) {
@@ -60,7 +63,8 @@ Instance instanceOf(const ExportPlan& plan, const Scan& scan, std::size_t point)
   return {c.id, c.thing && !scan[kInstance].empty() ? scan[kInstance][point] : 0};
 }
 
-// Numbers the instances of scenes. This needs all frames of a scene, so that numbers do not depend on their order.
+// Numbers the instances of scenes. Numbering needs all frames of a scene, so that the numbers do not depend on the
+// order in which frames are processed.
 class InstanceNumbers {
  public:
   void add(const ExportPlan& plan, const ExportSample& sample) {
@@ -85,8 +89,8 @@ class InstanceNumbers {
     }
   }
 
-  // Returns the numbers of a sequence's instances. Reads the frames that were not added yet, such as those that an
-  // earlier run has written, without a lock: another thread may read the same frames.
+  // Returns the numbers of a sequence's instances. Frames that were not added yet, for example because an earlier run
+  // has written them, are read first, without a lock: another thread may read the same frames at the same time.
   std::map<Instance, std::uint16_t> of(const ExportPlan& plan, std::size_t sequence, const ReadSample& read) {
     for (const std::size_t f : unknownFrames(sequence, plan.sequences[sequence].samples.size())) {
       add(plan, read(sequence, f));
@@ -103,7 +107,7 @@ class InstanceNumbers {
  private:
   struct Scene {
     std::set<std::size_t> frames;
-    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // by class
+    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // by class: the dataset's instance ids
   };
 
   std::vector<std::size_t> unknownFrames(std::size_t sequence, std::size_t frames) {
@@ -120,7 +124,7 @@ class InstanceNumbers {
   std::map<std::size_t, Scene> scenes_;  // by sequence
 };
 
-// Returns the number of each ring, counted from the lowest. Rings that are not cones keep their numbers.
+// Returns the number of each ring counted from the lowest. Rings that are not cones keep their numbers.
 std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   std::vector<std::uint16_t> order(beams.rings);
   std::iota(order.begin(), order.end(), std::uint16_t{0});
@@ -132,7 +136,7 @@ std::vector<std::uint16_t> ringsFromBelow(const BeamTable& beams) {
   return numbers;
 }
 
-// Returns the points in LIDAR_TOP's frame: x to the right, y forward, z up.
+// Returns the bytes of the points, in LIDAR_TOP's frame: x to the right, y forward, z up.
 std::string pointsOf(const ExportScan& exported) {
   const Scan& scan = exported.scan;
   const std::vector<std::uint16_t> rings = ringsFromBelow(exported.sensor->beams);
@@ -186,7 +190,8 @@ class NuScenes : public Layout {
   bool checksSamples(const ExportPlan& plan) const override { return isPanoptic(plan); }
 
   void checkSample(const ExportPlan& plan, const ExportSample& sample) const override {
-    // After all calls, the frames of each scene are known, and write() need not read other frames than its own.
+    // After checkSample() has been called for all samples, the frames of each scene are known, so that write() only has
+    // to read its own frame.
     numbers_.add(plan, sample);
   }
 
@@ -235,7 +240,8 @@ class NuScenes : public Layout {
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
 
-  // Throws InputError unless class ids count from 0 without gaps, as the devkit needs them to count points by class.
+  // Throws InputError unless the class ids are 0, 1, 2, ... without gaps, which the devkit requires to count points by
+  // class.
   static void checkClasses(const ExportPlan& plan) {
     const Ontology& target = plan.classes.target();
     std::set<std::uint16_t> ids;

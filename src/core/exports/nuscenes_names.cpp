@@ -22,7 +22,8 @@ std::chrono::sys_days dayOf(std::size_t sequence) {
   return kFirstDay + std::chrono::days(sequence);
 }
 
-// Returns the name of a file with labels. It starts with the token of the scan, by which the devkit finds it.
+// Returns the path of a file with labels. The file's name starts with the token of the scan, by which the devkit finds
+// it.
 fs::path labelFile(const ExportPlan& plan, const SampleRecord& sample, std::string_view kind, std::string_view suffix) {
   const std::string token = nuScenesToken(plan, "sample_data", sample.key);
   return fs::path(kind) / kNuScenesVersion / fmt::format("{}_{}.{}", token, kind, suffix);

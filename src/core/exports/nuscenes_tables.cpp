@@ -1,4 +1,4 @@
-// Tables are lists of rows, which refer to each other by tokens; docs/schema_nuscenes.md in
+// Writes the tables of nuScenes: lists of rows that refer to each other by tokens. docs/schema_nuscenes.md in
 // github.com/nutonomy/nuscenes-devkit describes their fields.
 
 #include "exports/nuscenes_tables.h"
@@ -23,16 +23,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The rotation from nuScenes' LIDAR_TOP (x right, y forward, z up) to the sensor's axes (x forward, y left, z up): by
-// -90 degrees about z.
+// The rotation from the axes of nuScenes' LIDAR_TOP (x right, y forward, z up) to the sensor's axes (x forward, y left,
+// z up): -90 degrees about z.
 constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.70710678118654752440};
 
-// No scene of the official splits has such a number: with those splits the devkit finds no scenes, rather than wrong
-// ones.
+// Number of the first scene. No scene of the official splits has such a number, so that with the official splits the
+// devkit finds no scenes instead of wrong ones.
 constexpr std::size_t kFirstScene = 9001;
 
-constexpr double kMoving = 0.2;         // m/s, above which an object counts as moving
-constexpr std::uint32_t kMapSide = 64;  // pixels of 0.1 m, a square
+constexpr double kMoving = 0.2;         // m/s, speed above which an object counts as moving
+constexpr std::uint32_t kMapSide = 64;  // pixels along each side of the square map; a pixel is 0.1 m
 
 constexpr std::array<std::pair<std::string_view, std::string_view>, 8> kAttributes{{
     {"vehicle.moving", "it moves"},
@@ -53,13 +53,13 @@ OrderedJson listOf(const Quat& q, const std::string& what) {
   return finiteList({q.w, q.x, q.y, q.z}, what);
 }
 
-// Returns nuScenes' four levels of visibility; an empty text if the visibility is unknown.
+// Returns the token of nuScenes' four levels of visibility, "1" to "4"; an empty text if the visibility is unknown.
 std::string visibilityToken(const std::optional<double>& visible) {
   if (!visible) return "";
   return *visible < 0.4 ? "1" : *visible < 0.6 ? "2" : *visible < 0.8 ? "3" : "4";
 }
 
-// Returns the attribute (moving, parked, ...) of an object; empty if nuScenes has none for its category.
+// Returns the attribute (moving, parked, ...) of an object; empty if nuScenes has no attribute for its category.
 std::string attributeOf(const std::string& category, const ObjectRecord& object) {
   const bool moving = length(object.velocity) > kMoving;
   if (category == "vehicle.bicycle" || category == "vehicle.motorcycle") {
@@ -72,7 +72,7 @@ std::string attributeOf(const std::string& category, const ObjectRecord& object)
   return "";
 }
 
-// Returns the mask of the map. All of it is foreground, since objects may be anywhere.
+// Returns the map's mask as PNG. All of it is foreground, because objects may be anywhere.
 std::string mapMask() {
   const std::vector<std::uint8_t> pixels(kMapSide * kMapSide, 255);
   png_image image{};
@@ -142,7 +142,7 @@ class Tables {
   }
 
   void addCategories() {
-    std::map<std::uint16_t, std::string> sources;  // names of the dataset's classes, by the target's class
+    std::map<std::uint16_t, std::string> sources;  // by target class: names of the dataset's classes
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {
       std::string& names = sources[plan_.classes.of(c.id)];
       names += (names.empty() ? "" : ", ") + c.name;
@@ -221,7 +221,7 @@ class Tables {
                         {"filename", lidarTopFile(plan_, s, f).generic_string()},
                         {"prev", tokenAt("sample_data", f - 1)},
                         {"next", tokenAt("sample_data", f + 1)}});
-    // The devkit looks for labels by the token of the scan.
+    // The devkit finds labels by the token of the scan, so a row of labels has the same token.
     const std::string own = tokenAt("sample_data", f);
     const auto addLabels = [&](const char* name, const fs::path& file) {
       if (!tables_.contains(name)) return;
@@ -235,13 +235,13 @@ class Tables {
     struct Instance {
       std::uint16_t category = 0;
       std::size_t annotations = 0;
-      OrderedJson first;      // token
-      OrderedJson last;       // row, whose `next` is not known yet
-      std::size_t place = 0;  // where the row `last` begins
+      OrderedJson first;      // token of the first annotation
+      OrderedJson last;       // the latest row; its `next` is not known yet
+      std::size_t place = 0;  // index of the row `last` for JsonListFile::set()
     };
     const ExportSequence& sequence = plan_.sequences[s];
     JsonListFile& annotations = tables_.at("sample_annotation");
-    std::map<std::uint32_t, Instance> instances;  // by the dataset's own ids
+    std::map<std::uint32_t, Instance> instances;  // by the dataset's instance ids
     for (std::size_t f = 0; f < sequence.samples.size(); ++f) {
       const std::optional<SampleObjects> all = read_(s, f);
       if (!all) continue;
@@ -278,8 +278,8 @@ class Tables {
     return token("instance", fmt::format("{} {}", plan_.sequences[s].name, id));
   }
 
-  // Returns a row of sample_annotation. The box fits the points: it is the box at the time when the beams hit the
-  // object, relative to the sensor, placed in the world with the sensor's pose at the start of the revolution.
+  // Returns a row of sample_annotation. So that the box fits the points, it is the box at the time when the beams hit
+  // the object, relative to the sensor, placed in the world with the sensor's pose at the start of the revolution.
   OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const ObjectView& view,
                          const std::string& category) const {
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);

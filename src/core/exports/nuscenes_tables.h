@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// Writes all tables, splits.json and the map, and creates the folders that may be empty.
+// Writes all tables, splits.json and the map, and creates the folders that may stay empty.
 void writeNuScenesTables(const ExportPlan& plan, const ReadObjects& read, const ExportFolder& folder);
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// A PLY file for each scan (Turk, "The PLY Polygon File Format", 1994; paulbourke.net/dataformats/ply), binary and
-// little-endian, which CloudCompare, MeshLab, Blender and Open3D open:
+// Writes a PLY file for each scan (Turk, "The PLY Polygon File Format", 1994; paulbourke.net/dataformats/ply), binary
+// and little-endian, which CloudCompare, MeshLab, Blender and Open3D open:
 //
 //   comment dataset, sample, sensor, time of the scan (s), frame of the points, world_from_sensor (at the first column
 //           and, if the sensor moves, at the last), and a line `class ID NAME` for each class
@@ -8,7 +8,7 @@
 //     uchar red, green, blue       colour of the class; in a scan without classes grey, by the intensity
 //     the scan's columns           under their own names, in their own types
 //
-// Misses are left out. The order of the points is the scan's.
+// Misses are left out. The points keep the order of the scan.
 
 #include <fmt/core.h>
 
@@ -26,7 +26,7 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 
-constexpr std::uint8_t kMiddleGrey = 128;  // for points that have neither class nor intensity
+constexpr std::uint8_t kMiddleGrey = 128;  // for points with neither class nor intensity
 
 constexpr std::string_view plyType(ColumnType type) {
   switch (type) {
@@ -35,14 +35,14 @@ constexpr std::string_view plyType(ColumnType type) {
     case ColumnType::UInt8:
       return "uchar";
     case ColumnType::UInt16:
-      return "uint16";  // the same as ushort, which Open3D skips
+      return "uint16";  // the same as ushort, but Open3D skips properties of type ushort
     case ColumnType::UInt32:
       return "uint";
   }
   return {};
 }
 
-// Replaces line breaks, since a line break would end a comment of the header.
+// Replaces line breaks by blanks, because a line break would end a comment of the header.
 std::string oneLine(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');

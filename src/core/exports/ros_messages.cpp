@@ -1,12 +1,12 @@
 // Messages of ROS 2 Humble and later: sensor_msgs/msg/PointCloud2, tf2_msgs/msg/TFMessage and
 // visualization_msgs/msg/MarkerArray (github.com/ros2/common_interfaces, rcl_interfaces and geometry2, branch humble).
 //
-// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments. The
-// definitions of all types that a definition uses follow it, each after a line of 80 '=' and its name.
+// Definitions are in the language of docs.ros.org/en/humble/Concepts/About-ROS-Interfaces.html, without comments. Each
+// definition is followed by the definitions of all types that it uses, each after a line of 80 '=' and the type's name.
 //
-// Messages are serialised as in DDS: CDR, version 1, with the least significant byte first (OMG, "DDS for Extremely
-// Large Scale and Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS",
-// section 7.4.1). A number is aligned to its size, counted from the end of the four bytes that state the encoding.
+// Messages are serialised as in DDS: CDR, version 1, little-endian (OMG, "DDS for Extremely Large Scale and
+// Interoperability Protocol (DDSI-RTPS)", section 10; "Extensible and Dynamic Topic Types for DDS", section 7.4.1). A
+// number is aligned to its size, counted from the end of the first four bytes, which state the encoding.
 
 #include "exports/ros_messages.h"
 
@@ -146,12 +146,12 @@ class Cdr {
   }
   Cdr& header(std::uint64_t nanoseconds, std::string_view frame) { return time(nanoseconds).text(frame); }
   Cdr& vector(const Vec3d& v) { return number(v.x).number(v.y).number(v.z); }
-  // Quaternions of ROS have w last.
+  // In ROS a quaternion has w last.
   Cdr& pose(const Pose& pose) {
     const Quat& q = pose.rotation;
     return vector(pose.translation).number(q.x).number(q.y).number(q.z).number(q.w);
   }
-  // Appends `size` bytes and returns a pointer to them, for the caller to fill.
+  // Appends `size` bytes and returns a pointer to them, which the caller must fill.
   char* room(std::size_t size) {
     bytes_.resize(bytes_.size() + size);
     return bytes_.data() + bytes_.size() - size;
@@ -180,7 +180,7 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
 }
 
-// PointField has no integers of 64 bits: they become floats, exact up to 2^53.
+// PointField has no 64-bit integers: they are converted to floats, which are exact up to 2^53.
 template <class T>
 using FieldValue = std::conditional_t<sizeof(T) == 8, double, T>;
 
@@ -196,8 +196,8 @@ constexpr std::size_t roundedUp(std::size_t value, std::size_t multiple) {
   return (value + multiple - 1) / multiple * multiple;
 }
 
-// Calls visit(name, values, offset) for the columns, and returns the size of a point. Each column is aligned to its
-// size, since readers cast pointers.
+// Calls visit(name, values, offset in the point) for each column, and returns the size of a point in bytes. Each column
+// is aligned to the size of its type, because readers cast pointers.
 template <class Visit>
 std::size_t visitFields(const Scan& scan, Visit&& visit) {
   std::size_t offset = sizeof(Vec3f);
@@ -270,7 +270,7 @@ std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const 
       std::memcpy(points + i * step + offset, &value, sizeof(value));
     }
   });
-  out.number(!scan.organised);  // is_dense: no point is invalid
+  out.number(!scan.organised);  // is_dense: true if no point is invalid
   return out.take();
 }
 

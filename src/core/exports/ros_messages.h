@@ -1,6 +1,6 @@
 #pragma once
 
-// Messages of ROS 2: their bytes, and the texts that define them.
+// Messages of ROS 2: their serialised bytes, and the texts that define their types.
 
 #include <array>
 #include <cstdint>
@@ -14,8 +14,8 @@
 namespace scanmill {
 
 struct RosSchema {
-  std::string_view name;  // "sensor_msgs/msg/PointCloud2"
-  std::string text;       // the type's definition and those of all types that it contains
+  std::string_view name;  // name of the type, such as "sensor_msgs/msg/PointCloud2"
+  std::string text;       // the definition of the type, and of all types that it contains
 };
 
 RosSchema pointCloudSchema();
@@ -30,7 +30,7 @@ struct RosTransform {
   Pose parentFromChild;
 };
 
-// A shape that viewers render. It replaces the marker with the same name space and id.
+// A shape for viewers. It replaces an earlier marker with the same name space and id.
 struct RosMarker {
   enum class Shape : std::int32_t { None = 0, Cube = 1, Text = 9 };
   enum class Action : std::int32_t { Add = 0, DeleteAll = 3 };
@@ -40,15 +40,15 @@ struct RosMarker {
   std::int32_t id = 0;
   Pose pose;                     // in the frame of the message
   Vec3d scale;                   // m: the sides of a cube, or (z) the height of a text's letters
-  std::array<float, 4> color{};  // red, green, blue, opacity, 0 to 1
+  std::array<float, 4> color{};  // red, green, blue and opacity, each from 0 to 1
   std::string text;
 };
 
-// These return serialised messages. Times are in nanoseconds. They throw Error if the content exceeds a message's
-// limits.
+// Return serialised messages. Times are in nanoseconds. Throw Error if the content exceeds a message's limits.
 std::string transformsMessage(std::span<const RosTransform> transforms);
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers);
-// Fields are x, y and z, then the scan's columns by their names. An organised scan keeps its misses and its height.
+// The fields are x, y and z, then the scan's columns with their names. An organised scan keeps its misses and its
+// height.
 std::string pointCloudMessage(std::uint64_t time, std::string_view frame, const Scan& scan);
 
 }  // namespace scanmill

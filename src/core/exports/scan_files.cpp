@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// The sensor's name is in lower case, as in the names of the dataset's own members.
+// The sensor's name in the file name is in lower case, as in the names of the dataset's members.
 std::filesystem::path ScanFiles::fileOf(const SampleRecord& sample, const SensorRecord& sensor) const {
   return std::filesystem::path(sample.split) / fmt::format("{}.{}.{}", sample.key, lowerCase(sensor.name), suffix_);
 }
@@ -33,7 +33,7 @@ ColumnSet exportedColumns(const ExportPlan& plan, const Scan& scan) {
   ColumnSet columns;
   for (const std::string& name : plan.manifest.columns) {
     const std::size_t index = columnIndex(name);
-    if (index < kColumnCount) columns.add(index);  // the list also has x, y and z, which are not in the table
+    if (index < kColumnCount) columns.add(index);  // x, y and z are not in the table
   }
   return columns;
 }

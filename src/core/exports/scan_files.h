@@ -1,6 +1,7 @@
 #pragma once
 
-// The base of layouts that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX, "train/street-s1-lane-000000.top.las".
+// Base class of layouts that write a file for each scan: SPLIT/KEY.SENSOR.SUFFIX,
+// "train/street-s1-lane-000000.top.las".
 
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +19,7 @@ class ScanFiles : public Layout {
  public:
   explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
 
-  // Returns one file for each sensor that is exported, in their order.
+  // Returns one file for each exported sensor, in the order of ExportPlan::sensors.
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override;
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,
@@ -31,14 +32,14 @@ class ScanFiles : public Layout {
  private:
   std::filesystem::path fileOf(const SampleRecord& sample, const SensorRecord& sensor) const;
 
-  std::string suffix_;  // without a dot
+  std::string suffix_;  // suffix of the files, without a dot
 };
 
-// Returns the columns that the file of a scan has besides the position: those of the scan or, if it has no points,
-// those of the dataset.
+// Returns the columns that a scan's file has in addition to the position: the columns of the scan or, if the scan has
+// no points, the columns of the dataset.
 ColumnSet exportedColumns(const ExportPlan& plan, const Scan& scan);
 
-// Returns the exported value of a column: classes are mapped to the ontology that is exported.
+// Returns the value of a column to write: classes are mapped to the exported ontology, other values are unchanged.
 template <class Key>
 typename Key::Value exported(const ClassMap& classes, Key, typename Key::Value value) {
   if constexpr (Key::row.display.colors == ColumnColors::Classes) {

@@ -1,6 +1,6 @@
-// The folders of SemanticKITTI (Behley et al., "SemanticKITTI: A Dataset for Semantic Scene Understanding of LiDAR
-// Sequences", ICCV 2019; file formats on semantic-kitti.org/dataset.html and in github.com/PRBonn/semantic-kitti-api),
-// which are those of KITTI's odometry benchmark with labels beside them:
+// Writes the folders of SemanticKITTI (Behley et al., "SemanticKITTI: A Dataset for Semantic Scene Understanding of
+// LiDAR Sequences", ICCV 2019; file formats on semantic-kitti.org/dataset.html and in
+// github.com/PRBonn/semantic-kitti-api), which are the folders of KITTI's odometry benchmark with additional labels:
 //
 //   semantic-kitti.yaml                    classes, colours (blue, green, red) and splits, for the API's --config
 //   sequences/00/velodyne/000000.bin       float32 x, y, z, remission per point, ring after ring from the top
@@ -9,7 +9,7 @@
 //   sequences/00/poses.txt                 12 numbers per line: pose of camera 0 relative to the first line
 //   sequences/00/calib.txt, times.txt
 //
-// There is no camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
+// There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
 // numbered in the order of the dataset. If the dataset lists objects, moving objects have the classes 252 to 259.
 
 #include <fmt/core.h>
@@ -28,10 +28,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kMostInstances = 32767;  // a top bit would be a sign to those who read int32
-constexpr std::size_t kMostSequences = 100;      // numbers have two digits
+constexpr std::uint32_t kMostInstances = 32767;  // the top bit would be the sign of an int32
+constexpr std::size_t kMostSequences = 100;      // largest number of sequences, because their numbers have two digits
 
-// Camera axes: x right, y down, z forward.
+// The rotation to camera axes: x right, y down, z forward.
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
 
 std::string twelve(const Pose& pose) {
@@ -41,8 +41,8 @@ std::string twelve(const Pose& pose) {
                      r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z);
 }
 
-// Returns the numbers of SemanticKITTI's own sequences in a split, which training programs have built in; none for
-// other splits.
+// Returns the numbers of SemanticKITTI's sequences in a split, which are built into training programs; none for other
+// splits.
 std::vector<std::size_t> usualNumbers(const std::string& split) {
   if (split == "train") return {0, 1, 2, 3, 4, 5, 6, 7, 9, 10};
   if (split == "val") return {8};
@@ -50,8 +50,8 @@ std::vector<std::size_t> usualNumbers(const std::string& split) {
   return {};
 }
 
-// Returns the number of each sequence: the first free one of usualNumbers() for its split, else the first free one from
-// 22 on, which no split has, else any free one.
+// Returns the number of each sequence: the first free number of usualNumbers() for its split; if there is none, the
+// first free number from 22 on, which no split of SemanticKITTI has; if there is none, any free number.
 std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
   constexpr std::size_t kFirstUnusual = 22;
   std::set<std::size_t> taken;
@@ -171,9 +171,9 @@ class SemanticKitti : public Layout {
   }
 
  private:
-  // Returns a configuration like the API's config/semantic-kitti.yaml. Trained classes are those that points can have,
-  // in the order of their ids; a class of moving objects is trained as that of still ones. There `val` is called
-  // `valid`.
+  // Returns a configuration in the form of the API's config/semantic-kitti.yaml. The trained classes are the classes
+  // that points can have, in the order of their ids; a class of moving objects is trained as the class of the same
+  // objects standing still. The split `val` is called `valid` there.
   static std::string configuration(const ExportPlan& plan) {
     std::string text = "# Of a simulated dataset, in the form of SemanticKITTI's configuration.\nname: \"" +
                        plan.classes.target().name + "\"\nlabels:\n";
@@ -181,7 +181,7 @@ class SemanticKitti : public Layout {
     std::string trained;
     std::string back;
     std::string ignored;
-    std::map<std::uint16_t, int> number;  // by class that is trained
+    std::map<std::uint16_t, int> number;  // by trained class
     std::set<std::uint16_t> reached{0};
     for (const SemanticClass& c : plan.manifest.ontology.classes) reached.insert(plan.classes.of(c.id));
     for (const SemanticClass& c : plan.classes.target().classes) {

@@ -27,10 +27,10 @@ std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels) {
     const double steps = std::max({std::fabs(way.x), std::fabs(way.y), std::fabs(way.z)});
     const Vec3d step = way * (1 / steps);
     Vec3d place = middle;
-    const int before = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's own voxel
+    const int before = static_cast<int>(std::ceil(steps)) - 1;  // excludes the sensor's voxel
     for (int i = 0; i < before; ++i) {
       place += step;
-      // The grid is convex: a line that leaves it does not come back.
+      // The grid is convex, so a line that leaves it does not enter it again.
       if (!in(place.x, grid.counts[0]) || !in(place.y, grid.counts[1]) || !in(place.z, grid.counts[2])) return false;
       const std::size_t voxel = grid.index(static_cast<std::uint32_t>(place.x), static_cast<std::uint32_t>(place.y),
                                            static_cast<std::uint32_t>(place.z));

@@ -1,11 +1,11 @@
-// The folders of KITTI (Geiger et al., "Vision meets Robotics: The KITTI Dataset", IJRR 2013) and of datasets that
-// adopted its layout:
+// Reads the folders of KITTI (Geiger et al., "Vision meets Robotics: The KITTI Dataset", IJRR 2013) and of datasets
+// that use its layout:
 //
 //   sequences/00/velodyne/000000.bin            the odometry benchmark; SemanticKITTI has labels/000000.label beside it
-//   training/velodyne/000000.bin                the object benchmark; testing/ likewise
+//   training/velodyne/000000.bin                the object benchmark; testing/ has the same folders
 //   DRIVE/velodyne_points/data/0000000000.bin   raw drives
 //
-// The given folder may be the root or any folder on the path from there to the scans.
+// The given folder may be the root or any folder between the root and the scans.
 
 #include <algorithm>
 
@@ -23,7 +23,7 @@ bool isRecords(const fs::path& file) {
   return numbersOfRecord(file) == 4;
 }
 
-// Adds the scans of one sequence, which is the folder that holds velodyne/ or velodyne_points/data/.
+// Adds the scans of one sequence, whose folder contains velodyne/ or velodyne_points/data/.
 void addSequence(const fs::path& folder, const std::string& name, ScanFolder& found) {
   for (const fs::path& scans : {folder / "velodyne", folder / "velodyne_points" / "data"}) {
     for (const fs::path& file : filesIn(scans, isRecords)) {

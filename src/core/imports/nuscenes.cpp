@@ -1,10 +1,10 @@
-// nuScenes (Caesar et al., CVPR 2020) with the labels of nuScenes-lidarseg, as its devkit reads them:
+// Reads nuScenes (Caesar et al., CVPR 2020) with the labels of nuScenes-lidarseg, as its devkit reads them:
 //
 //   v1.0-mini/sample_data.json, sample.json, scene.json, lidarseg.json
 //   samples/LIDAR_TOP/*.pcd.bin      the key frames, which alone have labels
 //   lidarseg/v1.0-mini/*_lidarseg.bin
 //
-// The given folder is the root or the folder of the tables.
+// The given folder may be the root or the folder of the tables.
 
 #include <algorithm>
 #include <functional>
@@ -31,7 +31,7 @@ bool isThere(const fs::path& file) {
   return fs::exists(file, ignored);
 }
 
-// Calls visit(row) for the rows of a table that `wanted` accepts. Other rows are dropped during parsing, since a table
+// Calls visit(row) for the rows of a table that `wanted` accepts. Other rows are freed during parsing, because a table
 // of the complete dataset has millions of rows.
 void readTable(const fs::path& file, const std::function<bool(const Json&)>& wanted,
                const std::function<void(const Json&)>& visit) {
@@ -55,7 +55,8 @@ bool isLidarKeyFrame(const Json& row) {
   return row.value("is_key_frame", false) && row.value("filename", "").ends_with(".pcd.bin");
 }
 
-// Returns the folder of the tables; empty if there is none. A root may hold several versions: the first by name counts.
+// Returns the folder of the tables, inside of `folder` or `folder` itself; empty if there is none. If a root contains
+// several versions, returns the first by name.
 fs::path tablesIn(const fs::path& folder) {
   if (isThere(folder / kRows)) return folder;
   std::vector<fs::path> versions;
@@ -76,14 +77,14 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   if (given.empty()) return {};
   const fs::path tables = fs::absolute(given).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  std::map<std::string, std::string> sceneOf;  // token of a sample to token of its scene
-  std::map<std::string, std::string> nameOf;   // token of a scene to its name
+  std::map<std::string, std::string> sceneOf;  // by token of a sample: token of its scene
+  std::map<std::string, std::string> nameOf;   // by token of a scene: its name
   readTable(tables / "scene.json", always,
             [&](const Json& row) { nameOf[row.at("token").get<std::string>()] = row.at("name").get<std::string>(); });
   readTable(tables / "sample.json", always, [&](const Json& row) {
     sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
   });
-  std::map<std::string, fs::path> labelsOf;  // by token of sample_data
+  std::map<std::string, fs::path> labelsOf;  // by token of sample_data: its file of labels
   if (isThere(tables / "lidarseg.json")) {
     readTable(tables / "lidarseg.json", always, [&](const Json& row) {
       labelsOf[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();

@@ -34,7 +34,7 @@ std::optional<ScanFolder> readPlainFolder(const fs::path& folder) {
   ScanFolder found{"files", "", {}, {}};
   const auto add = [&](const fs::path& from, const std::string& before) {
     for (const fs::path& file : filesIn(from, [](const fs::path& f) { return isScan(f); })) {
-      // In a subfolder, CSV files may be the tables of a report rather than scans.
+      // CSV files in a subfolder may be the tables of a report and not scans, so they are skipped.
       if (!before.empty() && file.extension() == ".csv") continue;
       found.scans.push_back({before + file.filename().string(), file, {}});
     }
@@ -48,7 +48,7 @@ std::optional<ScanFolder> readPlainFolder(const fs::path& folder) {
 }
 
 std::optional<ScanFolder> scanFolderIn(const fs::path& folder) {
-  // The most specific layouts come first.
+  // More specific layouts are tried first.
   for (const auto read : {readNuScenesFolder, readKittiFolder, readPlainFolder}) {
     if (auto found = read(folder)) return found;
   }

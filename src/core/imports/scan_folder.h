@@ -14,35 +14,35 @@
 namespace scanmill {
 
 struct FolderScan {
-  std::string key;                 // "08-000010": sequence and frame
-  std::filesystem::path points;    // a file that readCloud() reads (formats/cloud_file.h)
-  std::filesystem::path lidarseg;  // the labels of nuScenes-lidarseg; empty: none
+  std::string key;                 // sequence and frame, such as "08-000010"
+  std::filesystem::path points;    // a file for readCloud() (formats/cloud_file.h)
+  std::filesystem::path lidarseg;  // file with the labels of nuScenes-lidarseg; empty: none
 };
 
 struct ScanFolder {
-  std::string layout;                // "kitti"
-  std::string sensor;                // "velodyne"; empty: the layout does not name the sensor
-  std::optional<Ontology> ontology;  // the classes of the labels; none: there are no labels
-  std::vector<FolderScan> scans;     // in the order of their keys
+  std::string layout;                // name of the layout, such as "kitti"
+  std::string sensor;                // such as "velodyne"; empty: the layout does not name the sensor
+  std::optional<Ontology> ontology;  // classes of the labels; none: the scans have no labels
+  std::vector<FolderScan> scans;     // ordered by key
 };
 
-// Finds the scans in a folder, by the first layout that fits. The folder may be a dataset's root, or a part of it such
-// as one sequence. Returns none if it holds no scans. Throws InputError.
+// Finds the scans in a folder, with the first layout that fits. The folder may be a dataset's root or a part of the
+// dataset, such as one sequence. Returns nothing if the folder contains no scans. Throws InputError.
 std::optional<ScanFolder> scanFolderIn(const std::filesystem::path& folder);
 
-// Reads a scan with its labels, in the coordinate frame of its file. Any thread may call it. Throws InputError.
+// Reads a scan with its labels, in the coordinate frame of its file. May be called from any thread. Throws InputError.
 Scan readFolderScan(const FolderScan& scan);
 
-// Returns the classes of the labels that readCloud() finds beside a scan; none if there are no labels.
+// Returns the classes of the labels that readCloud() finds beside a scan; nothing if there are no labels.
 std::optional<Ontology> ontologyBeside(const std::filesystem::path& scan);
 
-// Each of these reads one layout. They return none if the folder has another layout, and throw InputError if it has
-// this layout but is damaged.
+// Each of these functions reads one layout. They return nothing if the folder has another layout, and throw InputError
+// if the folder has this layout but is damaged.
 std::optional<ScanFolder> readNuScenesFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readKittiFolder(const std::filesystem::path& folder);
 std::optional<ScanFolder> readPlainFolder(const std::filesystem::path& folder);
 
-// Returns the files in a folder that satisfy `wanted`, sorted by name; none if the folder does not exist.
+// Returns the files in a folder for which `wanted` returns true, sorted by name; none if the folder does not exist.
 std::vector<std::filesystem::path> filesIn(const std::filesystem::path& folder,
                                            bool (*wanted)(const std::filesystem::path&));
 // Returns the subfolders of a folder, sorted by name; none if the folder does not exist.

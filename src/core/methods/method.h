@@ -17,15 +17,15 @@
 namespace scanmill {
 
 std::span<const MethodEntry> methods();
-// Returns the method of this name. If there is none, throws InputError, which suggests a similar name or lists the
-// known ones, `other` included.
+// Returns the method with this name. If there is none, throws InputError, which suggests a similar name or lists the
+// known names and `other`.
 const MethodEntry& requireMethod(std::string_view name, const Location& where, std::string_view other = {});
-// Returns the method of this name, or null if there is none.
+// Returns the method with this name; null if there is none.
 const MethodEntry* findMethod(std::string_view name);
-// Returns the first method with this capability. At least one method must have it.
+// Returns the first method that has a capability. At least one method must have it.
 const MethodEntry& firstMethodThat(bool MethodCapabilities::*can);
-// Returns the reference method with default options. Other methods are judged by it, and scenes are inspected with it
-// before they are scanned.
+// Returns the reference method with default options. The accuracy of other methods is measured against it, and scenes
+// are inspected with it before they are scanned.
 std::unique_ptr<Method> makeReference(const Scene& scene);
 
 }  // namespace scanmill

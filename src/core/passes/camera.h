@@ -14,10 +14,10 @@ namespace scanmill {
 //
 //   u = cx + fx * x / z,  v = cy + fy * y / z
 struct Camera {
-  std::string name;  // "front"; part of file names
+  std::string name;  // such as "front"; part of file names
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  double fx = 0;  // px
+  double fx = 0;  // px, focal lengths
   double fy = 0;
   double cx = 0;  // px, the principal point; may lie outside of the image
   double cy = 0;
@@ -26,16 +26,16 @@ struct Camera {
   std::size_t pixels() const { return std::size_t{width} * height; }
   double horizontalField() const;  // rad, between the outer edges of the image
   double verticalField() const;
-  // The point at depth 1 m on the line of sight through (u, v), camera axes.
+  // Returns the point at depth 1 m on the line of sight through (u, v) (px), in camera axes.
   Vec3d ray(double u, double v) const { return {(u - cx) / fx, (v - cy) / fy, 1}; }
 };
 
-// Returns a camera with square pixels and its principal point at the centre. `horizontalField`: rad. Throws InputError
-// unless it is more than 0 and less than 180 degrees: a plane cannot show more.
+// Returns a camera with square pixels whose principal point is the centre of the image. `horizontalField`: rad. Throws
+// InputError unless the field is between 0 and 180 degrees, because an image plane cannot show more.
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField);
 
-// Returns the rotation from camera axes to those of a sensor or a vehicle (x forward, y left, z up) along whose x the
-// camera looks.
+// Returns the rotation from camera axes to the axes of a sensor or vehicle (x forward, y left, z up), for a camera that
+// looks along the x axis.
 Quat vehicleFromOptical();
 
 }  // namespace scanmill

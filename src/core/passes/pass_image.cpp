@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kImageGrain = 8192;  // pixels per task
 
-// Calls use(member) with each plane as a pointer to member.
+// Calls use(member) for each plane of PassPlanes, as a pointer to member.
 template <class Use>
 void forPlanes(const Use& use) {
   forEachPass([&](const ChannelRow&, auto plane, auto) { use(plane); });
@@ -86,7 +86,7 @@ void ImageSource::require(PassChoice asked) const {
   }
 }
 
-// Goes plane by plane, so that the memory accesses for the pixels of one plane overlap.
+// Copies one plane after the other, so that the memory accesses for the pixels of a plane overlap.
 void ImageSource::fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) {
   require(asked);
   planes.reset(addresses.size(), asked);

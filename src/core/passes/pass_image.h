@@ -15,11 +15,11 @@
 
 namespace scanmill {
 
-// The depth of a pixel in which nothing is seen.
+// Depth of a pixel that shows no surface.
 constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 
-// The requested passes. In `channels`, Range stands for the depth, which is always included; Incidence has no pass of
-// its own (it needs Normal).
+// A choice of passes. In `channels`, Range stands for the depth, which is always included. Incidence has no pass of its
+// own: it is computed from Normal.
 struct PassChoice {
   Channels channels = Channel::Range;
   bool surfaceParameters = false;  // roughness, metallic and retroreflectance of the material
@@ -27,28 +27,29 @@ struct PassChoice {
   bool operator==(const PassChoice&) const = default;
 };
 
-// Planes of n pixels as a structure of arrays; planes that were not requested are empty. Pixels in which nothing is
-// seen have the depth kNoDepth, and zero in all other planes.
+// Planes of n pixels as a structure of arrays; planes that were not requested are empty. A pixel that shows no surface
+// has the depth kNoDepth, and zero in all other planes.
 struct PassPlanes {
   std::vector<float> depth;              // m, planar: along the camera's z axis, not along the line of sight
-  std::vector<Vec3f> normal;             // unit, world axes, turned towards the camera
-  std::vector<std::uint32_t> instance;   // 0: stuff
+  std::vector<Vec3f> normal;             // unit vectors, world axes, turned towards the camera
+  std::vector<std::uint32_t> instance;   // instance id; 0: the surface belongs to no thing
   std::vector<std::uint16_t> semantic;   // class id
   std::vector<std::uint16_t> material;   // index into the scene's materials
-  std::vector<std::uint32_t> primitive;  // triangle index in its mesh
-  std::vector<float> reflectance;        // near-infrared, 0 to 1, texture applied
-  std::vector<float> roughness;          // these three: all or none; see scene/material.h
+  std::vector<std::uint32_t> primitive;  // index of the triangle in its mesh
+  std::vector<float> reflectance;        // near-infrared, 0 to 1, with the texture applied
+  std::vector<float> roughness;          // roughness, metallic and retroreflectance: all or none are present; see
+                                         // scene/material.h
   std::vector<float> metallic;
   std::vector<float> retroreflectance;
 
   std::size_t size() const { return depth.size(); }
   PassChoice choice() const;
-  // Sizes the planes that `asked` names and empties the others; contents are undefined.
+  // Resizes the planes that `asked` names and empties the others. The values of the pixels are then undefined.
   void reset(std::size_t pixels, PassChoice asked);
 };
 
-// Calls visit(row of kChannels, pointer to the member of PassPlanes, pointer to the member of Hits) for each channel
-// that renderers draw; depth takes the place of range.
+// Calls visit(row of kChannels, pointer to member of PassPlanes, pointer to member of Hits) for each channel that
+// renderers render; the depth takes the place of the range.
 template <class Visit>
 void forEachPass(const Visit& visit) {
   visit(rowOf(Channel::Range), &PassPlanes::depth, &Hits::range);
@@ -60,28 +61,28 @@ void forEachPass(const Visit& visit) {
   visit(rowOf(Channel::Reflectance), &PassPlanes::reflectance, &Hits::reflectance);
 }
 
-// One camera's image, row by row from the top.
+// One camera's image; planes are row by row from the top.
 struct PassImage {
   Camera camera;
   PassPlanes planes;
 };
 
-// A pixel of a set of images: all pixels of image 0, row by row, then those of image 1, and so on.
+// The number of a pixel in a set of images: all pixels of image 0, row by row, then all pixels of image 1, and so on.
 using PixelAddress = std::uint32_t;
 constexpr PixelAddress kNoPixel = 0xFFFFFFFFu;
 
-// Images of one shot, wherever they are: in memory, or in a renderer. Not safe to call from several threads at once.
+// The images of one shot, either in memory or in a renderer. Not safe to call from several threads at once.
 class PixelSource {
  public:
   virtual ~PixelSource() = default;
   virtual const std::vector<Camera>& cameras() const = 0;
   virtual PassChoice available() const = 0;  // passes that fetch() can fill
-  // Fills `planes` with one entry per address; kNoPixel gives a pixel in which nothing is seen. Throws InputError if
-  // the images lack a requested pass.
+  // Fills `planes` with one entry per address; kNoPixel gives the values of a pixel that shows no surface. Throws
+  // InputError if the images lack a requested pass.
   virtual void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) = 0;
 };
 
-// Images in memory as a source; they must outlive it.
+// Images in memory as a source; the images must outlive the source.
 class ImageSource : public PixelSource {
  public:
   explicit ImageSource(std::span<const PassImage> images);
@@ -94,12 +95,12 @@ class ImageSource : public PixelSource {
 
   std::span<const PassImage> images_;
   std::vector<Camera> cameras_;
-  std::vector<PixelAddress> first_;  // address of each image's first pixel, and one past the last
+  std::vector<PixelAddress> first_;  // address of each image's first pixel; last entry: number of all pixels
   PassChoice available_;             // passes that all images have
 };
 
-// Returns a hint in brackets, for the end of a message, on what can replace this pass if images lack it; empty if
-// nothing can.
+// Returns a hint in brackets, to be appended to a message: what can be used if images lack a pass. Empty if nothing can
+// replace the pass.
 std::string_view insteadOf(std::string_view pass);
 
 // Returns all images of a source.

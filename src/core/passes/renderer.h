@@ -13,8 +13,9 @@
 
 namespace scanmill {
 
-// The limits of a view. Surfaces are seen only from `nearest` to `farthest` (m, along the camera's z axis; 0 < nearest
-// < farthest). Parts of the scene farther than `reach` from the camera (m, in a straight line) may be left out.
+// The limits of a view. Surfaces are visible only from `nearest` to `farthest` (m, along the camera's z axis; 0 <
+// nearest < farthest). Parts of the scene more than `reach` (m, straight-line distance) from the camera may be left
+// out.
 struct DrawLimits {
   double nearest = 0.01;
   double farthest = 1000;
@@ -24,14 +25,15 @@ struct DrawLimits {
 class PassRenderer {
  public:
   virtual ~PassRenderer() = default;
-  // Renders at most 8 images. A pixel shows what its centre sees, without antialiasing and blending. Alpha-tested
-  // materials let the view pass where they let beams pass in ray tracing. The source may lock the renderer: a further
-  // call, from any thread, then waits until the source is destroyed. Safe to call from several threads.
+  // Renders at most 8 images. A pixel shows the surface at the pixel's centre, without antialiasing and blending.
+  // Alpha-tested materials are transparent where ray tracing lets beams pass. The returned source may lock the
+  // renderer: a further call, from any thread, then waits until the source is destroyed. Safe to call from several
+  // threads.
   virtual std::unique_ptr<PixelSource> draw(const std::vector<Camera>& cameras, const DrawLimits& limits,
                                             PassChoice choice) = 0;
-  // Returns the seconds of all calls so far, by stage: "upload" (of the scene), "render", "read_back".
+  // Returns the total seconds of all calls by stage: "upload" (of the scene), "render", "read_back".
   virtual StageSeconds seconds() const = 0;
-  // Names the renderer and its device, for the manifest: "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)".
+  // Returns the name of the renderer and its device, for the manifest: "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)".
   virtual std::string device() const = 0;
 };
 

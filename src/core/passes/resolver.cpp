@@ -14,9 +14,10 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kResolverGrain = 4096;  // pixels per task
-constexpr std::size_t kLanes = 64;  // pixels that are looked up together, so that their memory accesses overlap
+constexpr std::size_t kLanes = 64;  // pixels that are processed together, so that their memory accesses overlap
 
-// The line of sight through pixel (i, j) has the direction corner + right * i + down * j, world axes.
+// A camera's view. The line of sight through pixel (i, j) has the direction corner + right * i + down * j, in world
+// axes.
 struct DrawnView {
   PixelAddress first = 0;
   std::uint32_t width = 0;
@@ -28,7 +29,7 @@ struct DrawnView {
 
 struct Resolver::Job {
   std::vector<DrawnView> views;
-  PixelAddress pixels = 0;  // pixels of all cameras together
+  PixelAddress pixels = 0;  // number of pixels of all cameras
   std::span<const PixelAddress> addresses;
   std::span<const SeenTriangle> seen;
   PassChoice asked;
@@ -168,7 +169,7 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   });
   if (planes.normal.empty()) return;
 
-  // The first loop reads memory, lane by lane. The second has no branch and is vectorised.
+  // The first loop gathers values from memory, pixel by pixel. The second loop has no branch and is vectorised.
   alignas(64) std::array<double, kLanes> x, y, z, along;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3d n = placed[i]->normalFromMesh * faces[i]->normal;
@@ -186,8 +187,8 @@ void Resolver::resolveBlock(const Job& job, std::size_t first, std::size_t last)
   }
 }
 
-// Takes the texture where the line of sight intersects the triangle's plane. All coordinates are relative to the eye,
-// so that a scene far from the origin loses no precision.
+// Returns the reflectance of the texture at the point where the line of sight intersects the triangle's plane. All
+// coordinates are relative to the eye, so that a scene far from the origin loses no precision.
 float Resolver::texturedReflectance(const SeenTriangle& seen, const CompactMaterial& material, const Vec3d& eye,
                                     const Vec3d& sight) const {
   const Instance& instance = scene_.instances[seen.instance - 1];

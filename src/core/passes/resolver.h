@@ -1,6 +1,6 @@
 #pragma once
 
-// Computes the values of all passes from a triangle and a depth per pixel, which are all that a renderer draws.
+// Computes the values of all passes from what a renderer gives for each pixel: a triangle and a depth.
 
 #include <cstdint>
 #include <span>
@@ -13,15 +13,15 @@
 
 namespace scanmill {
 
-// The triangle that a pixel sees, and its depth.
+// The triangle visible at a pixel, and its depth.
 struct SeenTriangle {
-  float depth = kNoDepth;      // m, planar
-  std::uint32_t instance = 0;  // 1 + index into Scene::instances; 0: nothing is seen
+  float depth = kNoDepth;      // m, planar: along the camera's z axis
+  std::uint32_t instance = 0;  // 1 + index into Scene::instances; 0: no surface
   std::uint32_t triangle = 0;  // index into Mesh::triangles
 };
 
-// Normals, labels and materials come from the scene's own triangles, in double, so that they are exact with any
-// renderer. A resolver may be used by several threads at once. The scene must outlive it.
+// Normals, labels and materials are computed in double precision from the scene's triangles, so that they are exact
+// with any renderer. A resolver may be used by several threads at once. The scene must outlive it.
 class Resolver {
  public:
   explicit Resolver(const Scene& scene);
@@ -29,22 +29,23 @@ class Resolver {
   Resolver& operator=(const Resolver&) = delete;
 
   // Fills `planes` with one entry per entry of `seen`. addresses[i] is the pixel of seen[i] in the cameras' images
-  // (kNoPixel: none). Normals are turned towards the camera, along the line of sight through the pixel's centre. A
-  // textured material has the reflectance of the texel that is seen. Throws Error if an instance, a triangle or an
-  // address does not exist.
+  // (kNoPixel: no pixel). Normals are turned towards the camera, along the line of sight through the pixel's centre. A
+  // textured material has the reflectance of the visible texel. Throws Error if an instance, a triangle or an address
+  // does not exist.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
 
   std::uint64_t memoryBytes() const;
 
  private:
-  // Everything that is accessed at random is in one record, so that a pixel takes few cache lines.
+  // The values of a triangle are in one record, so that a pixel, which accesses triangles at random, needs few cache
+  // lines.
   struct Face {
     Vec3d normal;               // unit, mesh axes
     std::uint32_t surface = 0;  // index into surfaces_
   };
   struct Placed {
-    Mat3 normalFromMesh;  // cofactors of the instance's linear part
+    Mat3 normalFromMesh;  // matrix of cofactors of the instance's linear part
     const Face* faces = nullptr;
     std::uint32_t triangles = 0;
     std::uint32_t firstInstanceId = 0;
@@ -67,9 +68,9 @@ class Resolver {
                             const Vec3d& sight) const;
 
   const Scene& scene_;
-  std::vector<Face> faces_;           // mesh by mesh
-  std::vector<SurfaceIds> surfaces_;  // mesh by mesh
-  std::vector<Placed> instances_;     // [0]: nothing is seen
+  std::vector<Face> faces_;           // all meshes, one after the other
+  std::vector<SurfaceIds> surfaces_;  // all meshes, one after the other
+  std::vector<Placed> instances_;     // element 0 is for pixels without a surface
   std::vector<Finish> materials_;
 };
 

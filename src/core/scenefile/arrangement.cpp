@@ -17,12 +17,12 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;       // per wanted copy, to find a free place
-constexpr std::uint64_t kMisses = 30'000;  // after this many misses in a row no further place is tried
-constexpr double kOverhead = 0.05;         // m; a surface is covered if another lies more than this above it
-constexpr double kSame = 1e-3;             // m; heights that differ by less belong to one surface
+constexpr std::uint64_t kTries = 30;       // tries to find a free place, per copy, if `count` is given
+constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after which the search ends
+constexpr double kOverhead = 0.05;         // m; a surface is covered if another surface lies more than this above it
+constexpr double kSame = 1e-3;             // m; surfaces whose heights differ by less are the same surface
 
-// Returns the random numbers of an object's n-th try or copy; `what` keeps their different uses apart.
+// Returns the random numbers of an object's n-th try or n-th copy; each purpose has its own value of `what`.
 RandomBlock draw(std::uint64_t seed, std::uint32_t object, std::uint64_t n, std::uint32_t what) {
   return randomBlock(
       {seed, object, static_cast<std::uint32_t>(n), what, static_cast<std::uint32_t>(n >> 32), 0, Purpose::Placement});
@@ -46,7 +46,7 @@ std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontolog
   return ids;
 }
 
-// Accepts places that are at least `spacing` (m) from all accepted before, as seen from above.
+// Accepts places that are at least `spacing` (m), as seen from above, from every place accepted before.
 class Spaced {
  public:
   explicit Spaced(double spacing) : spacing_(spacing) {}
@@ -209,8 +209,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     return true;
   };
   std::uint64_t misses = 0;
-  // A density tries each wanted copy once and leaves out copies without a free place. With a count and
-  // `distance_from` little of the surface may be left: then only kMisses ends the search.
+  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives each copy kTries
+  // tries on average; but if `distance_from` excludes much of the surface, only kMisses ends the search.
   const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);
@@ -303,7 +303,7 @@ std::vector<Arrangement::Copy> Arrangement::places(const Placement& placement, c
   }
   if (!standOn_) return all;
   std::vector<Copy> standing;
-  std::optional<Vec3d> lost;  // position of the first copy without ground
+  std::optional<Vec3d> lost;  // position of the first copy that has no surface to stand on
   for (Copy& own : all) {
     Affine& copy = own.worldFromMesh;
     const auto ground = heights->under(copy.translation, [&](const SurfaceHeights::Surface& s) {

@@ -29,27 +29,27 @@ namespace scanmill {
 //   stand_on: ground                   # or classes: [terrain, road]
 //
 // Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
-// a random yaw, a place along the path the path's heading. `vary` turns a copy about the vertical axis through its own
-// position. Random numbers are derived from the scene's seed and the object's name.
+// a random yaw; a place along the path has the heading of the path. `vary` turns a copy about the vertical axis through
+// the copy's own position. Random numbers depend only on the scene's seed and the object's name.
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
   Arrangement(Fields& object, const Ontology& ontology);
 
   bool random() const { return scatter_ || vary_; }
-  // Each copy gets one of these at random; empty: every copy keeps the object's own material.
+  // Materials of which each copy gets one at random; if empty, every copy keeps the object's material.
   const std::vector<std::string>& materials() const { return materials_; }
   bool needsSurfaces() const { return scatter_ || standOn_; }
 
   struct Copy {
     Affine worldFromMesh;
-    std::size_t variant = 0;  // index of its file and material among `variants`
+    std::size_t variant = 0;  // index of the copy's file and material, below `variants`
     std::size_t number = 1;   // counts all copies from 1, including those that are left out
   };
 
-  // Returns every copy, each with one of `variants` at random. `heights`: the surfaces of `scene`, which holds the
-  // objects before this one; required if needsSurfaces(). `lowest` returns the height of a copy's lowest point (m).
-  // Throws InputError if there is no surface of these classes, or not enough room.
+  // Returns every copy, each with a random index below `variants`. `heights`: the surfaces of `scene`, which has the
+  // objects listed before this one; required if needsSurfaces(). `lowest` returns the height of a copy's lowest point
+  // (m). Throws InputError if the scene has no surface of the required classes, or too little room.
   std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
                            std::uint64_t seed, std::uint32_t object, std::size_t variants,
                            const std::function<double(const Copy&)>& lowest) const;
@@ -57,32 +57,32 @@ class Arrangement {
  private:
   struct Distance {
     std::uint16_t semantic = 0;
-    double least = 0, most = 0;  // m; `most` is infinite if only the least distance is given
+    double least = 0, most = 0;  // m, as seen from above; `most` is infinite if only the least distance is given
     Location where;
   };
   struct Scatter {
     std::vector<std::uint16_t> classes;
     std::vector<Distance> distances;
     std::optional<std::uint64_t> count;
-    double density = 0;  // 1/m^2
-    double spacing = 0;  // m
-    double slope = 0;    // rad
+    double density = 0;  // copies per m^2
+    double spacing = 0;  // m, least distance between copies
+    double slope = 0;    // rad, steepest surface that gets copies
     std::optional<std::array<Vec3d, 2>> within;
     bool covered = false;
     Location where;
   };
   struct Along {
     std::vector<Vec3d> waypoints;
-    double every = 0, left = 0;  // m
+    double every = 0, left = 0;  // m along the path from place to place; m to the left of the path
     Location where;
   };
   struct Vary {
-    std::array<double, 2> yaw{}, scale{1, 1};  // rad
-    double position = 0;                       // m
+    std::array<double, 2> yaw{}, scale{1, 1};  // yaw in rad
+    double position = 0;                       // m, largest horizontal displacement of a copy
     double presence = 1;
   };
   struct StandOn {
-    std::vector<std::uint16_t> classes;  // empty: all classes that are not things
+    std::vector<std::uint16_t> classes;  // classes to stand on; empty: all classes that are not thing classes
     Location where;
   };
   static std::vector<Distance> readDistances(const Value& value, const Ontology& ontology);

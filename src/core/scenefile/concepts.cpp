@@ -14,7 +14,7 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kInside = 5;  // letters; words of this length or longer are also found inside other words
+constexpr std::size_t kInside = 5;  // letters; words of at least this length are also found inside longer words
 
 // Two-byte letters of UTF-8 and their replacements.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kFolded{
@@ -32,8 +32,8 @@ struct Match {
   bool better(const Match& other) const { return end != other.end ? end > other.end : length > other.length; }
 };
 
-// Returns the last match of a word in a folded name: where the part of the name that contains the word ends, and how
-// long the word is. Nothing if the name does not contain the word.
+// Finds the last place where a word of a concept occurs in a folded name. Returns the index at which the containing
+// word of the name ends, and the length of `word`; nothing if the name does not contain `word`.
 std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
   std::optional<Match> found;
   for (std::size_t at = name.find(word); at != std::string_view::npos; at = name.find(word, at + 1)) {
@@ -63,7 +63,7 @@ std::vector<std::string> textsOf(Fields& f, std::string_view key) {
   return texts;
 }
 
-// Repeats a detail without classes for each whole that has it, with the whole's classes.
+// Replaces each detail without classes by one copy for each concept that it belongs to, with that concept's classes.
 std::vector<Concept> withDetails(const std::vector<Concept>& concepts) {
   std::vector<Concept> all;
   for (const Concept& c : concepts) {
@@ -124,7 +124,7 @@ const SemanticClass* classOf(const Concept& what, const Ontology& ontology) {
 
 std::string foldedName(std::string_view name) {
   std::string out;
-  bool lower = false;  // the previous letter was a lower-case letter
+  bool lower = false;  // true if the previous letter was a lower-case letter
   const auto blank = [&] {
     if (!out.empty() && out.back() != ' ') out += ' ';
     lower = false;
@@ -142,7 +142,7 @@ std::string foldedName(std::string_view name) {
     if (std::isalpha(c) == 0) {
       blank();
     } else {
-      // Split BusStop, but not CAR.
+      // Split BusStop before the S, but do not split CAR.
       if (std::isupper(c) != 0 && lower) blank();
       out += static_cast<char>(std::tolower(c));
       lower = std::islower(c) != 0;
@@ -175,7 +175,7 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
   };
   std::vector<const Concept*> found;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    // "street lamp" is one word, and neither a street nor a lamp.
+    // "street lamp" is an entry of its own: neither a street nor a lamp.
     if (i + 1 < words.size()) {
       const std::string both = words[i] + " " + words[i + 1];
       const auto c = std::find_if(concepts.begin(), concepts.end(), [&](const Concept& k) { return isWord(k, both); });
@@ -221,7 +221,7 @@ std::set<std::uint16_t> classesWithWheels(const std::vector<Concept>& concepts, 
   std::set<std::uint16_t> ids;
   for (const Concept& c : concepts) {
     const SemanticClass* const known = classOf(c, ontology);
-    // A class in place of one that the ontology lacks holds other things as well.
+    // If the ontology lacks the concept's first class, the fallback class also holds things without wheels.
     const bool isOwn = known != nullptr && ontology.find(c.classes.front()) == known;
     if (names.contains(c.name) && isOwn && known->thing) ids.insert(known->id);
   }

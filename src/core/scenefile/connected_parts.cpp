@@ -18,7 +18,8 @@ struct PlaceHash {
   std::size_t operator()(const Vec3f& p) const {
     std::uint64_t hash = 0;
     for (const float value : {p.x, p.y, p.z}) {
-      hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // -0 hashes as 0
+      hash = (hash ^ std::bit_cast<std::uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15;  // adding 0 gives -0 and 0 the
+                                                                                        // same hash
       hash ^= hash >> 29;
     }
     return hash;
@@ -29,8 +30,8 @@ struct SamePlace {
   bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
 };
 
-// Returns the share of a box's footprint that lies above, below or in another box; 0 if they are more than `gap` (m)
-// apart.
+// Returns the fraction of a box's footprint (as seen from above) that another box covers, at whatever height; 0 if the
+// boxes are more than `gap` (m) apart along some axis.
 double shareOver(const Box& box, const Box& other, double gap) {
   const auto overlap = [&](double Vec3d::*axis) {
     return std::min(box.high.*axis, other.high.*axis) - std::max(box.low.*axis, other.low.*axis);
@@ -43,7 +44,7 @@ double shareOver(const Box& box, const Box& other, double gap) {
   return std::max(share(&Vec3d::x) * share(&Vec3d::y), 1e-9);
 }
 
-// A grid that finds the boxes near a box. Very large boxes are in a list of their own.
+// A grid that finds the boxes near a given box. Very large boxes are in a separate list, not in cells.
 class Cells {
  public:
   explicit Cells(const Box& all) : low_(all.low), cells_(kSide * kSide * kSide) {
@@ -61,7 +62,7 @@ class Cells {
     forEachCell(box, [&](std::size_t cell) { cells_[cell].push_back(number); });
   }
 
-  // May call `use` several times for one box.
+  // Calls `use` with the number of each box near `box`, perhaps several times for the same number.
   template <class Use>
   void forEachNear(const Box& box, double gap, const Use& use) const {
     forEachCell({box.low - Vec3d{gap, gap, gap}, box.high + Vec3d{gap, gap, gap}}, [&](std::size_t cell) {
@@ -102,8 +103,8 @@ class Cells {
 }  // namespace
 
 ConnectedParts connect(const std::vector<const AssetPart*>& parts) {
-  // Union-find: vertices are numbered through all parts, and each starts with the first vertex at its place as its
-  // parent.
+  // Union-find over the vertices of all parts, which are numbered continuously. The first vertex at each position is
+  // the initial parent of all vertices at that position.
   std::vector<std::uint32_t> parent;
   std::unordered_map<Vec3f, std::uint32_t, PlaceHash, SamePlace> known;
   std::size_t vertices = 0;
@@ -160,7 +161,8 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     const Box& box = connected[i];
     return box.empty() ? 0 : length(box.high - box.low);
   };
-  // Larger boxes come first. Equal ones are ordered by position, so that the order of the triangles does not matter.
+  // Larger boxes come first. Boxes of equal size are ordered by position, so that the result does not depend on the
+  // order of the triangles.
   const auto key = [&](std::uint32_t i) {
     const Vec3d& low = connected[i].low;
     return std::tuple(-diagonal(i), low.x, low.y, low.z);
@@ -174,10 +176,9 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
   }
   std::vector<std::uint32_t> owner(connected.size());
   if (all.empty()) return owner;
-  constexpr double kGap = 0.05;    // m, between the boxes
-  constexpr double kShare = 0.25;  // of the smaller part's footprint over the other: more makes the two one thing
-  constexpr double kSmall =
-      0.15;  // share of the larger part's diagonal: a part this small belongs to one that it overlaps at all
+  constexpr double kGap = 0.05;    // m, largest distance between the boxes
+  constexpr double kShare = 0.25;  // least overlap, as a fraction of the smaller part's footprint
+  constexpr double kSmall = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's diagonal
   Cells largest(all);
   for (const std::uint32_t i : order) {
     owner[i] = i;

@@ -15,11 +15,11 @@
 namespace scanmill {
 namespace {
 
-// A clip is sampled every kMoment, at most kMostMoments times.
+// A clip of an animation is sampled every kMoment, but at no more than kMostMoments times.
 constexpr double kMoment = 0.05;  // s
 constexpr double kMostMoments = 48;
 
-// Objects with equal keys share a mesh.
+// Returns a key of a file with its options and rules. Objects with equal keys share a mesh.
 std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
   std::error_code ignored;
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
@@ -55,14 +55,14 @@ const std::vector<PlacedMesh>& FileMeshes::read(const std::filesystem::path& fil
   return known->second;
 }
 
-// All moments have the materials of the first, so that their textures are stored once.
+// All moments use the materials of the first moment, so that textures are stored only once.
 std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path& file, AssetOptions options,
                                                      Labelling labelling, const std::string& clip,
                                                      const Location& where) {
   std::shared_ptr<const Animation>& known = animations_[clip + '\n' + meshKey(file, options, labelling)];
   if (known != nullptr) return known;
   const auto animation = std::make_shared<Animation>();
-  std::map<std::pair<std::uint32_t, std::string>, Material> materials;  // by node and name
+  std::map<std::pair<std::uint32_t, std::string>, Material> materials;  // by index of the node and name of the material
   const auto addMoment = [&](double time) {
     options.clip = {clip, time};
     Asset moment = load(file, options, labelling, where);
@@ -74,7 +74,7 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
     options.textures = false;
     labelling.counted = true;
   };
-  addMoment(0);  // shows the first key frame
+  addMoment(0);  // the mesh of time 0 has the pose of the first key frame
   const auto [first, last] = gltf::clipSpan(file, clip);
   const double moments = std::clamp(std::ceil((last - first) / kMoment), 1.0, kMostMoments);
   for (int k = 1; k < moments; ++k) addMoment(first + (last - first) * k / moments);
@@ -83,8 +83,9 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
   return known = animation;
 }
 
-// If rules name materials, reads the asset without textures first, and again with them only if some part shows its own:
-// decoding base colours can cost more than all the rest, and materials of the library seldom need them.
+// If some rule sets a material, the asset is first read without textures, and read again with textures only if some
+// part shows its own texture. Decoding textures can cost more than all other work on the file, and materials of the
+// library seldom use them.
 Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
                        const Location& where) const {
   try {
@@ -94,7 +95,7 @@ Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& op
       colored.textures = true;
       return readAsset(file, colored);
     }
-    if (isCloud(file)) return readAsset(file, options);  // the textures of a point cloud are its data
+    if (isCloud(file)) return readAsset(file, options);  // the points' colours and intensities are stored as textures
     const bool mayDoWithout = any([](const Rule& rule) { return !rule.materialName.empty(); });
     if (!options.textures || !mayDoWithout) return readAsset(file, options);
     AssetOptions plain = options;

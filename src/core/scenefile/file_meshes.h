@@ -14,16 +14,17 @@
 
 namespace scanmill {
 
-// Objects with the same file, options and rules share their meshes.
+// Loads each combination of file, options and rules once: objects with the same combination share their meshes.
 class FileMeshes {
  public:
   explicit FileMeshes(SceneBuilder& builder) : builder_(builder) {}
 
-  // Returns the meshes of a file. Throws InputError at `where` if the file cannot be read, and what addAsset() throws.
+  // Returns the meshes of a file. Throws InputError at `where` if the file cannot be read, and the errors of
+  // addAsset().
   const std::vector<PlacedMesh>& read(const std::filesystem::path& file, const AssetOptions& options,
                                       const Labelling& labelling, const Location& where);
 
-  // Returns a clip as an animation that loops, with one mesh for each sampled moment.
+  // Returns a clip of a file as a looping animation that has one mesh per sampled moment.
   std::shared_ptr<const Animation> playing(const std::filesystem::path& file, AssetOptions options, Labelling labelling,
                                            const std::string& clip, const Location& where);
 

@@ -15,11 +15,11 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kMostSurfaces =
-    std::numeric_limits<std::uint16_t>::max();  // the greatest number of surfaces of a mesh
+constexpr std::size_t kMostSurfaces = std::numeric_limits<std::uint16_t>::max();  // largest number of surfaces of a
+                                                                                  // mesh
 
-// Returns the rule's `material`, adapted to a part with the material `own` of its file. The part keeps its own texture
-// if the rule's material is textured, and also if the texture's alpha decides which beams pass (cut-outs).
+// Returns the material `material` of a rule, adapted to a part whose file gives it the material `own`. The part keeps
+// the texture of `own` if `material` is textured, or if the texture's alpha decides which beams pass (cut-outs).
 Material withMaterial(const Material& material, const Material& own) {
   Material m = material;
   m.textured = material.textured && own.texture;
@@ -32,10 +32,10 @@ Material withMaterial(const Material& material, const Material& own) {
   return m;
 }
 
-// Triangles of a part whose class and material come from the same rules.
+// The triangles of a part whose class comes from one rule and whose material comes from one rule.
 struct LabelledPart {
   AssetPart part;
-  const Rule* classRule = nullptr;  // null: no rule gives these triangles a class or drops them
+  const Rule* classRule = nullptr;  // null if no rule gives these triangles a class or drops them
   const Rule* materialRule = nullptr;
 };
 
@@ -48,7 +48,8 @@ std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labell
   return found;
 }
 
-// Lets a rule set the class and the material if they are still open. True if it has set one of them.
+// Sets `classRule` and `materialRule` to a rule if they are null and the rule has a class or a material. Returns true
+// if one of them was set.
 bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule) {
   const bool decides = rule.decides() && classRule == nullptr;
   const bool covers = !rule.materialName.empty() && materialRule == nullptr;
@@ -57,21 +58,21 @@ bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule)
   return decides || covers;
 }
 
-// Describes what a rule gives to the triangles that it matches.
+// Describes the class and material that a rule gives to triangles, for messages.
 std::string gives(const Rule& rule) {
   std::string text = rule.drop ? "nothing: it drops them" : rule.className;
   if (!rule.materialName.empty()) text += (text.empty() ? "material " : ", material ") + rule.materialName;
   return text;
 }
 
-// Counts for each rule the triangles that it matches, and those whose class or material it sets.
+// Numbers of triangles by rule: those that the rule matches, and those whose class or material the rule sets.
 struct RuleCounts {
   std::vector<std::uint64_t> matched, decided;
   explicit RuleCounts(std::size_t rules) : matched(rules, 0), decided(rules, 0) {}
 };
 
-// Copies some of a part's triangles with the vertices that they use. All calls share one table of vertices, so that the
-// cost of a call depends only on the triangles that it copies.
+// Copies some of a part's triangles with the vertices that they use. All calls of take() share one table of vertices,
+// so that the time of a call depends only on the number of copied triangles.
 class Taker {
  public:
   explicit Taker(const AssetPart& part) : part_(part), moved_(part.positions.size(), kNew) {}
@@ -107,7 +108,7 @@ class Taker {
  private:
   static constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
   const AssetPart& part_;
-  std::vector<std::uint32_t> moved_;  // by vertex: its number in the copy, or kNew
+  std::vector<std::uint32_t> moved_;  // by vertex of the part: the vertex's number in the copy, or kNew
 };
 
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,
@@ -186,8 +187,8 @@ void checkSize(const std::vector<LabelledPart>& parts, const Labelling& labellin
   }
 }
 
-// Divides parts that hold several things. Returns, by part, the number of its thing; 0 if its class is not a thing
-// class.
+// Splits parts that contain several things. Returns, for each part after the split, the number of its thing; 0 if the
+// part's class is not a thing class.
 std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::vector<const SemanticClass*>& classes,
                                         const ThingBounds& bounds, const std::string& file) {
   std::vector<ThingTriangles> ofThings;
@@ -235,15 +236,15 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
   return objects;
 }
 
-// Adds a mesh of some parts of the file and returns its index; nothing if none of its triangles can be traced.
-// `dropped` is increased by the triangles that the parts lose here.
+// Adds one mesh of several parts of a file. Returns the mesh's index; nothing if none of the triangles can be traced.
+// Adds the triangles that are left out here to `dropped`.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                       const Labelling& labelling, const Location& where, RuleCounts& counts,
                                       Dropped& dropped) {
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
-    // A degenerate triangle that is connected to nothing must not become a thing.
+    // Remove degenerate triangles first: one that is connected to no other triangle would become a thing.
     if (labelling.things.by == ThingBounds::By::Part) {
       std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
     }
@@ -317,8 +318,8 @@ bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labell
 
 std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
                                  const Location& where) {
-  // Rules by box, height, slope or size test positions in the asset's frame: first turn all instances into parts that
-  // are placed there.
+  // Rules by box, height, slope or size test positions in the asset's frame, so all instances must first be turned into
+  // parts in that frame.
   if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
                   [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
     flatten(asset);  // assets with an origin have no instances

@@ -14,27 +14,28 @@
 namespace scanmill {
 
 struct Labelling {
-  std::vector<Rule> rules;  // first match wins
-  std::string file;         // as the scene names it; patterns of `file` are compared with it
+  std::vector<Rule> rules;  // the first rule that matches decides
+  std::string file;         // the asset's path as the scene file writes it; compared with the patterns of `file`
   ThingBounds things = {};  // how triangles of thing classes are divided into things
-  bool counted = false;     // dropped and unlabelled triangles are already counted, with another moment of the clip
+  bool counted = false;     // true if an earlier moment of the same clip has already counted the dropped and unlabelled
+                            // triangles
 };
 
-// True if the base colour of some part has an effect: the part has a texture, and no rule gives the part a material
-// that is not textured.
+// Returns true if the texture of some part is used: the part has a texture, and no rule gives the part a material
+// without texture.
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling);
 
-// A mesh of an asset and its poses in the asset's frame; without poses it is placed once, untransformed.
+// A mesh of an asset and its poses in the asset's frame. Without poses the mesh is placed once, untransformed.
 struct PlacedMesh {
   std::uint32_t mesh = 0;
-  std::string node;  // name of its first part's node
+  std::string node;  // name of the node of the mesh's first part
   std::vector<Affine> assetFromMesh;
 };
 
-// Merges the parts into one mesh, and those of each of Asset::instanced into another, and adds them to the scene.
-// Triangles that neither a rule nor the file gives a class get class 0 and are counted as unlabelled. A part that no
-// rule gives a material keeps that of its file. Throws InputError for an unknown class or material, at its rule, and at
-// `where` for an asset without a triangle that can be traced.
+// Adds an asset to the scene: Asset::parts as one mesh, and each entry of Asset::instanced as a further mesh. Triangles
+// without a class, from a rule or from the file, get class 0 and are counted as unlabelled. A part without a material
+// from a rule keeps the material of its file. Throws InputError at the rule for an unknown class or material, and at
+// `where` for an asset of which no triangle can be traced.
 std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling, const Location& where);
 
 }  // namespace scanmill

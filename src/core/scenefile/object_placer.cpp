@@ -9,7 +9,7 @@
 namespace scanmill {
 namespace {
 
-// FNV-1a (Fowler, Noll and Vo; RFC 9923): the same on all machines.
+// FNV-1a (Fowler, Noll and Vo; RFC 9923). Unlike std::hash it gives the same value on all machines.
 std::uint32_t hash32(std::string_view text) {
   std::uint32_t hash = 2166136261U;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
@@ -39,14 +39,14 @@ Copies ObjectPlacer::read(Fields& object) const {
   return copies;
 }
 
-// Returns the height (m) of the lowest point of meshes at this pose.
+// Returns the height (m) of the lowest point of some meshes under a pose.
 double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affine& worldFromAsset) const {
   double lowest = std::numeric_limits<double>::infinity();
   for (const PlacedMesh& m : meshes) {
     const Mesh& mesh = builder_.soFar().meshes[m.mesh];
     const Box box = mesh.bounds();
     const auto add = [&](const Affine& place) {
-      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // tilted: the box's corners are lower than the mesh
+      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // the lowest corner of a tilted box is lower than the mesh
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
         return;
       }
@@ -62,8 +62,9 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   return lowest;
 }
 
-// An object's random numbers depend on its name and not on the rest of the scene. Objects with the same name get
-// different ones, but those with the same `thing` share them, so that their copies stay together.
+// An object's random numbers depend only on the scene's seed and the object's name, so that other objects do not change
+// them. Objects with the same name get different numbers. Objects with the same `thing` share their numbers, so that
+// their n-th copies stay together.
 std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
                                                       std::size_t variants, const Chosen& meshesOf) {
   const std::uint32_t object =

@@ -19,20 +19,22 @@
 
 namespace scanmill {
 
-// How an object's copies are placed, and how they move.
+// How the copies of an object are placed, and how they move.
 struct Copies {
   Placement placement;
   Arrangement arrangement;
-  std::string thing;  // the n-th copies of all objects with this name are one thing; empty: each is its own
-  std::shared_ptr<const Movement> movement;    // null: it stands still
-  std::shared_ptr<const Animation> animation;  // null: it keeps its mesh
+  std::string thing;  // the n-th copies of all objects with the same `thing` are one thing; if empty, each copy is a
+                      // thing
+  std::shared_ptr<const Movement> movement;    // null: the object stands still
+  std::shared_ptr<const Animation> animation;  // null: the object keeps its mesh
   std::optional<double> facing = {};           // see Instance::facing
 };
 
-// The sets of meshes of which each copy gets one at random.
+// The sets of meshes of an object; each copy gets one of the sets at random.
 struct Variants {
   std::size_t count = 1;
-  // Returns a set of meshes. Called once for each set in use; the result must stay valid until all copies are placed.
+  // Returns the set of meshes with an index below `count`. Called once for each index in use; the result must stay
+  // valid until all copies are placed.
   std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
 };
 
@@ -43,9 +45,9 @@ class ObjectPlacer {
   // Reads the keys of an object's map that place its copies. Throws InputError with the place.
   Copies read(Fields& object) const;
 
-  // Places all copies, in order. Throws InputError; at `where` if the scene then has more than Placement::kMostCopies.
+  // Places all copies, in order. Throws InputError, at `where` if the scene then has more than Placement::kMostCopies.
   void place(const Variants& variants, const std::string& name, const Copies& copies, const Location& where);
-  // The same for an object that has a single set of meshes.
+  // Places the copies of an object that has a single set of meshes.
   void place(const std::vector<PlacedMesh>& meshes, const std::string& name, const Copies& copies,
              const Location& where);
 
@@ -59,7 +61,7 @@ class ObjectPlacer {
   std::uint64_t seed_;
   std::optional<SurfaceHeights> heights_;
   std::uint64_t placed_ = 0;
-  std::map<std::string, std::uint32_t> named_;  // number of objects so far, by name
+  std::map<std::string, std::uint32_t> named_;  // by name: the number of objects with that name so far
 };
 
 }  // namespace scanmill

@@ -10,15 +10,15 @@
 
 namespace scanmill {
 
-// The frame that the positions of an asset's parts are given in.
+// The frame in which the positions of an asset's parts are given.
 struct PartFrame {
-  Vec3d origin;       // m, in the asset's frame
+  Vec3d origin;       // m, origin of this frame in the asset's frame
   double lowest = 0;  // m, lowest z of all parts in this frame
 };
 
 class PartTraits {
  public:
-  // Keeps a reference to the part. Finds the sizes of connected parts, which takes time, only if `withSizes`; see
+  // Keeps a reference to `part`. Only if `withSizes` is true, computes the sizes of connected parts, which is slow; see
   // connect().
   PartTraits(const AssetPart& part, const PartFrame& frame, bool withSizes);
 
@@ -29,7 +29,8 @@ class PartTraits {
 
   const AssetPart& part_;
   PartFrame frame_;
-  std::vector<double> sizes_;  // by triangle
+  std::vector<double> sizes_;  // m, by triangle: the longest edge of the box around its connected part; empty without
+                               // `withSizes`
 };
 
 }  // namespace scanmill

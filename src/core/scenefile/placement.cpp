@@ -5,7 +5,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kFarthest = 1e9;  // m; UTM coordinates reach 1e7
+constexpr double kFarthest = 1e9;  // m, largest coordinate; UTM coordinates reach 1e7 m
 
 Vec3d readScale(const Value& value) {
   Vec3d scale;
@@ -61,7 +61,7 @@ void readCopies(const Value& value, Placement& placement) {
     }
   }
   if (const Value* grid = f.find("grid")) readGrid(*grid, placement);
-  f.also({"scatter", "along"}).finish();  // see arrangement.h
+  f.also({"scatter", "along"}).finish();  // arrangement.h describes these
   const auto& n = placement.gridCount;
   const double total = double(n[0]) * double(n[1]) * double(n[2]) * double(placement.at.size());
   if (total > double(Placement::kMostCopies)) {

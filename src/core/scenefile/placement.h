@@ -21,10 +21,10 @@ namespace scanmill {
 //     at: [{position, yaw_deg, ..., scale}]    # in the object's frame, in metres
 //     grid: {count: [nx, ny, nz], spacing: [x, y, z]}
 //
-// Position and rotation define the object's frame. A copy is placed in that frame at its grid cell plus its own
-// position, and its scale multiplies the object's. Scales act on the geometry alone, never on the distances between
-// copies. The grid is not centred: its first cell is at the object's position. Copies are ordered by grid cell (x
-// fastest, then y, then z), and within each cell as in `at`.
+// Position and rotation define the object's frame. A copy's position in that frame is the position of its grid
+// cell plus its own position; its scale is multiplied by the object's. Scales act only on the geometry, not on the
+// distances between copies. The grid is not centred: its first cell is at the object's position. Copies are ordered by
+// grid cell (x fastest, then y, then z), and within each cell as in `at`.
 struct Placement {
   struct Copy {
     Pose pose;
@@ -45,8 +45,8 @@ struct Placement {
   void forEach(const std::function<void(const Affine&)>& visit) const;
 };
 
-// Reads these keys from an object's map. Throws InputError with the place; for more than kMostCopies the message gives
-// their number and its factors.
+// Reads the keys above from an object's map. Throws InputError with the place; for more than kMostCopies the message
+// gives the number of copies and the factors that it is the product of.
 Placement readPlacement(Fields& object);
 
 }  // namespace scanmill

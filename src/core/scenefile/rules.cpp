@@ -14,15 +14,16 @@
 namespace scanmill {
 namespace {
 
-// std::regex recurses over the text: longer names could exhaust the stack.
+// Largest number of characters in a name: longer names could exhaust the stack, because std::regex recurses over the
+// text.
 constexpr std::size_t kLongestName = 4096;
 
 bool isRegex(const std::string& pattern) {
   return pattern.size() > 2 && pattern.front() == '/' && pattern.back() == '/';
 }
 
-// Caches compiled patterns: compiling costs far more than matching, and each part of an asset is tested with the same
-// few.
+// Returns a compiled pattern from a cache: compiling costs far more than matching, and all parts of an asset are tested
+// with the same few patterns.
 const std::regex& compiled(const std::string& pattern, const Location& where) {
   thread_local std::map<std::string, std::regex> cache;
   const auto known = cache.find(pattern);
@@ -34,8 +35,8 @@ const std::regex& compiled(const std::string& pattern, const Location& where) {
   }
 }
 
-// Matches `c` against the set that starts at pattern[at] == '[', and moves `at` behind it. A '[' that is never closed
-// stands for itself.
+// Returns true if `c` is in the set that starts with the '[' at pattern[at], and moves `at` behind the set. A '['
+// without a ']' matches itself.
 bool matchesSet(std::string_view pattern, std::size_t& at, char c) {
   std::size_t i = at + 1;
   const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
@@ -59,7 +60,8 @@ bool matchesSet(std::string_view pattern, std::size_t& at, char c) {
   return found != negated;
 }
 
-// On a mismatch only the latest '*' takes one more character: constant memory, at worst quadratic time.
+// Returns true if a glob matches all of a text. After a mismatch only the latest '*' takes one more character, which
+// needs constant memory and at worst quadratic time.
 bool matchesGlob(std::string_view pattern, std::string_view text) {
   constexpr std::size_t kNone = std::string_view::npos;
   std::size_t p = 0;
@@ -98,7 +100,8 @@ bool matchesGlob(std::string_view pattern, std::string_view text) {
 
 constexpr std::size_t kMostAlternatives = 1000;
 
-// "a{b,c{d,e}}" means ab, acd and ace. Braces that are never closed, or hold no comma, stand for themselves.
+// Appends the alternatives of a pattern: abc with "a{b,c{d,e}}" gives ab, acd and ace. Braces that are never closed, or
+// that contain no comma, are ordinary characters.
 void expandBraces(const std::string& pattern, std::vector<std::string>& out, const Location& where) {
   for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', open + 1)) {
     std::vector<std::size_t> commas{open};
@@ -173,7 +176,7 @@ std::vector<Rgb> readColors(const Value* value) {
   return colors;
 }
 
-constexpr Range kLengths{-1e7, 1e7};  // m
+constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes and heights
 
 std::optional<Between> readBetween(Fields& match, std::string_view key) {
   const Value* const value = match.find(key);

@@ -1,6 +1,7 @@
 #pragma once
 
-// The rules of a scene file, which give the parts of an asset their classes and materials. The first that matches wins.
+// The rules of a scene file, which give the parts of an asset their classes and materials. The first matching rule
+// wins.
 
 #include <array>
 #include <cstdint>
@@ -14,7 +15,7 @@
 
 namespace scanmill {
 
-using Rgb = std::array<std::uint8_t, 3>;  // sRGB
+using Rgb = std::array<std::uint8_t, 3>;  // red, green and blue (sRGB)
 
 struct Between {
   double low = 0, high = 0;
@@ -31,17 +32,17 @@ struct Between {
 // a class leaves the triangles out.
 struct Rule {
   Location where;
-  std::string node, material, texture, file;  // patterns; empty: anything
-  std::vector<Rgb> colors;                    // base colours in the triangle's middle that match; empty: any
-  int within = 16;                            // largest difference of red, green and blue from one of `colors`
-  std::optional<Box> box;                     // must contain the triangle's middle, in the asset's frame, m
-  std::optional<Between> height;              // height of the triangle's middle above the asset's lowest point, m
-  std::optional<Between> slope;               // slope of the triangle: its angle to the horizontal, rad
-  std::optional<Between> size;                // the longest edge of the box about the connected part, m
-  std::string className, materialName;        // empty: not set by this rule
+  std::string node, material, texture, file;  // patterns of names; empty: any name matches
+  std::vector<Rgb> colors;                    // sRGB; base colours that match at the triangle's centre
+  int within = 16;                            // largest difference in red, green or blue from one of `colors`, of 255
+  std::optional<Box> box;                     // m, in the asset's frame; must contain the triangle's centre
+  std::optional<Between> height;              // m, of the triangle's centre above the asset's lowest point
+  std::optional<Between> slope;               // rad, between the triangle and the horizontal
+  std::optional<Between> size;                // m, longest edge of the box around the triangle's connected part
+  std::string className, materialName;        // empty: the rule does not set it
   bool drop = false;
 
-  // True if the rule tests single triangles, not names alone.
+  // Returns true if the rule tests single triangles, and not only names.
   bool byTriangle() const { return !colors.empty() || box || height || slope || size; }
   bool decides() const { return drop || !className.empty(); }
 };
@@ -49,13 +50,13 @@ struct Rule {
 // Reads a list of rules. Throws InputError with the place.
 std::vector<Rule> readRules(const Value& value);
 
-// Describes a rule's conditions, such as "node: Wall*, height: 0 to 2.5".
+// Returns a text that describes a rule's conditions, such as "node: Wall*, height: 0 to 2.5".
 std::string describe(const Rule& rule);
 
-// Returns the file name at the end of a texture's path, in which slashes or backslashes separate the folders.
+// Returns the file name at the end of a texture's path, whose folders are separated by slashes or backslashes.
 std::string_view textureName(std::string_view path);
 
-// The names of a part that patterns are compared with; empty if the part has no such name.
+// The names of a part that patterns are compared with. A name that the part does not have is empty.
 struct Names {
   std::string_view node, material, texture, file;
 };
@@ -63,19 +64,19 @@ bool matchesNames(const Rule& rule, const Names& names);
 
 struct TriangleTraits {
   Rgb color{};
-  Vec3d middle;       // in the asset's frame, m
-  double height = 0;  // above the asset's lowest point, m
-  double slope = 0;   // from horizontal, rad
-  double size = 0;    // size of the connected part, m
+  Vec3d middle;       // m, in the asset's frame
+  double height = 0;  // m, above the asset's lowest point
+  double slope = 0;   // rad, from horizontal
+  double size = 0;    // m, longest edge of the box around the connected part
 };
 bool matchesTriangle(const Rule& rule, const TriangleTraits& traits);
 
-// True if a text matches a pattern, a glob or a /regular expression/. Throws InputError at `where` for an invalid
-// regular expression.
+// Returns true if a text matches a pattern (a glob or a /regular expression/). Throws InputError at `where` for an
+// invalid regular expression.
 bool matches(const std::string& pattern, std::string_view text, const Location& where);
 
-// Returns the part of a text that a /regular expression/ matches: its first group, or the whole match if it has no
-// group; nothing if it matches nothing. Throws as matches() does.
+// Returns the text that the first group of a /regular expression/ matches, or the complete match if the expression has
+// no group; nothing if the expression does not match. Throws InputError at `where` for an invalid regular expression.
 std::optional<std::string> matchedText(const std::string& pattern, std::string_view text, const Location& where);
 
 }  // namespace scanmill

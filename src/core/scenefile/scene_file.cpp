@@ -1,7 +1,8 @@
 // A scene file, scenes/*.yaml:
 //
 //   name: town                           # default: the file's name
-//   ontology: ../labels/scanmill.yaml    # relative to this file, as all paths; or one of the program's own: scanmill
+//   ontology: ../labels/scanmill.yaml    # a path, which like all paths is relative to this file; or the name of an
+//                                        # ontology of the program: scanmill
 //   materials: ../labels/materials.yaml
 //   assets: ${SCANMILL_ASSETS}/town      # folder in which relative `file`s start; default: this file's folder
 //   rules: [{match: {node: "Road*"}, class: road, material: asphalt}, ...]
@@ -10,32 +11,34 @@
 // An object is one of
 //
 //   file: car.glb                        # an asset; or {one_of: [...]}, files and folders: one at random for each copy
-//   up: y                                # the up axis of the file's coordinates, x, y or z, whatever it declares.
-//                                        # Without this key: as COLLADA and FBX declare, y for glTF and AC3D, z for
-//                                        # OBJ, PLY, STL and all others
-//   unit: 0.01                           # metres per unit of the file; default 1; COLLADA and FBX declare theirs, and
-//                                        # this is a factor on top
-//   alpha: auto                          # whether beams pass where a base colour's alpha is below 0.5: test (yes),
-//                                        # ignore (no: all is solid), auto (default: as the file's materials declare;
-//                                        # if they declare nothing, yes for textures that look like cut-outs: see
-//                                        # AlphaUse in assets/asset.h)
-//   instances: node                      # what is one thing. node: each node with a thing class; part: each group of
-//                                        # connected triangles; /chair_[0-9]+/: all nodes with the same match; object
-//                                        # (default, except for point clouds): the whole asset. See scenefile/things.h
+//   up: y                                # the up axis of the file's coordinates, x, y or z, instead of the axis that
+//                                        # the file declares. Default: the declared axis of COLLADA and FBX, y for glTF
+//                                        # and AC3D, z for OBJ, PLY, STL and all others
+//   unit: 0.01                           # metres per unit of the file; default 1. COLLADA and FBX files declare their
+//                                        # unit; the key is then a further factor
+//   alpha: auto                          # whether beams pass through a surface where its alpha is below 0.5: test
+//                                        # (yes), ignore (no: all is solid), auto (default: as the file's materials
+//                                        # declare; if they declare nothing, yes for textures that look like cut-outs:
+//                                        # see AlphaUse in assets/asset.h)
+//   instances: node                      # the triangles that form one thing. node: of a node with a thing class; part:
+//                                        # of a group of connected triangles; /chair_[0-9]+/: of all nodes with the
+//                                        # same match; object (default, except for point clouds): of the complete
+//                                        # asset. See scenefile/things.h
 //   thing: tree_1                        # the n-th copies of all objects with this key and name are one thing
 //   points: {...}, heights: {...}        # for point clouds and height rasters: see scenefile/survey_options.h
-//   animation: {clip: walk}              # glTF: the clip loops; with time_s it is frozen at that time
+//   animation: {clip: walk}              # glTF: the clip loops, or is frozen at time_s if that is given
 //   rules: [...]                         # see scenefile/rules.h; match: {file: ...} tests `file` as written here
 //   class: car, material: car_paint      # one more rule, which matches everything
 //
 //   A part gets its class from the first of these that matches and has a class: the object's rules in their order, the
-//   object's class, the scene's rules in their order. Its material likewise. An object's class therefore overrides the
-//   classes of all the scene's rules, but their materials only if the object has a material too.
+//   object's class, the scene's rules in their order. Its material is found in the same way. An object's class
+//   therefore overrides the classes of all the scene's rules; an object overrides their materials only if it has a
+//   material too.
 //
 //   primitive: box                       # class and material are required. Centred at the origin, in metres:
 //   size: [x, y, z]                      #   box; plane: [x, y] at z = 0, facing up, cut into cells x cells
-//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (height is that of
-//                                        #   the cylinder between the half spheres)
+//   radius, height, segments: ...        #   sphere (radius), cylinder and cone (along z), capsule (the height of
+//                                        #   the cylinder, without the half spheres)
 //
 //   street: {...}                        # see town/street/street.h
 //   town: {...}                          # see town/town.h
@@ -75,7 +78,7 @@
 namespace scanmill {
 namespace {
 
-constexpr Range kLength{1e-6, 1e6};  // m
+constexpr Range kLength{1e-6, 1e6};  // m, limits of the sizes of primitives
 
 class SceneReader {
  public:
@@ -133,16 +136,16 @@ class SceneReader {
     return found;
   }
 
-  // True if some of the scene depends on the seed.
+  // Returns true if something in the scene depends on the seed.
   bool procedural() const { return procedural_ > 0 || random_; }
 
-  // Returns the seed of the street or town after `before` others. Multiples of this odd number keep the seeds of one
-  // scene apart from those of scenes with the next seeds.
+  // Returns the seed of the next street or town, if the scene has `before` earlier ones. Multiples of this odd constant
+  // keep these seeds apart from the seeds of a scene whose seed is one higher.
   static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
     return seed + 0x9E3779B97F4A7C15 * before;
   }
 
-  // Returns the pose of a street or a town. Reads all of the object's keys but `what`, which the caller reads.
+  // Returns the pose of a street or a town. Reads all keys of the object except `what`, which the caller reads.
   static Affine proceduralPlace(Fields& f, const std::string& what) {
     f.require(what);
     f.text("name", what);
@@ -163,8 +166,8 @@ class SceneReader {
     return copies;
   }
 
-  // Returns the path of the object's file, or of all files that {one_of: [...]} names itself or by their folder, each
-  // with its name as the scene writes it.
+  // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns these for
+  // all files that it lists and for all files in the folders that it lists.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
     const auto isFolder = [](const std::filesystem::path& path) {
       std::error_code error;
@@ -207,7 +210,7 @@ class SceneReader {
     return files;
   }
 
-  // A file with its options and rules; each copy gets one variant at random.
+  // A file with its options and rules; each copy of the object gets one variant at random.
   struct Variant {
     std::filesystem::path file;
     AssetOptions asset;
@@ -285,7 +288,8 @@ class SceneReader {
     }
   }
 
-  // Reads {clip: NAME, time_s: t}: the clip and the time (s) at which it is frozen; without a time it loops.
+  // A clip's name and the time (s) at which the clip is frozen; without a time the clip loops. Read from {clip: NAME,
+  // time_s: t}.
   using Clip = std::pair<std::string, std::optional<double>>;
   static std::optional<Clip> clipOf(Fields& f) {
     const Value* const value = f.find("animation");
@@ -298,7 +302,8 @@ class SceneReader {
     return clip;
   }
 
-  // Returns the object's own rules, then its class and material as one more rule, then the scene's rules.
+  // Returns all rules for an object in order of precedence: its own rules, its class and material as one rule, the
+  // scene's rules.
   std::vector<Rule> rulesOf(Fields& f) {
     std::vector<Rule> rules;
     if (const Value* own = f.find("rules")) rules = readRules(*own);
@@ -317,8 +322,8 @@ class SceneReader {
     return rules;
   }
 
-  // Throws InputError for unknown classes and materials, so that a typing error is found even if the rule matches
-  // nothing.
+  // Throws InputError for an unknown class or material of a rule, so that a typing error is found even if the rule
+  // matches nothing.
   void checkNames(const std::vector<Rule>& rules) const {
     for (const Rule& rule : rules) {
       if (!rule.className.empty()) builder_.ontology().require(rule.className, rule.where);
@@ -332,7 +337,7 @@ class SceneReader {
     return assetFolder_ / name;
   }
 
-  // Reads the keys of a primitive and appends its shape to a mesh. Returns a key that equal shapes share.
+  // Reads the keys of a primitive and appends its shape to a mesh. Returns a key that is the same for equal shapes.
   static std::string appendPrimitive(Fields& f, const std::string& kind, Mesh& mesh) {
     if (kind == "box") {
       const Vec3d size = readSize(f.require("size"), 3);
@@ -404,7 +409,7 @@ class SceneReader {
   bool random_ = false;
 };
 
-// Returns the scene's objects with random values for the keys that ask for them, and lists these values in `draws`.
+// Returns the scene's objects with all random values drawn, and appends these values to `draws`.
 Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
   const Value* objects = root.find("objects");
   if (objects == nullptr) return {};

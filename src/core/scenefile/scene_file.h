@@ -14,21 +14,21 @@
 namespace scanmill {
 
 struct SceneOptions {
-  std::uint64_t seed = 1;          // seed of everything random in the scene
-  std::filesystem::path ontology;  // if not empty, replaces the one that the scene names
-  int wavelengthNm = 905;          // wavelength at which the material table is read
-  bool textures = true;            // false: no base colour is loaded unless alpha needs it
-  SupplyFactors supply{1, 1, 1};   // factors for towns, on top of those in their files
+  std::uint64_t seed = 1;          // seed of all random numbers of the scene
+  std::filesystem::path ontology;  // if not empty, replaces the ontology that the scene file names
+  int wavelengthNm = 905;          // nm, wavelength for which the material table is read
+  bool textures = true;            // if false, only textures whose alpha cuts out surfaces are loaded
+  SupplyFactors supply{1, 1, 1};   // multiply the factors in the files of towns
 };
 
 // Reads a scene file, such as those in scenes/, with all the files that it names. Throws InputError with the place.
 Scene readScene(const std::filesystem::path& path, const SceneOptions& options);
 
-// Returns the lanes and turns through the first town of a scene file with this seed, in the world frame, without
-// building any geometry; nothing if the scene has no town. Throws InputError with the place.
+// Returns the lanes of the first town of a scene file, and the turns between them, in the world frame. Builds no
+// geometry. Returns nothing if the scene has no town. Throws InputError with the place.
 std::optional<SceneLanes> readSceneLanes(const std::filesystem::path& path, std::uint64_t seed);
 
-// Reads the ontology that a scene file names, and nothing else of the scene. Throws InputError with the place.
+// Reads only the ontology that a scene file names. Throws InputError with the place.
 Ontology readSceneOntology(const std::filesystem::path& path);
 
 }  // namespace scanmill

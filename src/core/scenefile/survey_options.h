@@ -8,14 +8,14 @@
 namespace scanmill {
 
 //   points:
-//     spacing: 0.05                  # m, edge of the cubes of a grid: one point in each is kept; default: all
+//     spacing: 0.05                  # m, edge of the cubes of a grid: one point per cube is kept; default: keep all
 //     neighbors: 12                  # number of points from which a normal and a radius are estimated
-//     cover: 1.5                     # factor on the radius of a point's share of the surface: larger, fewer holes
-//     radius: [0.005, 0.2]           # m, least and most; or one for all
+//     cover: 1.5                     # factor on the radius of the disc that replaces a point; larger: fewer holes
+//     radius: [0.005, 0.2]           # m, smallest and largest radius of a disc; or one radius for all
 //     reflectance: auto              # auto (from intensity, else color), intensity, color, none (a plain 0.3)
-//     full: 255                      # the intensity that means reflectance 1; default: 1, 255 or the greatest
-//     labels: semantic_kitti         # the ontology whose ids the labels are; points whose class the scene's ontology
-//                                    # has, by name or alias, keep it unless a rule gives another
+//     full: 255                      # the intensity with reflectance 1; default: 1, 255 or the largest in the file
+//     labels: semantic_kitti         # the ontology of the points' labels. If the scene's ontology has a point's class,
+//                                    # by name or alias, the point keeps the class unless a rule sets another one
 PointOptions readPointOptions(const Value& value);
 
 //   heights:
@@ -25,7 +25,7 @@ PointOptions readPointOptions(const Value& value);
 //     image: photo.tif               # colours, for reflectances and rules
 HeightOptions readHeightOptions(const Value& value);
 
-// Returns a text that differs if the options differ.
+// Returns a text that is the same only if all options are equal.
 std::string keyOf(const PointOptions& points, const HeightOptions& heights);
 
 }  // namespace scanmill

@@ -16,7 +16,8 @@ namespace {
 
 using Numbers = std::vector<std::vector<std::uint32_t>>;
 
-// Gives parts with equal keys one number, from 1, in the order of each key's lowest node.
+// Numbers the keys from 1, in the order of the lowest node with each key. Returns, for each part and each of its
+// triangles, the number of the part's key.
 template <class KeyOf>
 Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf) {
   using Key = decltype(keyOf(*triangles.front().part));

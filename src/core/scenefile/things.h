@@ -14,10 +14,11 @@ namespace scanmill {
 struct ThingBounds {
   enum class By { Object, Node, Part, Name };
   By by = By::Object;
-  std::string pattern;  // for Name: a regular expression with its slashes; nodes with the same match are one thing
+  std::string pattern;  // only for By::Name: a regular expression between slashes; all nodes with the same match are
+                        // one thing
   Location where;
 
-  std::string text() const;  // differs if any of the bounds differ
+  std::string text() const;  // the same only if all bounds are equal
 };
 
 // Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.
@@ -29,14 +30,14 @@ struct ThingTriangles {
   std::uint16_t semantic = 0;
 };
 
-// Returns, by part and triangle, the number of the triangle's thing, from 1, in the order of the nodes or of the
-// triangles.
+// Returns, by part and triangle, the number of the triangle's thing, from 1. Things are numbered in the order of their
+// nodes, or, with Part, of their triangles.
 //
 //   Object  All triangles are one thing.
 //   Node    Each node is one thing; nodes are numbered by AssetPart::nodeIndex.
-//   Name    All nodes with the same match are one thing. The match is that of the regular expression's first group, or
-//           of all of it if it has no group. Each node without a match is one thing.
-//   Part    The connected triangles of one class are grouped into things by thingsOf().
+//   Name    All nodes with the same match are one thing. The match is the text of the regular expression's first group,
+//           or the complete match if the expression has no group. Each node without a match is one thing.
+//   Part    Triangles of one class are grouped into things by thingsOf().
 std::vector<std::vector<std::uint32_t>> numberThings(const ThingBounds& bounds,
                                                      const std::vector<ThingTriangles>& triangles);
 

@@ -8,16 +8,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kBelowOne = 0.99999994f;  // the largest float below 1: the largest share if there is a second class
+constexpr float kBelowOne = 0.99999994f;  // the largest float below 1: upper bound of `share` if an echo has two
+                                          // classes
 
-// A ray with a hit.
+// A ray with a hit; `power` is the ray's contribution to an echo.
 struct Part {
   float range;
   std::uint32_t ray;
   double power;
 };
 
-// Power by class. A list is enough, since a beam hits few classes.
+// Sums of power by class. A list is fast enough, because a beam hits few classes.
 class ClassPowers {
  public:
   void clear() { entries_.clear(); }
@@ -36,8 +37,8 @@ class ClassPowers {
     double power = 0;
   };
 
-  // Returns the strongest class except that of `other`; of equally strong ones the lower class id. Power -1: there is
-  // none.
+  // Returns the class with the most power, without the class of `other` (null: all classes); of classes with equal
+  // power the one with the lower id. The power is -1 if there is no such class.
   Entry strongest(const Entry* other) const {
     Entry best{0, -1};
     for (const Entry& e : entries_) {
@@ -74,7 +75,7 @@ class EchoFinder {
         farthest = std::max(farthest, range);
       }
       if (parts_.size() == 1 || (!parts_.empty() && pulse_ > 0 && farthest - nearest <= pulse_)) {
-        addEcho(beam, parts_);  // most beams: all rays form one echo
+        addEcho(beam, parts_);  // as for most beams, all rays form one echo
       } else if (!parts_.empty()) {
         addBeam(beam);
       }
@@ -84,7 +85,7 @@ class EchoFinder {
   }
 
  private:
-  // Returns the rays' indices sorted by beam; empty if the rays are already in that order.
+  // Returns the rays' indices sorted by beam; empty if the rays are already sorted by beam.
   std::vector<std::uint32_t> raysByBeam() const {
     const std::vector<std::uint32_t>& beam = hits_.beamOfRay;
     std::vector<std::uint32_t> order;
@@ -126,7 +127,8 @@ class EchoFinder {
     }
   }
 
-  // The parts must be sorted by range, unless all of them lie within one pulse length.
+  // Returns the echo of some rays of a beam. The rays must be sorted by range, unless all of them are within one pulse
+  // length.
   Echo echoOf(std::uint32_t beam, std::span<const Part> parts) {
     Echo echo{beam, parts.front().ray, parts.front().range, static_cast<float>(parts.front().power)};
     if (parts.size() == 1) return echo;
@@ -143,10 +145,11 @@ class EchoFinder {
 
   struct PowerAndMean {
     double power;
-    double mean;  // m, of the ranges, weighted by power
+    double mean;  // m
   };
 
-  // If no part has power, all have equal weight.
+  // Returns the sum of the rays' powers, and the mean of their ranges weighted by power. If no ray has power, all have
+  // equal weight.
   static PowerAndMean powerAndMean(std::span<const Part> parts) {
     const double first = parts.front().range;
     double total = 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// An effect turns the returns of an ideal receiver into those of a real one: it changes, removes and adds rows of the
-// table of returns. A new effect needs a new file and a row in effects().
+// An effect turns the returns of an ideal receiver into the returns of a real one: it changes, removes and adds rows of
+// the table of returns. A new effect needs a new file and a row in effects().
 
 #include <memory>
 #include <span>
@@ -24,28 +24,29 @@ class Effect {
  public:
   virtual ~Effect() = default;
   virtual Channels reads() const = 0;                      // channels of Hits that apply() reads
-  virtual bool setsIntensity() const { return false; }     // fills Returns::power and Returns::intensity
-  virtual double intensityFullScale() const { return 1; }  // the value that means 1 in the intensity that it sets
-  virtual bool needsIntensity() const { return false; }    // cannot run unless an earlier effect sets it
-  virtual bool setsSnr() const { return false; }           // fills Returns::snr
-  virtual bool needsSnr() const { return false; }          // cannot run unless an earlier effect sets it
-  virtual bool setsGain() const { return false; }          // fills Returns::gain, which only matters with intensity
-  // Returns how many rays sample the footprint of a beam.
+  virtual bool setsIntensity() const { return false; }     // apply() fills Returns::power and Returns::intensity
+  virtual double intensityFullScale() const { return 1; }  // full scale of the intensity, which stands for 1
+  virtual bool needsIntensity() const { return false; }    // apply() requires an earlier effect with setsIntensity()
+  virtual bool setsSnr() const { return false; }           // apply() fills Returns::snr
+  virtual bool needsSnr() const { return false; }          // apply() requires an earlier effect with setsSnr()
+  virtual bool setsGain() const { return false; }          // apply() fills Returns::gain
+  // Returns the number of rays that sample the footprint of a beam.
   virtual std::uint32_t raysPerBeam() const { return 1; }
-  // Returns how rays continue behind glass and off mirrors; null: they do not.
+  // Returns how rays continue behind glass and off mirrors; null: they do not continue.
   virtual const LightPaths* lightPaths() const { return nullptr; }
-  // Returns how many returns a beam may have after this effect, given how many it may have before.
+  // Returns the largest number of returns of a beam after this effect. `before`: the largest number before it.
   virtual std::uint32_t mostReturns(std::uint32_t before) const { return before; }
-  // Throws InputError if the options do not fit the sensor, for example a list that has not one figure per ring.
+  // Throws InputError if the options do not fit the sensor, for example if a list does not have one value per ring.
   virtual void check(const BeamTable& /*beams*/) const {}
-  // Sets `power` to the power that each ray receives, times the ray's share of the beam's power; the power of an echo
-  // is the sum over its rays. Returns false if this effect does not compute power.
+  // Sets `power` to the power that the receiver gets from each ray, weighted by the ray's fraction of the beam's power,
+  // so that the power of an echo is the sum over its rays. Returns false if this effect does not compute power.
   virtual bool powerOfRays(const Hits& /*hits*/, std::span<const Material> /*materials*/,
                            std::vector<float>& /*power*/) const {
     return false;
   }
-  // Reads hits (exact, never changed), changes returns. A beam without a return stays without, unless the effect adds
-  // rows. Deterministic: random numbers come from the shot's address. Called from several threads at once.
+  // Changes the returns. `hits` are exact and never change. A beam without a return stays without one, unless the
+  // effect adds rows. The result is deterministic, because random numbers depend on the shot's address. May be called
+  // from several threads at once.
   virtual void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials,
                      Returns& returns) const = 0;
 };
@@ -53,30 +54,30 @@ class Effect {
 struct EffectEntry {
   std::string_view name;
   std::string_view summary;
-  std::string_view keys;  // the options: "name: default, meaning; ..."
+  std::string_view keys;  // the options, as "name: default, meaning; ..."
   int stage;  // effects run by ascending stage, whatever their order in the YAML: 0 beams, lasers, surfaces, weather
               // and speckle, 1 intensity, 2 detection and dropout, 3 range noise, 4 quantisation, 5 pointing
   std::unique_ptr<Effect> (*make)(Fields& options);
 };
 
-// An effect that a pipeline has chosen.
+// An effect that a pipeline uses.
 struct ChosenEffect {
   const EffectEntry* entry = nullptr;
   std::shared_ptr<const Effect> effect;
-  std::string options;  // as the pipeline gives them, on one line: "{rays: 7}"; empty: none
+  std::string options;  // the options as the pipeline gives them, on one line: "{rays: 7}"; empty: none
 
   const Effect* operator->() const { return effect.get(); }
   const Effect& operator*() const { return *effect; }
 };
-using Effects = std::vector<ChosenEffect>;  // in the order in which they run
+using Effects = std::vector<ChosenEffect>;  // ordered by stage, as they run
 using EffectList = std::span<const ChosenEffect>;
 
-// The needs of all effects of a sensor together.
-std::uint32_t raysPerBeam(EffectList effects);     // 1 if no effect samples the footprint
-const LightPaths* lightPaths(EffectList effects);  // null: rays end at their first hit
-std::uint32_t mostReturns(EffectList effects,
-                          std::uint32_t met);   // most returns of a beam whose rays hit `met` surfaces
-double intensityFullScale(EffectList effects);  // the intensity that means 1; 0: no effect sets it
+// The requirements of all effects of a sensor together.
+std::uint32_t raysPerBeam(EffectList effects);                     // 1 if no effect samples the footprint
+const LightPaths* lightPaths(EffectList effects);                  // null: rays end at their first hit
+std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // if the rays of a beam hit `met` surfaces
+double intensityFullScale(EffectList effects);                     // the intensity that stands for 1; 0: no effect sets
+                                                                   // the intensity
 
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);

@@ -10,15 +10,15 @@
 namespace scanmill {
 namespace {
 
-// Beams are stored ring by ring, dense scans column by column. Working in tiles keeps both sides in the first-level
-// cache: a tile is read in short runs along its rings, and written to one place per column.
+// Beams are stored ring by ring, dense scans column by column. Processing in tiles keeps both in the first-level cache:
+// for each ring a tile reads a few consecutive beams, and for each column it writes to one place.
 constexpr std::uint32_t kTileRings = 16;
 constexpr std::uint32_t kTileColumns = 64;
 constexpr std::size_t kPoints = std::size_t{kTileRings} * kTileColumns;
 
 constexpr std::uint32_t kNoRow = 0xFFFFFFFF;
 
-// Finds the row of a beam's nth return. Returns are ordered by range, those of equal range by row.
+// Finds the row of the nth return of a beam. Returns are ordered by range, and by row if their ranges are equal.
 class ReturnOrder {
  public:
   ReturnOrder(const Returns& returns, std::size_t beams) : returns_(returns) {
@@ -41,13 +41,13 @@ class ReturnOrder {
   }
 
   std::uint32_t planes() const { return std::max<std::uint32_t>(static_cast<std::uint32_t>(planes_.size()), 1); }
-  // Returns how many returns the beam has.
+  // Returns the number of returns of the beam; 1 if there is one row per beam.
   std::uint32_t count(std::uint32_t beam) const {
     std::uint32_t number = 0;
     while (number < planes_.size() && planes_[number][beam] != kNoRow) ++number;
     return planes_.empty() ? 1 : number;
   }
-  // Returns kNoRow if the beam has no such return.
+  // Returns the row of the beam's return `plane` (counted from 0); kNoRow if the beam has fewer returns.
   std::uint32_t row(std::uint32_t plane, std::uint32_t beam) const {
     return plane < planes_.size() ? planes_[plane][beam] : kNoRow;
   }
@@ -55,11 +55,11 @@ class ReturnOrder {
 
  private:
   const Returns& returns_;
-  std::vector<std::vector<std::uint32_t>> planes_;  // by return, then beam; empty if there is one row per beam
+  std::vector<std::vector<std::uint32_t>> planes_;  // by return, then by beam; empty if there is one row per beam
 };
 
-// The points of a tile: the beam, row and hit that each comes from, and the row of the scan that it goes to. If there
-// is one row per beam, beam, row and hit are the same number.
+// The points of a tile: for each point its beam, its row in the table of returns, its hit, and its row in the scan. If
+// there is one row per beam, the first three are the same number.
 class Moves {
   std::array<std::uint32_t, kPoints> rows_;
   std::array<std::uint32_t, kPoints> hits_;
@@ -83,15 +83,15 @@ class Moves {
   }
 };
 
-// Neighbouring columns, and the row of the scan that the next point of each goes to.
+// Neighbouring columns and, for each of them, the scan's row for the column's next point.
 struct Strip {
   std::uint32_t firstColumn;
   std::uint32_t width;
   std::array<std::uint32_t, kTileColumns> next;
 };
 
-// Returns the transform from the sensor's frame at a step of the revolution to that at its start. The large world
-// coordinates are subtracted first, which keeps precision.
+// Returns the transform to the sensor's frame at the start of the revolution from its frame at a step. The large world
+// coordinates are subtracted first, which keeps the precision.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   if (step == 0) return {};
   const Pose& start = shot.worldFromSensor[0];
@@ -141,7 +141,8 @@ class Gathering {
   }
 
  private:
-  // Sizes every column; columns that were not asked for become empty. Organised scans start as all misses.
+  // Resizes every column; columns that were not asked for become empty. In an organised scan all points are first set
+  // to misses.
   void shape() {
     scan_.rings = hits_.rings;
     scan_.columns = hits_.columns;
@@ -168,8 +169,8 @@ class Gathering {
     });
   }
 
-  // Finds the row of a dense scan at which each of the strip's columns starts. `next`: the row at which the strip
-  // starts; it becomes that of the next strip.
+  // Finds the row of a dense scan at which each of the strip's columns begins. `next`: the row at which the strip
+  // begins; set to the row at which the next strip begins.
   void startStrip(std::uint32_t& next) {
     std::array<std::uint32_t, kTileColumns> returned{};
     for (std::uint32_t ring = 0; ring < hits_.rings; ++ring) {
@@ -187,8 +188,8 @@ class Gathering {
     }
   }
 
-  // Collects the points of a tile if there is one row per beam. Members are copied to local variables: the compiler
-  // must assume that the loop's writes may change members, and would read them again for every beam.
+  // Collects the points of a tile if there is one row per beam. Members are copied to local variables, because the
+  // compiler must assume that the writes of the loop change members, and would read them again for every beam.
   void collect(std::uint32_t firstRing) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
@@ -201,7 +202,8 @@ class Gathering {
     for (std::uint32_t ring = firstRing; ring < endRing; ++ring) {
       const std::uint32_t line = ring * columns + firstColumn;
       for (std::uint32_t c = 0; c < width; ++c) {
-        // Always written, but kept only if there is a return: misses are too irregular for branch prediction.
+        // Each beam is written, but `count` only increases if the beam has a return: branches would be mispredicted,
+        // because misses are irregular.
         moves_.beam[count] = line + c;
         moves_.to[count] = organised ? line + c : next[c];
         moves_.ring[count] = static_cast<std::uint16_t>(ring);
@@ -215,9 +217,10 @@ class Gathering {
     moves_.count = count;
   }
 
-  // Collects the points of a tile in one plane, for any number of rows per beam. In a dense scan the returns of a beam
-  // follow each other, so the row of a return counts all returns before it: those of its own beam, and those of the
-  // tile's earlier rings in its column.
+  // Collects the points of a tile that are return number `plane` of their beam, for any number of rows per beam. In a
+  // dense scan the returns of a beam are consecutive. The scan's row of a return is therefore the row at which the
+  // column continues, plus the number of returns before it: of the same beam, and of the tile's earlier rings in the
+  // column.
   void collectPlane(std::uint32_t firstRing, std::uint32_t plane) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
@@ -250,9 +253,9 @@ class Gathering {
     });
   }
 
-  // Computes positions in the sensor's frame or, if `toStart` is given (an entry per column of the strip), in its frame
-  // at the start of the revolution.
-  // Not inlined: within the loop over the tiles, the pointers used here would not all stay in registers.
+  // Computes positions in the sensor's frame or, if `toStart` is given (one entry per column of the strip), in the
+  // sensor's frame at the start of the revolution. Not inlined: within the loop over the tiles, the pointers used here
+  // would not all stay in registers.
   [[gnu::noinline]] void place(const Affine* toStart) {
     std::array<double, kPoints> x;
     std::array<double, kPoints> y;
@@ -292,7 +295,7 @@ class Gathering {
     }
   }
 
-  // Fills one column of the scan. If the table has a column that is not named here, this does not compile.
+  // Fills one column of the scan. A column of the table that is not handled here does not compile.
   template <class Key, class T>
   void fill(Key key, std::uint32_t plane, std::vector<T>& values) {
     constexpr std::string_view name = Key::row.name;
@@ -312,7 +315,8 @@ class Gathering {
     } else if constexpr (name == "range_true") {
       copyHits(key, hits_.range, values);
     } else if constexpr (name == "incidence") {
-      // The angle follows from its cosine, in double: the float versions of acos() differ between libraries. NaN stays.
+      // The angle is computed from its cosine in double, because the float versions of acos() differ between libraries.
+      // A cosine of NaN gives NaN.
       putHits(key, values, [&](std::uint32_t hit) {
         return static_cast<float>(std::acos(std::clamp(double{hits_.incidence[hit]}, 0.0, 1.0)));
       });
@@ -347,7 +351,8 @@ class Gathering {
     }
   }
 
-  // Gives points on moving objects the class for moving objects of their kind, if the ontology has one.
+  // Sets the class of points on moving objects to the class for moving objects of the same kind, if the ontology has
+  // one.
   void relabel(std::vector<std::uint16_t>& values) {
     const bool ownInstances = !returns_.instance.empty();
     for (std::size_t m = 0; m < moves_.count; ++m) {
@@ -371,8 +376,8 @@ class Gathering {
     });
   }
 
-  // Writes one component of a vector, in the axes in which points are given. `of(hit, place, time)` returns the vector
-  // in world axes for a place in the world that was hit at a time (s since the start of the revolution).
+  // Writes one component of a vector, in the frame in which points are given. `of(hit, place, time)` returns the vector
+  // in world axes for a point (m, world) that was hit at a time (s since the start of the revolution).
   template <class Of>
   void putMotion(char axis, std::vector<float>& values, const Of& of) {
     put(values, [&](std::size_t m) {
@@ -388,7 +393,7 @@ class Gathering {
     });
   }
 
-  // Returns the noise-free position of a hit in the sensor's frame at the time of firing (m).
+  // Returns the noise-free position of a hit (m) in the sensor's frame at the time of firing.
   Vec3d placeOf(std::uint32_t hit) const {
     const std::uint32_t beam = hits_.beamOfRay.empty() ? hit : hits_.beamOfRay[hit];
     const Vec3d along = beams_.direction[beam] * double{hits_.range[hit]};
@@ -409,7 +414,8 @@ class Gathering {
     put(values, [source, at](std::size_t m) { return source[at[m]]; });
   }
 
-  // Writes values that are computed from hits; rows without a hit get the column's value for none.
+  // Writes values that are computed from hits. A row without a hit gets the value that the column has for points
+  // without one.
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
     const std::uint32_t* const hits = moves_.hit;

@@ -40,12 +40,12 @@ void fillEmpty(const Hits& hits, std::vector<std::uint8_t>& reasons) {
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns) {
   if (!returns.tellsReasons()) throw Error("the table of returns has no reasons");
   std::vector<std::uint8_t> reasons(hits.size(), 0);
-  std::vector<std::uint32_t> told(hits.size(), kNoHit);  // by beam: the row that its reason is for
+  std::vector<std::uint32_t> told(hits.size(), kNoHit);  // by beam: the row that determines the beam's reason so far
   for (std::uint32_t row = 0; row < returns.size(); ++row) {
     const bool returned = returns.returned(row);
     const Reason lost = returns.lostTo(row);
-    if (!returned && lost == Reason::None) continue;        // a ray that missed
-    if (!returned && returns.hit(row) == kNoHit) continue;  // an added row, such as a raindrop, that was lost
+    if (!returned && lost == Reason::None) continue;        // the row's ray missed
+    if (!returned && returns.hit(row) == kNoHit) continue;  // a lost row that an effect had added, such as a raindrop
     const std::uint32_t beam = returns.beam(row);
     const std::uint32_t other = told[beam];
     const auto power = [&](std::uint32_t r) { return returns.power.empty() ? 0.0f : returns.power[r]; };

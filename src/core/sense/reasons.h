@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds for every beam what its return comes from, or why it has none.
+// Determines for every beam the origin of its return, or the reason why it has no return.
 
 #include <cstdint>
 #include <span>
@@ -13,9 +13,9 @@
 
 namespace scanmill {
 
-// Returns one value of Reason per beam, after all effects have run on a table that records reasons
+// Returns one value of Reason per beam. All effects must have run, on a table that records reasons
 // (Returns::tellReasons()). A beam without a return has the reason of its strongest echo. If the hits have the channel
-// Material, faint mirrors, metals and glass get reasons of their own instead of TooFaint.
+// Material, echoes of mirrors, metals and glass that are too faint get reasons of their own instead of TooFaint.
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns);
 
 }  // namespace scanmill

@@ -128,7 +128,8 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(snr, added.snr);
   append(label, added.label);
   append(instance, added.instance);
-  // If the table had no rows, columns that effects have set were empty like all others: fill them with this row.
+  // If the table had no rows, columns that effects have set looked like unset ones, because both are empty. Set them
+  // from this row.
   if (size() != 1) return;
   intensity = {added.intensity};
   power = {added.power};

@@ -1,6 +1,6 @@
 #pragma once
 
-// The receiver model turns hits into a scan: it detects, applies the effects and gathers.
+// The receiver model, which turns hits into a scan in three stages: it detects, applies the effects and gathers.
 //
 //   const ScanLayout layout{.columns = ColumnSet::byDefault()};
 //   Returns returns;
@@ -25,11 +25,11 @@ Channels channelsFor(EffectList effects, ColumnSet columns);
 
 // Starts the table of returns. If beams fire one ray, each ray becomes a row. If they fire several, each echo becomes a
 // row (sense/echoes.h), with the power that the effects compute; if the sensor file gives no pulse length, each ray is
-// an echo of its own.
+// a separate echo.
 void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<const Material> materials,
             Returns& returns);
 
-// The settings by which hits become a scan. All objects that they refer to must outlive the receiver.
+// The settings with which hits become a scan. All objects that they refer to must outlive the receiver.
 struct Receiver {
   EffectList effects = {};                   // in the order in which they run
   std::span<const Material> materials = {};  // indexed by Hits::material
@@ -37,8 +37,8 @@ struct Receiver {
   const ThingMotions* motions = nullptr;     // null: nothing moves, or no column or class depends on motion
 };
 
-// Detects, applies the effects and keeps the columns asked for. `returns` is reused between calls. Throws Error if the
-// hits lack a channel or belong to another sensor.
+// Detects, applies the effects and gathers the requested columns. `returns` is a buffer that calls may share, to avoid
+// allocations. Throws Error if the hits lack a channel or belong to another sensor.
 void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

@@ -8,10 +8,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMoment = 0.01;  // s, the interval that velocities are taken over if nothing moves during a revolution
+constexpr double kMoment = 0.01;  // s, interval over which velocities are computed if nothing moves during a revolution
 
-// Returns how far a place on a triangle moves from one mesh of an animation to another: it keeps its barycentric
-// coordinates.
+// Returns the displacement (m) of a point on a triangle between two meshes of an animation. The point keeps its
+// barycentric coordinates.
 Vec3d carried(const Mesh& now, const Mesh& next, std::uint32_t primitive, const Vec3d& place) {
   const auto corner = [&](const Mesh& mesh, int k) { return Vec3d(mesh.positions[mesh.triangles[primitive][k]]); };
   const Vec3d a = corner(now, 1) - corner(now, 0);
@@ -47,7 +47,8 @@ ThingMotions::ThingMotions(const Scene& scene, const Shot& shot)
   const double duration = shot.duration > 0 ? shot.duration : kMoment;
   for (std::uint32_t index = 0; index < scene.instances.size(); ++index) {
     const Instance& i = scene.instances[index];
-    // An instance that only its animation moves counts as moving; its velocity is that of its pose.
+    // An instance with an animation counts as moving even if its pose does not change; its velocity is the velocity of
+    // its pose.
     if (i.animation == nullptr && (i.movement == nullptr || !i.movement->moves())) continue;
     const Affine from = i.worldFromMeshAt(shot.time);
     const Affine to = i.worldFromMeshAt(shot.time + duration);
@@ -84,8 +85,8 @@ Vec3d ThingMotions::flow(std::uint32_t thing, std::uint32_t primitive, const Vec
   const auto [first, last] = instances_.equal_range(thing);
   if (first == last) return {};
   if (std::next(first) == last) return flowOf(scene_.instances[first->second], primitive, place, time);
-  // If several entries of Scene::instances share the id, the one whose triangle `primitive` is nearest to the place
-  // counts.
+  // Several entries of Scene::instances may share an id. Use the one whose triangle `primitive` is nearest to the
+  // point.
   const Instance* nearest = nullptr;
   double least = 0;
   for (auto own = first; own != last; ++own) {

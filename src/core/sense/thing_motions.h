@@ -1,6 +1,6 @@
 #pragma once
 
-// How the object instances of a scene move during a shot, for the columns and classes that depend on motion.
+// The motion of a scene's object instances during a shot, for the columns and classes that depend on motion.
 
 #include <cstdint>
 #include <map>
@@ -15,42 +15,45 @@ namespace scanmill {
 
 class ThingMotions {
  public:
-  // True if the scene moves and the layout has a column, or the ontology a class, that depends on motion.
+  // Returns true if objects of the scene move, and the layout has a column or the ontology has a class that depends on
+  // motion.
   static bool areToldOf(const Scene& scene, const ScanLayout& layout);
 
   // Computes the motion of each instance that moves. The scene must outlive this object.
   ThingMotions(const Scene& scene, const Shot& shot);
 
-  // Returns the class of points on an instance whose class is `semantic`. If the instance moves, and the ontology has a
-  // class for moving objects of this kind ("moving-car" for "car"), this is that class, else `semantic`.
+  // Returns the class of points on an instance whose class is `semantic`: for an instance that moves, the ontology's
+  // class for moving objects of this kind ("moving-car" for "car"); otherwise, or if there is no such class,
+  // `semantic`.
   std::uint16_t classOf(std::uint16_t semantic, std::uint32_t thing) const;
   bool tellsClasses() const { return !things_.empty() && !movingClasses_.empty(); }
 
-  // Returns the velocity over ground (m/s, world axes) of an instance's surface at a place (m, world), with motion
-  // taken as linear over the revolution. Zero if the instance stands still, or if `thing` is 0 (no instance).
+  // Returns the velocity over ground (m/s, world axes) of an instance's surface at a point (m, world). The motion is
+  // assumed to be linear during the revolution. Zero if the instance stands still, or if `thing` is 0 (no instance).
   Vec3d velocity(std::uint32_t thing, const Vec3d& place) const;
 
-  // Returns how far a point of an instance's surface moves over ground (m, world axes) from `time` (s since the start
-  // of the revolution; 0 if nothing moves during a revolution) to the same time in the next frame, through the movement
-  // of the instance and its animation. `place` (m, world) is the point at `time`, and `primitive` its triangle. Zero if
-  // the instance stands still, or if `thing` is 0 (no instance).
+  // Returns the displacement over ground (m, world axes) of a point of an instance's surface, from `time` (s since the
+  // start of the revolution; 0 if nothing moves during a revolution) to the same time in the next frame, by the
+  // movement of the instance and its animation. `place` (m, world) is the point at `time`, and `primitive` its
+  // triangle. Zero if the instance stands still, or if `thing` is 0 (no instance).
   Vec3d flow(std::uint32_t thing, std::uint32_t primitive, const Vec3d& place, double time) const;
 
  private:
   Vec3d flowOf(const Instance& instance, std::uint32_t primitive, const Vec3d& place, double time) const;
 
   struct Motion {
-    Vec3d pivot;    // m, world: the origin of the mesh in the middle of the revolution
+    Vec3d pivot;    // m, world: origin of the mesh in the middle of the revolution
     Vec3d ofPivot;  // m/s, velocity of the pivot
-    Mat3 perMetre;  // m/s for each metre from the pivot
+    Mat3 perMetre;  // m/s per metre of distance from the pivot
   };
   const Scene& scene_;
-  double time_;       // s, of the shot
-  double duration_;   // s
-  double untilNext_;  // s
+  double time_;       // s, start of the shot
+  double duration_;   // s, of the revolution
+  double untilNext_;  // s, from the shot to the next frame
   std::unordered_map<std::uint32_t, Motion> things_;
   std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // by instance id: index into Scene::instances
-  std::map<std::uint16_t, std::uint16_t> movingClasses_;             // by class of still objects: that of moving ones
+  std::map<std::uint16_t, std::uint16_t> movingClasses_;             // by class of objects that stand still: the class
+                                                                     // of such objects when they move
 };
 
 }  // namespace scanmill

@@ -11,11 +11,11 @@ namespace scanmill {
 namespace {
 
 constexpr double kWaterIndex = 1.328;
-constexpr double kLargeDrops = 2;           // extinction cross section relative to the area of a drop
-constexpr double kFlakeDensity = 0.1;       // relative to water
-constexpr double kIceLidarRatio = 25;       // sr
-constexpr double kDustLidarRatio = 50;      // sr
-constexpr double kSquareMillimetre = 1e-6;  // m^2
+constexpr double kLargeDrops = 2;           // extinction cross section of a drop, relative to its area
+constexpr double kFlakeDensity = 0.1;       // density of a snowflake, relative to water
+constexpr double kIceLidarRatio = 25;       // sr, extinction over backscatter
+constexpr double kDustLidarRatio = 50;      // sr, extinction over backscatter
+constexpr double kSquareMillimetre = 1e-6;  // m^2, for areas in mm^2
 
 double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
@@ -46,7 +46,8 @@ Weather rainOf(double rate) {
   const double face = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
   const double gain = face + (1 - face) * (1 - face) * face * focus * focus;
-  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times gain a^2 / 4 per steradian, with a = D / 2
+  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times gain a^2 / 4 per steradian, with the drop's radius a
+                                                        // = D / 2
   return made;
 }
 
@@ -55,7 +56,7 @@ Weather snowOf(double rate) {
   made.drops = snowFlakes(rate);
   const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts to
   made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
-  // pi times the flake's extinction cross section (twice the area of radius width * D / 2), over the lidar ratio.
+  // pi times the flake's extinction cross section (twice its area; its radius is width * D / 2), over the lidar ratio.
   made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
   return made;
 }

@@ -1,66 +1,72 @@
 #pragma once
 
-// How much light rain, snow, fog and dust take from a beam, and how much they scatter back.
+// The optical properties of rain, snow, fog and dust: the light that they take from a beam, and the light that they
+// scatter back.
 
 namespace scanmill {
 
-// The size distribution of drops: intercept * exp(-slope * D) drops of diameter D per cubic metre and millimetre.
+// The size distribution of drops: per cubic metre and per millimetre of diameter D there are intercept * exp(-slope *
+// D) drops.
 struct DropSizes {
   double intercept = 0;  // 1/(m^3 mm)
   double slope = 1;      // 1/mm
 
-  // Returns how many drops per cubic metre are wider than a diameter (mm).
+  // Returns the number of drops per cubic metre with a larger diameter than `diameter` (mm).
   double above(double diameter) const;
-  // Returns the integral of D^2 over all drops in a cubic metre (mm^2/m^3).
+  // Returns the sum of D^2 over all drops in a cubic metre (mm^2/m^3).
   double squares() const;
 };
 
-// Raindrops at a rate in mm/h: Marshall and Palmer, "The distribution of raindrops with size", Journal of Meteorology
-// 5, 1948, eqs. 1 to 3.
+// Returns the size distribution of raindrops at a rate (mm/h): Marshall and Palmer, "The distribution of raindrops with
+// size", Journal of Meteorology 5, 1948, eqs. 1 to 3.
 DropSizes rainDrops(double rate);
-// Snowflakes by the diameter of the drops that they melt to, at a rate in mm/h of water: Gunn and Marshall, "The
-// distribution with size of aggregate snowflakes", Journal of Meteorology 15, 1958.
+// Returns the size distribution of snowflakes at a rate (mm/h of water), by the diameter of the drops that they melt
+// to: Gunn and Marshall, "The distribution with size of aggregate snowflakes", Journal of Meteorology 15, 1958.
 DropSizes snowFlakes(double rate);
 
 struct Weather {
-  double extinction = 0;  // 1/m; after r m, exp(-extinction * r) of the light is left (Beer and Lambert)
-  // Particles so few that a beam hits at most one of them at the same range; intercept 0: there are none.
+  double extinction = 0;  // 1/m; exp(-extinction * r) of the light remains after r m (Beer and Lambert)
+  // Sizes of particles that are so sparse that a beam hits at most one of them at the same range; intercept 0: there
+  // are none.
   DropSizes drops;
-  // A drop of diameter D (mm) in a beam of area A (m^2) sends back dropEcho * D^2 / A of the power that a white
-  // Lambertian target filling the beam sends back (m^2 / mm^2).
+  // Echo of a drop (m^2 / mm^2): a drop of diameter D (mm) in a beam of area A (m^2) returns dropEcho * D^2 / A of the
+  // power that a white Lambertian target filling the beam returns.
   double dropEcho = 0;
-  // The backscatter of particles that are too many and too small to be resolved (1/(m sr)).
+  // Backscatter (1/(m sr)) of particles that are too many and too small to be resolved.
   double backscatter = 0;
 };
 
-// All rates are in mm/h of water, all visibilities (meteorological optical range) in m; both above 0. The extinction
-// cross section of a drop much wider than the wavelength is twice its area. Its backscatter, by ray optics, is the
-// reflection of its front and its back face along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2) per steradian
-// for the radius a, with R = ((n - 1) / (n + 1))^2 and n = 1.328, water at 905 nm. Kilic et al., "Lidar light
-// scattering augmentation (LISA)", arXiv 2107.07004, use only the first term.
+// Returns the optical properties of rain. In this and the following functions, rates are in mm/h of water and
+// visibilities (meteorological optical range) in m; both must be above 0. The extinction cross section of a drop much
+// wider than the wavelength is twice its area. Its backscatter, by ray optics, is the reflection of its front and its
+// back face along the axis: a^2 / 4 (R + (1 - R)^2 R n^2 / (2 - n)^2) per steradian for the radius a, with R = ((n - 1)
+// / (n + 1))^2 and n = 1.328, water at 905 nm. Kilic et al., "Lidar light scattering augmentation (LISA)", arXiv
+// 2107.07004, use only the first term.
 Weather rainOf(double rate);
-// Flakes are spheres of a tenth of the density of water, which gives the visibility in snow that observers report (700
-// m at 1.5 mm/h). Their lidar ratio, extinction over backscatter, is 25 sr. The density and the lidar ratio are
-// estimates; in ice clouds, lidar ratios of 20 to 35 sr are measured.
+// Returns the optical properties of snow. Flakes are spheres with a tenth of the density of water, which gives the
+// visibility in snow that observers report (700 m at 1.5 mm/h). Their lidar ratio, extinction over backscatter, is 25
+// sr. The density and the lidar ratio are estimates; in ice clouds, lidar ratios of 20 to 35 sr are measured.
 Weather snowOf(double rate);
-// Extinction -log(0.05) / visibility (Koschmieder's law with the contrast threshold of 5 % that defines the
-// meteorological optical range); backscatter 0.046 / visibility (Hahner et al., "Fog simulation on real LiDAR point
-// clouds", ICCV 2021, after Rasshofer et al., "Influences of weather phenomena on automotive laser radar systems",
-// Advances in Radio Science 9, 2011).
+// Returns the optical properties of fog. The extinction is -log(0.05) / visibility (Koschmieder's law with the contrast
+// threshold of 5 % that defines the meteorological optical range), the backscatter 0.046 / visibility (Hahner et al.,
+// "Fog simulation on real LiDAR point clouds", ICCV 2021, after Rasshofer et al., "Influences of weather phenomena on
+// automotive laser radar systems", Advances in Radio Science 9, 2011).
 Weather fogOf(double visibility);
-// The extinction is that of fog; the lidar ratio is 50 sr. An estimate: mineral dust has lidar ratios of 40 to 60 sr.
+// Returns the optical properties of dust. The extinction is the same as for fog; the lidar ratio is estimated as 50 sr.
+// Mineral dust has lidar ratios of 40 to 60 sr.
 Weather dustOf(double visibility);
 
-// Returns the echo of mist that fills `length` m of a beam, relative to that of a white Lambertian target at the same
-// range.
+// Returns the echo of mist that fills `length` m of a beam, relative to the echo of a white Lambertian target at the
+// same range.
 double mistEcho(const Weather& weather, double length);
 
-// Returns the reflectance of a surface that has soaked up water, relative to the dry one (`reflectance`, 0 to 1): water
-// reflects part of the light that leaves the surface back to it (Angstrom, "The albedo of various surfaces of ground",
-// Geografiska Annaler 7, 1925; see Lekner and Dorf, "Why some things are darker when wet", Applied Optics 27, 1988).
+// Returns the reflectance of a surface that is soaked with water, divided by the reflectance of the dry surface
+// (`reflectance`, 0 to 1). The ratio is below 1, because water reflects part of the light that leaves the surface back
+// to the surface (Angstrom, "The albedo of various surfaces of ground", Geografiska Annaler 7, 1925; see Lekner and
+// Dorf, "Why some things are darker when wet", Applied Optics 27, 1988).
 double dampness(double reflectance);
-// Returns the share of light that passes a film of standing water in and out again at an angle of incidence (Fresnel),
-// relative to normal incidence. `cosine`: of the angle.
+// Returns the fraction of light that passes through a film of standing water and out again (Fresnel), relative to
+// normal incidence. `cosine`: of the angle of incidence.
 double filmTransmission(double cosine);
 
 }  // namespace scanmill

@@ -16,8 +16,8 @@
 namespace scanmill {
 namespace {
 
-// Returns a name in lower case, with only its letters, digits and underscores: "Laser id" becomes "laserid", "fire
-// time(us)" "firetimeus".
+// Returns a name in lower case, reduced to letters, digits and underscores: "Laser id" gives "laserid", "fire time(us)"
+// gives "firetimeus".
 std::string plainName(std::string_view name) {
   std::string plain;
   for (const char c : lowerCase(name)) {
@@ -26,12 +26,12 @@ std::string plainName(std::string_view name) {
   return plain;
 }
 
-// True for a checksum, with which Hesai ends some files.
+// Returns true if a line is a checksum: some of Hesai's files end with one.
 bool isChecksum(std::string_view text) {
   return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-// A table whose rows are ordered by their channel, or as in the file if they name no channel.
+// A table whose rows are sorted by their channel, or stay in the file's order if the file has no channels.
 class BeamTableFile {
  public:
   explicit BeamTableFile(const std::filesystem::path& file) : bytes_(readFile(file)) {
@@ -59,7 +59,7 @@ class BeamTableFile {
     return std::nullopt;
   }
 
-  // Throws InputError for a column of another name, with a suggestion.
+  // Throws InputError if the table has a column that is not in `known`, with a suggestion.
   void expectOnly(const std::vector<std::string>& known) const {
     for (const std::string& name : names_) {
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;
@@ -67,8 +67,8 @@ class BeamTableFile {
     }
   }
 
-  // Returns the numbers of a column in the order of the channels, which count from 1, or from 0 if there is a channel
-  // 0.
+  // Returns the numbers of a column in the order of the channels. Channels are numbered from 1, or from 0 if the table
+  // has a channel 0.
   std::vector<double> numbers(std::size_t column) const {
     const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
     for (const Row& row : rows_) {

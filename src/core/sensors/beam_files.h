@@ -12,20 +12,20 @@ namespace scanmill {
 struct Laser {
   double elevation = 0;  // deg
   double azimuth = 0;    // deg, counter-clockwise
-  double left = 0;       // m, offset of the beam's origin: see origin_left_m in sensor.h
-  double up = 0;         // m
-  double firing = 0;     // us after the column's first laser
+  double left = 0;       // m, offset of the beam's origin to the left: see origin_left_m in sensor.h
+  double up = 0;         // m, offset of the beam's origin upwards: see origin_up_m in sensor.h
+  double firing = 0;     // us after the first laser of the column
 };
 
-// Reads the lasers of a table. Its first line names the columns: either those of Hesai's angle correction files
-// (Channel or Laser id, Elevation, Azimuth; degrees, azimuths clockwise), or elevation_deg and any of
-// azimuth_offset_deg (counter-clockwise), origin_left_m, origin_up_m and firing_time_us. Channels, which become the
-// rings, may come in any order. Throws InputError with the line.
+// Reads the lasers of a table. The table's first line names the columns: either the columns of Hesai's angle correction
+// files (Channel or Laser id, Elevation, Azimuth; degrees, azimuths clockwise), or elevation_deg and optionally
+// azimuth_offset_deg (counter-clockwise), origin_left_m, origin_up_m and firing_time_us. The rows may come in any order
+// if the table has channels, which become the rings. Throws InputError with the line.
 std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 
-// Returns when each laser fires, in us after the first: from Hesai's firetime correction files (Channel, fire time in
-// us or ns) or a table with a column firing_time_us. Throws InputError with the line, also for files of several states
-// whose firing times differ.
+// Returns the firing time of each laser, in us after the first: from one of Hesai's firetime correction files (Channel,
+// fire time in us or ns) or from a table with a column firing_time_us. Throws InputError with the line, also if a file
+// gives several states of the sensor with different firing times.
 std::vector<double> readFiringTable(const std::filesystem::path& file);
 
 }  // namespace scanmill

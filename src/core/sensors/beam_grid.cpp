@@ -41,7 +41,8 @@ BeamGrid::BeamGrid(const BeamTable& beams) : directions_(beams.direction), first
 
   for (const Vec3f& origin : beams.origin) farthestOrigin_ = std::max(farthestOrigin_, double{length(origin)});
 
-  // Take a percentile of the angles between neighbours: some patterns have a few wider gaps.
+  // Take a percentile of the angles between neighbouring beams instead of the largest: some patterns have a few wide
+  // gaps.
   std::vector<double> gaps;
   for (std::uint32_t ring = 0; ring < beams.rings; ++ring) {
     for (std::uint32_t column = 0; column < beams.columns; column += 16) {
@@ -65,8 +66,8 @@ void BeamGrid::cellsOf(const Vec3d& direction, double angle, std::uint32_t& low,
   const double elevation = elevationOf(direction);
   low = rowOf(elevation - angle);
   high = rowOf(elevation + angle);
-  // A cone that contains a pole covers all azimuths. Any other covers asin(sin(angle) / cos(elevation)) to either side
-  // of its axis.
+  // A cone that contains a pole covers all azimuths. Any other cone covers asin(sin(angle) / cos(elevation)) on each
+  // side of its axis.
   const double wide = std::abs(elevation) + angle >= kPi / 2 ? 2.0 : std::sin(angle) / std::cos(elevation);
   if (!(wide < 1)) {
     first = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the beams of a sensor that point into a cone, without looking at all of them.
+// Finds the beams of a sensor that point into a cone, without testing all beams.
 
 #include <cstdint>
 #include <functional>
@@ -15,8 +15,8 @@ class BeamGrid {
   // Sorts the beams by direction, in the sensor's frame. The table must outlive the grid.
   explicit BeamGrid(const BeamTable& beams);
 
-  // Calls visit(index) for every beam within `angle` (rad) of a unit vector, and for some beams outside, in a fixed
-  // order.
+  // Calls visit(index) for every beam within `angle` (rad) of a unit vector, and also for some beams farther away. The
+  // order of the calls is fixed.
   template <class Visit>
   void forBeamsNear(const Vec3d& direction, double angle, const Visit& visit) const {
     std::uint32_t low = 0, high = 0, first = 0, count = 0;
@@ -29,16 +29,16 @@ class BeamGrid {
     }
   }
 
-  // True if the sensor looks into a direction: the nearest beam is at most 1.5 times the usual angle between
-  // neighbouring beams away from it, and at most 10 degrees. The usual angle is the 99th percentile over neighbours in
-  // rings and columns.
+  // Returns true if the sensor has beams around a direction: if the angle to the nearest beam is at most 10 degrees and
+  // at most 1.5 times the usual angle between neighbouring beams. The usual angle is the 99th percentile over
+  // neighbours in rings and columns.
   bool looksInto(const Vec3d& direction) const;
 
-  // Returns the greatest distance of a beam's origin from the sensor's origin (m).
+  // Returns the largest distance of a beam's origin from the sensor's origin (m).
   double farthestOrigin() const { return farthestOrigin_; }
 
  private:
-  // Cells of one degree of azimuth and elevation.
+  // The grid has cells of one degree of azimuth and elevation.
   static constexpr std::uint32_t kAcross = 360;
   static constexpr std::uint32_t kUp = 180;
 
@@ -48,10 +48,10 @@ class BeamGrid {
                       std::uint32_t& first, std::uint32_t& count);
 
   const std::vector<Vec3d>& directions_;
-  std::vector<std::uint32_t> firstOf_;  // per cell: index of its first beam in beams_; last entry: their number
-  std::vector<std::uint32_t> beams_;    // sorted by cell
+  std::vector<std::uint32_t> firstOf_;  // by cell: index in beams_ of the cell's first beam; last entry: size of beams_
+  std::vector<std::uint32_t> beams_;    // indices of the beams, sorted by cell
   double farthestOrigin_ = 0;
-  double reach_ = 0;  // rad, see looksInto()
+  double reach_ = 0;  // rad, largest angle to the nearest beam for which looksInto() returns true
 };
 
 }  // namespace scanmill

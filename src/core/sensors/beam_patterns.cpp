@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint32_t kMostRings = 4096;
 constexpr std::uint32_t kMostColumns = 65536;
 
-// The columns of a table of beams by their names.
+// Finds the columns of a table of beams by their names.
 class Columns {
  public:
   explicit Columns(const TextLine& head) : where_(head.where) {

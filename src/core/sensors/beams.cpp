@@ -37,7 +37,7 @@ void fillRosette(BeamTable& table) {
       double left = 0;
       double up = 0;
       for (std::size_t k = 0; k < 2; ++k) {
-        // Subtract whole turns first, so that the phase stays exact after hours.
+        // Subtract complete turns first, so that the phase is still exact after hours.
         const double turn = std::fmod((table.start + since) * (r.speed[k] / (2 * kPi)), 1.0) * 2 * kPi + r.phase[k];
         left += r.angle[k] * std::cos(turn);
         up += r.angle[k] * std::sin(turn);
@@ -73,7 +73,8 @@ double BeamTable::azimuth(std::uint32_t ownColumn) const {
 
   const std::uint32_t column = ownColumn / raysPerBeam;
   const std::uint32_t beams = columns / raysPerBeam;
-  // The columns of a full revolution end one step before the first azimuth; those of a partial one reach both edges.
+  // In a full revolution the last column is one step before the first azimuth; in a partial field the first and last
+  // column are at the two edges.
   double swept = 0.5;
   if (fullTurn()) {
     swept = static_cast<double>(column) / beams;

@@ -58,7 +58,8 @@ Value::Entry listOf(const char* key, const std::vector<Laser>& lasers, double La
   return {key, std::move(list)};
 }
 
-// Adds the calibration file's name and hash to `source`, so that the manifest identifies the unit.
+// Adds the calibration file's name and hash to the sensor's key `source`, so that the manifest identifies the sensor
+// unit.
 void setSource(Value& sensor, const Location& file) {
   const std::string own =
       fmt::format("calibration {} (SHA-256 {})", std::filesystem::path(file.file).filename().string(),
@@ -85,7 +86,7 @@ Value scalar(const std::string& text, const Location& where) {
   return value;
 }
 
-// Returns the value of `ring_order` that describes the order of these lasers.
+// Returns the value of the key `ring_order` that describes the order of some lasers.
 const char* orderOf(const std::vector<Laser>& lasers) {
   const auto above = [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; };
   const auto below = [](const Laser& a, const Laser& b) { return a.elevation < b.elevation; };
@@ -99,7 +100,8 @@ struct Unit {
   std::vector<Value::Entry> others;  // keys that the sensor map may override
 };
 
-// `window`: take only the columns that the file says are sent; false: those of the whole revolution.
+// Reads Ouster's metadata. `window`: if true, takes only the columns that the sensor sends according to the file; if
+// false, all columns of the revolution.
 Unit unitOfOuster(const std::filesystem::path& file, bool window) {
   const OusterMetadata m = readOusterMetadata(file);
   Unit unit;
@@ -136,8 +138,8 @@ bool hasFiring(const Unit& unit) {
   return std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; });
 }
 
-// Throws InputError if the file lists its lasers in the opposite order of the preset's rings, to which the preset's
-// firing times belong.
+// Throws InputError if the preset gives firing times, which belong to its rings, and the file lists its lasers in the
+// opposite order of these rings.
 void checkFiring(const Value& preset, const Value& own, const Unit& unit, const Location& where) {
   if (preset.find("firing_time_us") == nullptr || own.find("firing_time_us") != nullptr || hasFiring(unit)) return;
   const Value* const order = preset.find("ring_order");

@@ -1,7 +1,7 @@
 #pragma once
 
-// Reads the calibration of one sensor unit's beams: that of Velodyne's sensors as their ROS drivers keep it (.yaml: a
-// map with a list `lasers`, each with `vert_correction` and `rot_correction` in rad and optionally
+// Reads calibration files with the beams of one sensor unit. Three kinds are known: the files of Velodyne's ROS drivers
+// (.yaml: a map with a list `lasers`, each with `vert_correction` and `rot_correction` in rad and optionally
 // `vert_offset_correction` and `horiz_offset_correction` in m), Ouster's metadata (.json: see ouster_metadata.h), and
 // tables of beams such as Hesai's (.csv: see beam_files.h).
 
@@ -11,13 +11,14 @@
 
 namespace scanmill {
 
-// Returns the sensor map `value` with its key `calibration` replaced by keys that the named file gives: elevation_deg,
-// ring_order, azimuth_offset_deg, origin_left_m and origin_up_m, and unless the map has them itself, firing_time_us
-// (tables) and model, columns, rate_hz, direction, first_azimuth_deg, field_deg, origin_offset_m and origin_height_m
-// (Ouster). `source` then names the file too. Velodyne's lasers are sorted from top to bottom, others keep the order of
-// their file. A driver's corrections of ranges and intensities are not read. A map without the key is returned
-// unchanged. Throws InputError with the place, also if the map has one of the first five keys besides.
-// `preset`: the preset that the map adds to; Velodyne's lasers are then sorted like its rings. Null: there is none.
+// Returns the sensor map `value` with its key `calibration` replaced by keys from the calibration file: elevation_deg,
+// ring_order, azimuth_offset_deg, origin_left_m and origin_up_m. Further keys are added unless the map has them:
+// firing_time_us (tables) and model, columns, rate_hz, direction, first_azimuth_deg, field_deg, origin_offset_m and
+// origin_height_m (Ouster). The key `source` then also names the file. A map without the key `calibration` is returned
+// unchanged. Velodyne's lasers are sorted from top to bottom; other lasers keep the order of their file. Corrections of
+// ranges and intensities in the files are ignored. Throws InputError with the place, also if the map has both
+// `calibration` and one of the first five keys. `preset`: the preset that the map overrides, whose ring order
+// Velodyne's lasers then follow; null if there is no preset.
 Value withCalibration(const Value& value, const Value* preset = nullptr);
 
 }  // namespace scanmill

@@ -14,19 +14,20 @@ namespace scanmill {
 namespace {
 
 struct GridPoint {
-  double x = 0;  // in half widths of the beam
+  double x = 0;  // coordinates in half widths of the beam
   double y = 0;
   double weight = 1;
 };
 
-// The second moment about the axis (in half widths squared) of both beam shapes: of exp(-2 r^2) over the plane and of 1
-// over the disc.
+// Second moment of both beam shapes about the beam's axis, in half widths squared: of exp(-2 r^2) over the plane, and
+// of 1 over the unit disc.
 constexpr double kSecondMoment = 0.5;
 
 std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   int rings = 0;
   while (1 + 3 * rings * (rings + 1) < static_cast<int>(rays)) ++rings;
-  // The outermost corners of k rings of points lie at 2 k / (k + 1) half widths: more rays reach farther out.
+  // The corners of a hexagon of k rings of points are at 2 k / (k + 1) half widths from the axis: more rays reach
+  // farther out.
   const double spacing = 2.0 / (rings + 1);
   std::vector<GridPoint> points;
   double sum = 0;
@@ -47,7 +48,7 @@ std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   return points;
 }
 
-// Two directions at right angles to a beam: one horizontal, one upwards.
+// Two unit vectors perpendicular to a beam: one horizontal, one upwards.
 struct Axes {
   Vec3d across;
   Vec3d up;

@@ -11,18 +11,20 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSmooth = 0.3;        // m of path to each side, over which springs and tyres smooth the ground
-constexpr double kBareUntilLost = 10;  // m of path without ground, after which it is searched anew
-constexpr double kSpacing = 0.1;       // m, between samples
+constexpr double kSmooth = 0.3;        // m of path on each side over which the profile is averaged, as springs and
+                                       // tyres do
+constexpr double kBareUntilLost = 10;  // m of path without ground, after which any height is accepted again
+constexpr double kSpacing = 0.1;       // m of path between samples
 constexpr std::size_t kMostSamples = 10'000'000;
-constexpr std::size_t kMostEvened = 20;  // samples on each side of a sample: a limit where the vehicle hardly moves
+constexpr std::size_t kMostEvened = 20;  // largest number of samples averaged on each side, for parts of the path where
+                                         // the vehicle hardly moves
 
 struct Stand {
   double height, along, left;
 };
 
-// Returns the plane that best fits the ground under the four wheels; nothing if more than one wheel has no ground.
-// `height` returns the ground's height at a place in the world.
+// Returns the height and slopes of the plane that best fits the ground under the four wheels; nothing if more than one
+// wheel has no ground. `height` returns the height of the ground at a position in the world frame.
 template <typename Height>
 std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, const Height& height) {
   const Vec3d& at = pose.translation;
@@ -44,14 +46,14 @@ std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, con
       hangs = i;
     }
   }
-  // A wheel over a gap is put into the plane of the other three.
+  // A wheel without ground is put into the plane of the other three wheels.
   if (hangs) wheel[*hangs] = wheel[*hangs ^ 1] + wheel[*hangs ^ 2] - wheel[*hangs ^ 3];
   return Stand{(wheel[0] + wheel[1] + wheel[2] + wheel[3]) / 4,
                (wheel[0] + wheel[1] - wheel[2] - wheel[3]) / (2 * (*options.wheels)[0]),
                (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
 }
 
-// Returns the rotation of a vehicle that heads towards `yaw` on a plane with these slopes.
+// Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with these slopes.
 Quat onSlope(double yaw, double along, double left) {
   const Vec3d x = normalized(Vec3d{1, 0, along});
   const Vec3d z = normalized(Vec3d{-along, -left, 1});
@@ -91,9 +93,9 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
                              const Ground& ground)
     : places_(std::move(places)) {
   std::vector<std::optional<Sample>> found(places_.size());
-  std::vector<double> driven(places_.size(), 0.0);  // m
+  std::vector<double> driven(places_.size(), 0.0);  // m driven up to each place
   std::optional<double> last;
-  double lastAt = 0;  // m of path, the last place with known ground
+  double lastAt = 0;  // m driven up to the latest sample that has ground
   std::size_t bare = 0;
   Vec3d before = way(0).translation;
   for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -122,7 +124,8 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
                                  shortPlace(way(0).translation)));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
-  // Samples without ground copy the one before; those at the start copy the first one with ground.
+  // A sample without ground copies the sample before it; samples before the first ground copy the first sample with
+  // ground.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
   for (const auto& sample : found) {
     if (sample) known = *sample;
@@ -150,25 +153,26 @@ std::vector<double> GroundProfile::placesOf(const Way& way, const std::vector<do
   return places;
 }
 
-// Smooths each sample over its neighbours less than kSmooth before and behind it.
+// Smooths each sample over its neighbours on the path, up to kSmooth before and behind the sample.
 std::vector<GroundProfile::Sample> GroundProfile::evened(const std::vector<Sample>& samples,
                                                          const std::vector<double>& driven) {
   std::vector<Sample> means;
   means.reserve(samples.size());
   const std::size_t last = samples.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
-    // Take the same number of samples on both sides, so that even slopes are kept, at the ends too.
+    // Take the same number of samples on both sides, so that constant slopes are preserved even at the ends of the
+    // path.
     std::size_t own = 0;
     while (own < std::min({i, last - i, kMostEvened}) && driven[i] - driven[i - own - 1] <= kSmooth &&
            driven[i + own + 1] - driven[i] <= kSmooth) {
       ++own;
     }
-    // Fit a line by least squares and evaluate it at the sample's own place: even slopes are kept for any spacing of
-    // the samples.
+    // Fit a line by least squares and evaluate the line at the sample's position on the path: this preserves constant
+    // slopes for any spacing of the samples.
     double sumD = 0;
     double sumDD = 0;
     Sample sum;
-    Sample sumBy;  // sum of the values times their distances
+    Sample sumBy;  // sums of the values times their distances from the sample
     for (std::size_t k = i - own; k <= i + own; ++k) {
       const Sample& s = samples[k];
       const double d = driven[k] - driven[i];

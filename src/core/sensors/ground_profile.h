@@ -1,6 +1,6 @@
 #pragma once
 
-// Places a vehicle on the ground, whatever heights its path was given with.
+// Places a vehicle on the ground, whatever the heights of its path are.
 
 #include <array>
 #include <functional>
@@ -17,51 +17,52 @@ namespace scanmill {
 class Ground {
  public:
   virtual ~Ground() = default;
-  // Returns the height (m) of the highest surface at this place that is below it or at most 0.5 m above it; if there is
-  // none, that of the lowest surface above it. Nothing if there is no surface at all.
+  // Returns the height (m) of the highest surface that is below `place` or at most 0.5 m above it. If no surface is
+  // that low, returns the height of the lowest surface above `place`; nothing if there is no surface at all.
   virtual std::optional<double> under(const Vec3d& place) const = 0;
-  // Returns the height (m) of the surface nearest to this place, at most 1.5 m below or above it; nothing if there is
-  // none.
+  // Returns the height (m) of the surface nearest to `place`, at most 1.5 m below or above it; nothing if no surface is
+  // that near.
   virtual std::optional<double> near(const Vec3d& place) const = 0;
 };
 
 // Read from YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
   double height = 0;                                        // m, of the vehicle's origin above the ground
-  std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: it stays upright
-  std::vector<std::string> classes;                         // on which it is placed; empty: all that are not things
+  std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: the vehicle stays upright
+  std::vector<std::string> classes;                         // classes of the ground; empty: all that are not thing
+                                                            // classes
   Location where;
 };
 
-// Throws InputError.
+// Reads the options of the key `ground`. Throws InputError.
 GroundOptions readGround(const Value& value);
 
 // Heights and slopes of the ground under a vehicle along its path.
 class GroundProfile {
  public:
-  // Returns the vehicle's pose at a place on the path, given in m or s, before it is placed on the ground.
+  // Returns the vehicle's pose at a position on the path (in m or s), before the pose is placed on the ground.
   using Way = std::function<Pose(double)>;
 
-  // Samples the ground at these places of the path, in ascending order. At the start it is the ground under the pose,
-  // later the ground nearest in height to the previous sample, so that bridges and what lies beneath are not confused.
-  // Over gaps the vehicle keeps its height; after 10 m without ground, the ground under the pose is taken again. Throws
-  // InputError at `options.where` if the whole path has no ground.
+  // Samples the ground at `places`, ascending positions on the path. The first sample is the ground under the pose;
+  // each later sample is the ground nearest in height to the previous sample, so that a bridge is not confused with
+  // what lies beneath it. Over gaps the vehicle keeps its height; after 10 m without ground the ground under the pose
+  // is taken again. Throws InputError at `options.where` if no part of the path has ground.
   GroundProfile(const GroundOptions& options, const Way& way, std::vector<double> places, const Ground& ground);
 
-  // Returns places at most 0.1 m apart between ascending knots. Between two knots the path must be about straight and
-  // the speed about even. Throws InputError at `where` for more than ten million places.
+  // Returns positions on the path, at most 0.1 m apart, between ascending knots. Between two knots the path must be
+  // nearly straight and the speed nearly constant. Throws InputError at `where` for more than ten million positions.
   static std::vector<double> placesOf(const Way& way, const std::vector<double>& knots, const Location& where);
 
-  // Places a pose on the ground: it keeps its horizontal position and heading, and gets the ground's height, pitch and
-  // roll.
+  // Places a pose on the ground: the result has the pose's horizontal position and heading, and the ground's height,
+  // pitch and roll. `at`: the position on the path.
   Pose place(const Pose& pose, double at) const;
-  // Returns the share of the path without ground, where the heights around are kept.
+  // Returns the fraction of the path's samples that have no ground, where heights of neighbouring samples are used.
   double bare() const { return bare_; }
 
  private:
   struct Sample {
     double height = 0;           // m
-    double along = 0, left = 0;  // slopes, up is positive
+    double along = 0, left = 0;  // slopes ahead and to the left, as a ratio; positive is upwards
   };
   static std::vector<Sample> evened(const std::vector<Sample>& samples, const std::vector<double>& driven);
 
@@ -70,8 +71,8 @@ class GroundProfile {
   std::vector<Sample> samples_;
 };
 
-// Places a single pose on the ground; its own pitch and roll are added to those of the ground. Throws InputError if
-// there is no ground.
+// Places a single pose on the ground and adds the pose's pitch and roll to those of the ground. Throws InputError if
+// there is no ground under the pose.
 Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground);
 
 }  // namespace scanmill

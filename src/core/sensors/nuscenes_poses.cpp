@@ -16,7 +16,8 @@ namespace {
 using Json = nlohmann::json;
 constexpr std::string_view kScans = "LIDAR_TOP";  // part of the file names of scans
 
-// Calls `take` for each row of a table. Rows are dropped as soon as they are taken: the largest table has millions.
+// Calls `take` for each row of a table. Each row is freed after the call, because the largest table has millions of
+// rows.
 void forEachRow(const std::filesystem::path& file, const std::function<void(const Json&)>& take) {
   const std::string bytes = readFile(file);
   try {

@@ -41,7 +41,8 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InputError({file_}, what); }
 
-  // Returns the value of a key in a group, as new files have it, or else at the top level; null if there is none.
+  // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if the file has
+  // neither.
   const Json* find(const char* group, const char* key) const {
     if (const auto g = root_.find(group); g != root_.end() && g->is_object()) {
       if (const auto found = g->find(key); found != g->end() && !found->is_null()) return &*found;
@@ -128,7 +129,7 @@ class Reader {
   }
 
   void readOrigin(OusterMetadata& m) const {
-    // The defaults of ouster-sdk.
+    // Default values of ouster-sdk.
     m.originOffset = m.model.starts_with("OS-0")   ? 0.02767
                      : m.model.starts_with("OS-1") ? 0.015806
                      : m.model.starts_with("OS-2") ? 0.013762

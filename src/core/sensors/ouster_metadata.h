@@ -1,6 +1,6 @@
 #pragma once
 
-// The metadata of Ouster's sensors, as the sensors report it and recordings include it.
+// The metadata of Ouster's sensors, as sensors report them and recordings include them.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,20 +11,20 @@
 namespace scanmill {
 
 struct OusterMetadata {
-  std::string model;  // "OS-1-128", or empty where the file does not say
-  // Per ring, in the file's order, without unused lasers; degrees, azimuths counter-clockwise.
+  std::string model;  // "OS-1-128", or empty if the file does not name the model
+  // Angles per ring (deg), in the file's order, without unused lasers; azimuths are counter-clockwise.
   std::vector<double> elevation, azimuth;
   std::uint32_t columns = 0;  // per revolution
   double rate = 0;            // revolutions per second
-  // The window of columns that are reported: its first column and its number of columns.
+  // First column and number of columns of the window that the sensor reports.
   std::uint32_t firstColumn = 0, windowColumns = 0;
   double firstAzimuth = 0;  // deg, of column 0
-  double originOffset = 0;  // m, from the axis to the beam origins
-  double originHeight = 0;  // m
+  double originOffset = 0;  // m, from the axis of rotation to the beam origins
+  double originHeight = 0;  // m, of the beam origins above the origin of the sensor's frame
 };
 
-// Reads metadata of old and new firmware, complete or reduced to the beams' angles and the mode. Missing values get the
-// defaults of Ouster's own software (ouster-sdk, types.cpp). Throws InputError with the file and what is wrong.
+// Reads metadata of old or new firmware, complete or reduced to the beams' angles and the mode. Missing values get the
+// defaults of Ouster's own software (ouster-sdk, types.cpp). Throws InputError with the file and the reason.
 OusterMetadata readOusterMetadata(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -27,7 +27,7 @@ std::array<double, N> numbersOf(std::string_view text, const Location& where, co
   return numbers;
 }
 
-// Returns the transform with these first three rows. Throws InputError if it is not rigid.
+// Returns the transform whose matrix has `m` as its first three rows. Throws InputError if the transform is not rigid.
 Affine rigid(const std::array<double, 12>& m, const Location& where) {
   const Affine affine{{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}}, {m[3], m[7], m[11]}};
   const Mat3 product = transposed(affine.linear) * affine.linear;
@@ -40,18 +40,19 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
   return affine;
 }
 
-// Turns each pose into the direction of travel: from a place before it to a place behind it, at least 5 cm apart. A
-// vehicle that stands heads from where it came from to where it goes next.
+// Sets each pose's rotation to the direction of travel: from the last position before the pose to the next position
+// after it, among positions at least 5 cm apart. While a vehicle stands still, the direction is from its previous
+// position to its next one.
 void headAlong(std::vector<StampedPose>& poses) {
-  constexpr double kMoves = 0.05;  // m
+  constexpr double kMoves = 0.05;  // m, least distance of positions that give a direction
   const auto placeOf = [&](std::size_t i) { return poses[i].pose.translation; };
-  std::vector<std::size_t> marks{0};  // poses at least kMoves apart
+  std::vector<std::size_t> marks{0};  // indices of poses at least kMoves apart
   for (std::size_t i = 1; i < poses.size(); ++i) {
     const Vec3d way = placeOf(i) - placeOf(marks.back());
     if (std::hypot(way.x, way.y) >= kMoves) marks.push_back(i);
   }
   if (marks.size() < 2) return;
-  std::size_t mark = 0;  // the last mark at or before the pose
+  std::size_t mark = 0;  // index in `marks` of the last mark at or before the pose
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (mark + 1 < marks.size() && marks[mark + 1] <= i) ++mark;
     const std::size_t ahead = std::min(mark + 1, marks.size() - 1);
@@ -68,7 +69,7 @@ std::string_view unquoted(std::string_view cell) {
   return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2) : cell;
 }
 
-// The columns of a table of poses.
+// Finds the columns of a table of poses by their names.
 class PoseColumns {
  public:
   explicit PoseColumns(const TextLine& head) : where_(head.where) {

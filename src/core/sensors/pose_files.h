@@ -11,7 +11,8 @@
 
 namespace scanmill {
 
-// Returns the rotation scaled to length 1; throws if its length differs from 1 by a hundredth or more.
+// Returns the rotation scaled to length 1. Throws InputError if the length of `q` differs from 1 by a hundredth or
+// more.
 Quat checkedRotation(const Quat& q, const Location& where);
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
@@ -20,8 +21,8 @@ std::vector<double> readTimes(const std::filesystem::path& file);  // s, one per
 Affine readKittiCalibration(const std::filesystem::path& file);
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file);
-// Returns the poses at which a scene's scans were taken; `file` is the table ego_pose.json, beside which scene.json,
-// sample.json and sample_data.json lie.
+// Returns the poses of the vehicle at the times of a scene's scans. `file`: the table ego_pose.json, whose folder must
+// also contain scene.json, sample.json and sample_data.json.
 std::vector<StampedPose> readNuScenesPoses(const std::filesystem::path& file, const std::string& scene);
 
 }  // namespace scanmill

@@ -13,7 +13,7 @@
 namespace scanmill {
 namespace {
 
-// Converts x forward, y left, z up to a camera's x right, y down, z forward.
+// Converts from the axes x forward, y left, z up to a camera's axes x right, y down, z forward.
 constexpr Mat3 kCameraFromVehicle{{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
 
 std::string formatOf(Fields& f, const std::filesystem::path& file) {
@@ -68,7 +68,8 @@ std::vector<StampedPose> readKitti(Fields& f, const std::filesystem::path& file)
   return poses;
 }
 
-// Turns the poses about the vertical and moves them, so that the first has this place and this yaw.
+// Moves all poses and rotates them about the vertical, so that the first pose has the position `place` (m) and the
+// heading `yaw` (rad).
 void startAt(const Vec3d& place, double yaw, std::vector<StampedPose>& poses) {
   const Pose first = poses.front().pose;
   const Quat turn = fromYawPitchRoll(yaw - headingOf(first.rotation), 0, 0);
@@ -93,10 +94,11 @@ Pose RecordedPoses::at(double time) const {
   const StampedPose& b = poses_[i + 1];
   const double span = b.time - a.time;
   const double u = (time - a.time) / span;
-  const auto meanOf = [&](std::size_t k) {  // mean velocity from pose k to the next
+  const auto meanOf = [&](std::size_t k) {  // mean velocity (m/s) from pose k to pose k + 1
     return (poses_[k + 1].pose.translation - poses_[k].pose.translation) * (1 / (poses_[k + 1].time - poses_[k].time));
   };
-  // The velocity of the parabola through three poses, limited so that the curve between two of them does not overshoot.
+  // The velocity at pose k of the parabola through the pose and its neighbours, limited so that the curve between two
+  // poses does not overshoot.
   const auto velocity = [&](std::size_t k) {
     if (k == 0 || k + 1 == poses_.size()) return meanOf(k == 0 ? 0 : k - 1);
     const Vec3d before = meanOf(k - 1);
@@ -108,7 +110,7 @@ Pose RecordedPoses::at(double time) const {
     const double own = scanmill::length(v);
     return own > most ? v * (most / own) : v;
   };
-  // Hermite's cubic.
+  // Cubic Hermite interpolation.
   const Vec3d start = velocity(i) * span;
   const Vec3d end = velocity(i + 1) * span;
   const Vec3d chord = b.pose.translation - a.pose.translation;
@@ -139,8 +141,8 @@ std::string RecordedPoses::about() const {
 }
 
 std::string RecordedPoses::doubt() const {
-  constexpr double kFastest = 100;  // m/s
-  constexpr double kMoves = 0.5;    // m/s; below this the direction of travel is not tested
+  constexpr double kFastest = 100;  // m/s; faster poses cause a warning
+  constexpr double kMoves = 0.5;    // m/s; below this speed the direction of travel is not tested
   double upright = 0;
   double ahead = 0;
   double moved = 0;

@@ -10,35 +10,36 @@
 
 namespace scanmill {
 
-// A pose at a time (s).
+// A pose with its time (s).
 struct StampedPose {
   double time = 0;
   Pose pose;
-  int line = 0;  // line in the file; 0: the file has no lines
+  int line = 0;  // line of the file; 0: the file has no lines
 };
 
-// Interpolates recorded poses. Positions follow a cubic curve (Hermite's). Its velocity at a pose is that of the
-// parabola through the pose and its neighbours, but at most three times the slower of the mean velocities before and
-// behind it (Fritsch and Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 1980), so that nothing
-// overshoots. Rotations turn evenly from pose to pose.
+// Interpolates recorded poses. Positions follow a cubic Hermite curve. The curve's velocity at a pose is the velocity
+// of the parabola through the pose and its two neighbours, but at most three times the slower of the mean velocities
+// before and after the pose (Fritsch and Carlson, "Monotone piecewise cubic interpolation", SIAM J. Numer. Anal. 1980),
+// so that the curve does not overshoot. Rotations are interpolated at constant angular velocity from pose to pose.
 class RecordedPoses {
  public:
   // Needs at least two poses, with ascending times.
   explicit RecordedPoses(std::vector<StampedPose> poses);
 
-  // Returns the pose at a time (s after the first pose); before the first and after the last the vehicle stands still.
+  // Returns the pose at a time (s after the first pose). The vehicle stands still before the first pose and after the
+  // last.
   Pose at(double time) const;
-  double duration() const { return poses_.back().time; }  // s
-  double length() const;                                  // m, straight from pose to pose
+  double duration() const { return poses_.back().time; }  // s, time of the last pose
+  double length() const;                                  // m, sum of the straight distances from pose to pose
   std::vector<double> times() const;                      // s since the first pose, one per pose
-  // Describes the poses: "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s".
+  // Returns a description for messages: "412 poses in 41.2 s, 310 m, at most 0.31 s apart, 7.52 m/s".
   std::string about() const;
-  // Returns a warning about poses that are possible but seldom meant: too fast, upside down, or heading elsewhere than
-  // the vehicle drives; else empty.
+  // Returns a warning about poses that are possible but probably wrong: too fast, upside down, or with a heading far
+  // from the direction of travel. Empty if the poses are plausible.
   std::string doubt() const;
 
  private:
-  std::vector<StampedPose> poses_;  // the first at the time 0
+  std::vector<StampedPose> poses_;  // ascending in time; the time of the first pose is 0
 };
 
 // Reads from YAML:
@@ -48,20 +49,20 @@ class RecordedPoses {
 //     format: kitti                  # kitti, tum, nuscenes, csv; default: by the file's name
 //     times: sequences/00/times.txt  # kitti: s, one per line; or
 //     interval: 0.1                  # s from pose to pose
-//     calib: sequences/00/calib.txt  # kitti: makes the poses those of the laser scanner (Tr); without it they are the
-//                                    # camera's, turned so that x is forward and z up
-//     scene: scene-0061              # nuscenes: the file is v1.0-*/ego_pose.json; the other tables lie beside it
+//     calib: sequences/00/calib.txt  # kitti: its transform Tr gives the poses of the laser scanner; without the key,
+//                                    # the poses are the camera's, turned so that x is forward and z is up
+//     scene: scene-0061              # nuscenes: the file is v1.0-*/ego_pose.json, beside the other tables
 //     frame: vehicle                 # tum, csv: the frame of the poses: vehicle (x forward, z up), or camera (z
 //                                    # forward, y down)
-//     start: {position: [x, y, z], yaw_deg: 90}   # moves all poses so that the first is here and heads this way; a key
-//                                    # that is left out keeps the recorded value
+//     start: {position: [x, y, z], yaw_deg: 90}   # moves all poses so that the first one has this position and
+//                                    # heading; without a key, the recorded value is kept
 //
 // KITTI: Geiger, Lenz, Urtasun, "Are we ready for autonomous driving?", CVPR 2012: 12 numbers per line, the first three
 // rows of the matrix that transforms points from the left camera's frame to its first frame. TUM: Sturm et al., "A
 // benchmark for the evaluation of RGB-D SLAM systems", IROS 2012: `time x y z qx qy qz qw`. Tables have a first line
 // with the names of their columns: time (s; or time_ms, time_us, time_ns), x, y, z (m), and qw, qx, qy, qz, or yaw,
-// pitch, roll (rad; or yaw_deg, ...), or no rotation: then the vehicle heads along its path. Throws InputError with the
-// file and its line.
+// pitch, roll (rad; or yaw_deg, ...), or no rotation, in which case the vehicle heads along its path. Throws InputError
+// with the file and its line.
 RecordedPoses readRecordedPoses(const Value& value);
 
 }  // namespace scanmill

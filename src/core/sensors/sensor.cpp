@@ -19,7 +19,7 @@ namespace {
 constexpr double kMaxRings = 4096;
 constexpr double kMaxColumns = 65536;
 
-// Reads a count as a double, so that 1e12 is read too and refused by a message with the arithmetic.
+// Reads a count as a double, so that a value such as 1e12 can be refused with a message about the number of beams.
 double readCount(const Value& value, std::string_view what) {
   const double count = readNumber(value, what);
   if (count != std::floor(count)) {
@@ -92,7 +92,7 @@ std::vector<double> listedElevations(const Value& value, const std::string& orde
   return elevation;
 }
 
-// Returns the azimuth offset of each ring (deg), from a pattern that repeats over the rings.
+// Returns the azimuth offset of each ring (deg), from a list that is repeated over the rings.
 std::vector<double> readAzimuthOffsets(const Value* value, std::uint32_t rings) {
   if (value == nullptr) return std::vector<double>(rings, 0.0);
   std::vector<double> pattern = readNumbers(*value, "azimuth_offset_deg", {-180, 180});
@@ -148,7 +148,7 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   return times;
 }
 
-// Returns the offset of each ring (m), from one per ring or one for all; empty if all are zero.
+// Returns the offset of each ring (m), read as one value per ring or one value for all; empty if all are zero.
 std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint32_t rings) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -178,7 +178,8 @@ void readRange(Fields& fields, BeamTable& table) {
   table.maxRange = limits[1];
 }
 
-// Reads the widths across and up: two figures, or one for both.
+// Reads the beam's widths across and up, as two values or one value for both, and multiplies them by `unit`. `most`:
+// the largest value allowed.
 std::array<double, 2> readWidths(Fields& fields, std::string_view key, double most, double unit) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};
@@ -204,7 +205,7 @@ void readBeamShape(Fields& fields, BeamTable& table) {
 
 namespace {
 
-// Throws InputError if a calibration has more or fewer lasers than the preset beside it has rings.
+// Throws InputError if the number of a calibration's lasers differs from the number of the preset's rings.
 void checkSameLasers(const Value& preset, const Value& own) {
   const Value* elevation = preset.find("elevation_deg");
   const Value* calibration = own.find("calibration");
@@ -241,7 +242,8 @@ Value resolveSensor(const Value& value) {
     const auto old = std::find_if(merged.entries.begin(), merged.entries.end(),
                                   [&](const auto& other) { return other.key == entry.key; });
     if (old != merged.entries.end()) {
-      const bool unit = entry.key == "source" && value.find("source") == nullptr;  // a calibration added it
+      const bool unit = entry.key == "source" && value.find("source") == nullptr;  // true if a calibration has added
+                                                                                   // the key `source`
       const std::string before = unit ? old->value.text + "; " : "";
       old->value = entry.value;
       old->value.text = before + old->value.text;
@@ -298,7 +300,7 @@ void refuseBeside(Fields& fields, const char* key, std::initializer_list<const c
   }
 }
 
-// Fills the per-ring arrays, which patterns without cones do not use, with zeros.
+// Fills the per-ring arrays with zeros, for patterns whose rings are not on cones.
 void clearCones(BeamTable& table) {
   table.field = 2 * kPi;
   table.elevation.assign(table.rings, 0);
@@ -361,7 +363,7 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   table.azimuthOffset = scaled(readAzimuthOffsets(fields.find("azimuth_offset_deg"), table.rings), radians(1));
   table.firingOffset = scaled(readFiringTimes(fields.find("firing_time_us"), table), 1e-6);
   if (fields.boolean("turns_while_firing", false)) {
-    const double turn = (table.clockwise ? -2 : 2) * kPi / table.period;  // rad/s
+    const double turn = (table.clockwise ? -2 : 2) * kPi / table.period;  // rad/s, angular velocity of the head
     for (std::uint32_t ring = 0; ring < table.rings; ++ring) {
       table.azimuthOffset[ring] += turn * table.firingOffset[ring];
     }
@@ -372,12 +374,12 @@ void readCones(Fields& fields, const Value& value, BeamTable& table) {
   table.originUp = readOrigins(fields, "origin_up_m", table.rings);
 }
 
-// Replaces the cones by the pixels of a flash sensor.
+// Replaces the rings on cones by the pixels of a flash sensor.
 void makeFlash(Fields& fields, BeamTable& table) {
   refuseBeside(fields, "pattern: flash",
                {"azimuth_offset_deg", "firing_time_us", "turns_while_firing", "origin_offset_m", "origin_height_m",
                 "origin_left_m", "origin_up_m"});
-  constexpr double kWidest = 170;  // deg
+  constexpr double kWidest = 170;  // deg, largest field of view of a flash sensor
   const Value& field = fields.require("field_deg");
   if (degrees(table.field) > kWidest) {
     throw InputError(field.where, fmt::format("field_deg of a flash sensor must be at most {}", kWidest));

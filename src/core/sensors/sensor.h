@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads sensor files, such as those in pipelines/sensors.
+// Reads sensor files, such as those in pipelines/sensors. Their keys:
 //
 //   const std::shared_ptr<const BeamTable> beams = makeBeams(readYaml("pipelines/sensors/vlp_16.yaml"));
 //
@@ -8,32 +8,34 @@
 //
 //   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
 //   source: ...
-//   columns: 1024                      # per revolution (per field, where the field is partial)
+//   columns: 1024                      # per revolution (if the field is partial: per field)
 //   rate_hz: 10                        # revolutions per second
 //   direction: clockwise               # or counterclockwise (default), seen from above
 //   first_azimuth_deg: 180             # where column 0 points: 0 is forward, 90 is left (default 0)
-//   field_deg: 360                     # horizontal; less is swept from edge to edge (default 360)
+//   field_deg: 360                     # horizontal field of view; a partial one is swept from edge to edge (default
+//                                      # 360)
 //   elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16}
 //   ring_order: top_down               # or bottom_up; a list may be `unordered` (default top_down)
-//   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a pattern that repeats (default 0)
+//   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a list that is repeated (default 0)
 //   origin_offset_m: 0.0158            # beam origin to the axis of rotation, towards the head's azimuth (default 0)
-//   origin_height_m: 0.036             # beam origin above the sensor's own origin (default 0)
-//   origin_left_m: [0.026, ...]        # further offset of the beam origin, to the left of the beam: one per ring or
-//                                      # one for all
-//   origin_up_m: [0.195, ...]          # and perpendicular to the beam, upwards, likewise
-//   calibration: 64e_s2.yaml           # in place of elevation_deg, ring_order, azimuth_offset_deg, origin_left_m and
+//   origin_height_m: 0.036             # beam origin above the sensor's origin (default 0)
+//   origin_left_m: [0.026, ...]        # further offset of the beam origin to the left of the beam: one per ring or one
+//                                      # for all
+//   origin_up_m: [0.195, ...]          # the same upwards, perpendicular to the beam
+//   calibration: 64e_s2.yaml           # replaces elevation_deg, ring_order, azimuth_offset_deg, origin_left_m and
 //                                      # origin_up_m: see calibration.h
-//   firing_time_us: [0, 2.3, ...]      # within a column, one per ring, or {step_us: 2.3} from ring to ring, or {file:}
-//                                      # see beam_files.h (default 0)
-//   turns_while_firing: true           # adds the head's turn until a ring fires to the ring's azimuth: required
-//                                      # if azimuths are those of a column, as vendors give them (default false)
-//   range_m: [0.5, 120]                # nearest and farthest report
-//   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one figure (default 0); for a
-//                                      # Gaussian beam to 1/e^2 of the power, 1.699 times its width at half the power
-//   exit_width_mm: [12.7, 9.5]         # the beam's width where it leaves the sensor, likewise (default 0)
+//   firing_time_us: [0, 2.3, ...]      # time of each ring within a column; or {step_us: 2.3} from ring to ring; or
+//                                      # {file: NAME}, see beam_files.h (default 0)
+//   turns_while_firing: true           # adds the head's rotation until a ring fires to the ring's azimuth; needed if
+//                                      # the azimuths are those of the column, as vendors give them (default false)
+//   range_m: [0.5, 120]                # nearest and farthest range that is reported
+//   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one value for both (default 0). For
+//                                      # a Gaussian beam it extends to 1/e^2 of the power, which is 1.699 times the
+//                                      # angle at half of the power
+//   exit_width_mm: [12.7, 9.5]         # width of the beam at the sensor, in the same form (default 0)
 //   beam_shape: gaussian               # or uniform (default gaussian)
 //   pulse_ns: 6                        # emitted pulse, full width at half of its maximum
-//   effects: [range_noise: {...}]      # for pipelines that say `effects: sensor`; not part of the beam table
+//   effects: [range_noise: {...}]      # for pipelines with `effects: sensor`; not part of the beam table
 
 #include <cstdint>
 #include <filesystem>
@@ -45,20 +47,20 @@
 
 namespace scanmill {
 
-// The number of beams of a sensor file. It is known without building the table, so that a plan with too many beams is
-// refused before memory is allocated.
+// The number of beams of a sensor file. The number is known without building the table, so that a plan with too many
+// beams is refused before memory is allocated.
 struct SensorSize {
   std::uint64_t rings = 0;
   std::uint64_t columns = 0;
 };
 
-// `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Returns the
-// map of the sensor: the keys of the preset, if there is one, replaced by the pipeline's own keys of the same names.
-// Each value keeps its location in its file. Throws InputError.
+// Returns the complete map of a sensor: the keys of its preset, if it names one, overridden by the keys of `value`.
+// `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Each key
+// keeps its location in its file. Throws InputError.
 Value resolveSensor(const Value& value);
 
-// Read a sensor map, from a file of its own or from a pipeline. A sensor has 1 to 4096 rings and 1 to 65536 columns.
-// Throw InputError with the place.
+// Read a sensor map, from a sensor file or a pipeline. A sensor has 1 to 4096 rings and 1 to 65536 columns. Throw
+// InputError with the place.
 SensorSize sensorSize(const Value& description);
 std::shared_ptr<const BeamTable> makeBeams(const Value& description);
 

@@ -60,7 +60,7 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
             steps, beams->model, beams->columns, beams->columns));
   }
   const double duration = motion.kind == MotionKind::None ? 0 : beams->columnPeriod() * beams->columns;
-  // A vehicle that stands still needs one pose, whatever was asked.
+  // One pose is enough for a vehicle that stands still.
   if (trajectory.still()) steps = 1;
 
   Shot shot;
@@ -71,7 +71,7 @@ Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& t
   shot.deskew = motion.deskew;
   shot.worldFromSensor.reserve(steps);
   for (std::uint64_t step = 0; step < steps; ++step) {
-    // The first column of the step: see Shot::worldFromSensor.
+    // The first column of the step, by the rule at Shot::worldFromSensor.
     const auto column = static_cast<std::uint32_t>((step * beams->columns + steps - 1) / steps);
     shot.worldFromSensor.push_back(trajectory.pose(frame, beams->columnTime(column)) * vehicleFromSensor);
   }

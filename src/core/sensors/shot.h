@@ -1,9 +1,9 @@
 #pragma once
 
-// A shot: one revolution of one sensor at one time, from one pose or several if it moves, with the address of its
-// random numbers.
+// A shot: one revolution of one sensor at one time, from one pose or, if the sensor moves, several poses, with the
+// address of the shot's random numbers.
 //
-//   Shot still;  // a sensor that stands 1.9 m above the world's origin
+//   Shot still;  // the sensor stands 1.9 m above the world's origin
 //   still.beams = beams;
 //   still.worldFromSensor = {Pose{.rotation = {}, .translation = {0, 0, 1.9}}};
 
@@ -20,25 +20,26 @@
 namespace scanmill {
 
 struct Shot {
-  std::uint64_t seed = 0;    // with scene, frame and sensor the address of its random numbers
+  std::uint64_t seed = 0;    // seed, scene, frame and sensor are the address of the shot's random numbers
   std::uint32_t scene = 0;   // index of the sequence in the pipeline
   std::uint32_t frame = 0;   // index in the sequence
-  std::uint32_t sensor = 0;  // index on the vehicle
+  std::uint32_t sensor = 0;  // index of the sensor on the vehicle
   std::string sensorName;
-  std::string sample;   // key of the sample, which names the shot's files
-  double time = 0;      // s since the start of the sequence, of column 0
-  double duration = 0;  // s, during which the scene's objects move; 0: they stay where they are at `time`
-  // s from `time` to the sequence's next frame. The last frame repeats the interval before it; a single frame has the
-  // sensor's period.
+  std::string sample;   // key of the sample; file names of the shot begin with it
+  double time = 0;      // s since the start of the sequence, at column 0
+  double duration = 0;  // s, time in which the scene's objects move; 0: objects keep their pose at `time`
+  // Time from `time` to the sequence's next frame (s). For the last frame, the interval before it; for a single frame,
+  // the sensor's period.
   double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
 
-  // The pose at the start of each step of the revolution. With one entry the sensor stands still during the revolution.
-  // A column belongs to the step column * steps / columns, rounded down, whether or not the steps divide the columns.
+  // The sensor's pose at the start of each step of the revolution. With one entry the sensor stands still during the
+  // revolution. A column belongs to the step column * steps / columns, rounded down; the number of steps need not
+  // divide the number of columns.
   std::vector<Pose> worldFromSensor;
 
-  // The frame in which points are given. False: the sensor's at the step that fired them, as sensors report them. True:
-  // the sensor's at the start of the revolution.
+  // The frame in which points are given. False: each point in the sensor's frame at the step that fired it, as sensors
+  // report points. True: all points in the sensor's frame at the start of the revolution.
   bool deskew = false;
 
   std::size_t stepOf(std::uint32_t column) const {
@@ -47,23 +48,23 @@ struct Shot {
   }
 };
 
-// The number of poses in a revolution: one, one per column, or a number of steps.
+// The number of sensor poses in a revolution: one pose, one pose per column, or a number of steps.
 enum class MotionKind { None, PerColumn, Steps };
 
 struct Motion {
   MotionKind kind = MotionKind::None;
-  std::uint32_t steps = 1;  // for MotionKind::Steps
+  std::uint32_t steps = 1;  // used only by MotionKind::Steps
   bool deskew = false;
   Location where;
 };
 
-// Reads none, per_column, {steps: 360, deskew: false} or {steps: per_column, deskew: true}. A null pointer gives none.
+// Reads none, per_column, {steps: 360, deskew: false} or {steps: per_column, deskew: true}; a null pointer means none.
 // Throws InputError.
 Motion readMotion(const Value* value);
 
-// Returns a shot with its poses, time, beams (those of the table at its time: beamsAt()), frame and deskew; the caller
-// sets the names and the rest of the address of its random numbers. Throws InputError if the motion has more steps than
-// the sensor has columns.
+// Returns a shot with its poses, time, beams (of `table` at that time: see beamsAt()), frame and deskew; the caller
+// sets the names and the other parts of the address of the random numbers. Throws InputError if the motion has more
+// steps than the sensor has columns.
 Shot makeShot(const std::shared_ptr<const BeamTable>& table, const Trajectory& trajectory, std::uint32_t frame,
               const Pose& vehicleFromSensor, const Motion& motion);
 

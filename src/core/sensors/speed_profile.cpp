@@ -7,16 +7,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 0.25;   // m
-constexpr double kReach = 2;     // m of path, over which the change of heading gives the curvature
-constexpr double kCrawl = 1e-3;  // m/s, least mean speed between two neighbouring places at which the vehicle stops
+constexpr double kStep = 0.25;   // m, between the places where the speed is computed
+constexpr double kReach = 2;     // m of path over which a change of heading is measured to get the curvature
+constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two places, so that a vehicle that starts or stops
+                                 // takes a finite time
 
 }  // namespace
 
 SpeedProfile::SpeedProfile(double length, double speed) : nodes_{{0, 0, speed}, {length / speed, length, speed}} {}
 
 SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops) {
-  // Places along the path, including the stops and both ends, and the greatest speed at each.
+  // Positions on the path (m), with the stops and both ends, and the largest speed at each position.
   std::vector<double> places;
   const auto pieces = static_cast<int>(std::ceil(path.length() / kStep));
   for (int k = 0; k <= pieces; ++k) places.push_back(path.length() * k / pieces);
@@ -82,7 +83,7 @@ double SpeedProfile::timeAt(double distance) const {
   if (next == nodes_.end()) return duration();
   const Node& a = *(next - 1);
   const Node& b = *next;
-  // The solution of v t + p t^2 / 2 = s, in a form that is exact for small p too.
+  // Solve v t + p t^2 / 2 = s for t, in a form that is exact for small p too.
   const double push = (b.speed - a.speed) / (b.time - a.time);
   const double way = distance - a.distance;
   const double now = std::sqrt(std::max(0.0, a.speed * a.speed + 2 * push * way));

@@ -1,6 +1,6 @@
 #pragma once
 
-// The distance that a vehicle has driven along its path at each time.
+// The distance that a vehicle has driven along its path, as a function of time.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-// A place at which a vehicle stops for a while.
+// A place on the path at which a vehicle stops for some time.
 struct DriveStop {
   double at = 0;    // m along the path
   double wait = 0;  // s
@@ -16,24 +16,24 @@ struct DriveStop {
 
 class SpeedProfile {
  public:
-  // Drives at one speed (m/s) all along a path of this length (m).
+  // A drive at a constant speed (m/s) along a path of length `length` (m).
   SpeedProfile(double length, double speed);
-  // Drives from rest at the path's start to rest at its end and at each stop, as fast as the speed (m/s), the
-  // acceleration and braking (m/s^2), and in bends the lateral acceleration kSideways allow. The stops lie within the
-  // path, in their order.
+  // A drive that starts at rest at the path's start, stops at each of `stops` and ends at rest at the path's end. In
+  // between it is as fast as these limits allow: `speed` (m/s), `acceleration` (m/s^2, also for braking), and the
+  // lateral acceleration kSideways in bends. The stops are positions within the path, in ascending order.
   SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops);
 
-  static constexpr double kSideways = 2;  // m/s^2
+  static constexpr double kSideways = 2;  // m/s^2, largest lateral acceleration in bends
 
   double duration() const { return nodes_.back().time; }  // s
-  // Returns the distance along the path (m) at a time (s): that of the start before, that of the end afterwards.
+  // Returns the distance driven (m) at a time (s); 0 before the start, the path's length after the end.
   double distance(double time) const;
   double speed(double time) const;  // m/s
-  // Returns the first time (s) at which the vehicle has driven this distance (m, at most the path's length).
+  // Returns the first time (s) at which the vehicle has driven `distance` (m, at most the path's length).
   double timeAt(double distance) const;
 
  private:
-  // Between two nodes the acceleration is constant.
+  // The state of the vehicle at a place on the path; between two nodes the acceleration is constant.
   struct Node {
     double time, distance, speed;
   };

@@ -13,7 +13,7 @@ Sway::Sway(const Value& value, std::uint64_t seed) {
   roll_ = radians(f.number("roll_deg", {0, 10}, 0));
   pitch_ = radians(f.number("pitch_deg", {0, 10}, 0));
   heave_ = f.number("heave_m", {0, 1}, 0);
-  constexpr double kSlowest = 0.6;  // Hz
+  constexpr double kSlowest = 0.6;  // Hz, lowest frequency of the sinusoids
   constexpr double kQuickest = 2;
   for (std::uint32_t axis = 0; axis < waves_.size(); ++axis) {
     for (std::uint32_t k = 0; k < kWaves; ++k) {
@@ -28,7 +28,7 @@ Sway::Sway(const Value& value, std::uint64_t seed) {
   }
 }
 
-// Returns a sum of sinusoids whose variance is 1.
+// Returns a sum of sinusoids at a time (s), scaled so that its variance over time is 1.
 double Sway::sum(const Waves& waves, double time) {
   double all = 0;
   for (const Wave& w : waves) all += std::sin(w.frequency * time + w.phase);

@@ -1,6 +1,6 @@
 #pragma once
 
-// How a vehicle sways on its springs while it drives.
+// The sway of a vehicle on its springs while it drives.
 
 #include <array>
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace scanmill {
 
-// Roll, pitch and heave as sums of sinusoids of 0.6 to 2 Hz, where the bodies of cars resonate, with random phases that
-// follow from a seed: smooth, and normally distributed over time.
+// Roll, pitch and heave as sums of sinusoids of 0.6 to 2 Hz, the resonance frequencies of car bodies. The phases are
+// random and follow from a seed. The sums are smooth and nearly normally distributed over time.
 class Sway {
  public:
-  Sway() = default;  // none
-  // Reads {roll_deg: 0.5, pitch_deg: 0.3, heave_m: 0.01} of YAML: standard deviations at the speed of the drive. Throws
-  // InputError.
+  Sway() = default;  // no sway
+  // Reads {roll_deg: 0.5, pitch_deg: 0.3, heave_m: 0.01} from YAML: standard deviations while the vehicle drives at the
+  // full speed of its drive. Throws InputError.
   Sway(const Value& value, std::uint64_t seed);
 
-  // Returns the pose of the swaying vehicle in the frame of one that does not sway. `part`: share of the full sway,
-  // which grows with the speed.
+  // Returns the pose of the swaying vehicle in the frame of the vehicle without sway, at a time (s). `part`: the
+  // vehicle's speed as a fraction of the full speed, with which the sway is scaled.
   Pose at(double time, double part) const;
 
  private:
@@ -32,8 +32,8 @@ class Sway {
   using Waves = std::array<Wave, kWaves>;
   static double sum(const Waves& waves, double time);
 
-  double roll_ = 0, pitch_ = 0;  // rad
-  double heave_ = 0;             // m
+  double roll_ = 0, pitch_ = 0;  // rad, standard deviations
+  double heave_ = 0;             // m, standard deviation
   std::array<Waves, 3> waves_{};
 };
 

@@ -13,17 +13,17 @@ namespace scanmill {
 
 struct TextLine {
   Location where;
-  std::string_view text;  // part of `bytes`, without surrounding spaces
+  std::string_view text;  // part of the file's bytes, without surrounding spaces
 };
 
-// Returns the lines of a file, without empty ones, those that begin with # and a byte order mark. Throws InputError if
-// no line is left.
+// Returns the lines of a file's bytes, without empty lines, lines that begin with #, and a byte order mark. Throws
+// InputError if no line is left. The lines refer to `bytes`.
 std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file);
 
 // Splits a line into cells, separated by any number of spaces and tabs, or by single commas or semicolons.
 std::vector<std::string_view> cellsOf(std::string_view text);
 
-// Throws InputError if the text is not a finite number.
+// Returns the number that a text spells. Throws InputError if the text is not a finite number.
 double numberOf(std::string_view text, const Location& where);
 
 }  // namespace scanmill

@@ -15,13 +15,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr Range kInterval{1e-9, 1e9};  // s or m
-constexpr double kLastTurn = 1;        // s after the start of the last frame, by which most revolutions have ended
-constexpr double kWorthTelling = 0.2;  // m; a path that is farther off the straight lines is reported
+constexpr Range kInterval{1e-9, 1e9};  // limits of every_s (s) and every_m (m)
+constexpr double kLastTurn = 1;        // s after the start of the last frame for which the path must be known; most
+                                       // revolutions end earlier
+constexpr double kWorthTelling = 0.2;  // m; a path that deviates more from the straight lines between its waypoints is
+                                       // reported
 
-// Returns the greatest distance (m) of a path through these points from the straight lines between them.
+// Returns the largest distance (m) between a path through `points` and the straight lines between them.
 double farthestOffLines(const Path& path, const std::vector<Vec3d>& points) {
-  constexpr int kPlaces = 32;  // between two points
+  constexpr int kPlaces = 32;  // places tested between two points
   double farthest = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const Vec3d chord = points[i + 1] - points[i];
@@ -61,7 +63,7 @@ void refuseKeysOfDrives(Fields& fields, const char* why) {
 }
 
 std::vector<DriveStop> readStops(Fields& fields, double length) {
-  constexpr double kApart = 1;  // m
+  constexpr double kApart = 1;  // m, least distance between stops
   std::vector<DriveStop> stops;
   const Value* list = fields.find("stops");
   if (list == nullptr) return stops;
@@ -83,10 +85,10 @@ std::vector<DriveStop> readStops(Fields& fields, double length) {
   return stops;
 }
 
-// Returns the number of frames from the path's start to its end, at most `limit`.
+// Returns the number of frames from the path's start to its end, or `limit` if that is less.
 std::uint32_t countFrames(double duration, double interval, double pathLength, double speed, double limit,
                           const Location& where) {
-  // A frame that falls on the end of the path counts, whatever the rounding.
+  // A frame that falls exactly on the end of the path counts; the terms 1e-12 and 1e-9 absorb rounding errors.
   const double count = std::min(std::floor(duration / interval * (1 + 1e-12) + 1e-9) + 1, limit);
   if (count > Trajectory::kMaxFrames) {
     throw InputError(where,
@@ -125,7 +127,7 @@ Pose Trajectory::poseOnWay(double place) const {
   if (recorded_) return recorded_->at(place);
   Pose pose = path_->pose(place);
   if (laneChanges_.empty()) return pose;
-  // Quintic, so that the wheel is turned smoothly: 10 u^3 - 15 u^4 + 6 u^5.
+  // A quintic, 10 u^3 - 15 u^4 + 6 u^5, so that the steering angle changes smoothly.
   double left = 0;
   double slope = 0;
   for (const LaneChange& c : laneChanges_) {
@@ -155,7 +157,7 @@ Trajectory Trajectory::along(const std::vector<Vec3d>& way) const {
   return driven;
 }
 
-// Returns the path with equal heights if the vehicle is placed on the ground, so that its speed is measured
+// Returns the waypoints, at equal heights if the vehicle is placed on the ground, so that its speed is measured
 // horizontally.
 std::vector<Vec3d> Trajectory::overGround(std::vector<Vec3d> way) const {
   if (!ground_) return way;
@@ -191,7 +193,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
       if (time > knots.back() && time < end) knots.push_back(time);
     }
   } else {
-    constexpr double kAboutStraight = 1;  // m of path
+    constexpr double kAboutStraight = 1;  // m of path that are straight enough for a profile of the ground
     const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), 1e8));
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
@@ -308,7 +310,7 @@ void Trajectory::readDrive(Fields& fields, double fallbackPeriod, double limit, 
   if (const Value* changes = fields.find("lane_changes")) laneChanges_ = readLaneChanges(*changes, length);
   stops_ = readStops(fields, length);
   if (!stops_.empty()) setProfile();
-  // A drive with every_m has as many frames as one at constant speed.
+  // A drive with every_m has as many frames with acceleration as at constant speed.
   const double duration = acceleration_ > 0 && everyMetres_ <= 0 ? profile_->duration() : length / speed_;
   frames_ = countFrames(duration, interval_, length, speed_, limit,
                         fields.require(fields.has("along") ? "along" : "waypoints").where);

@@ -1,7 +1,7 @@
 #pragma once
 
-// A trajectory: the pose of the vehicle at each time. It is given by single poses, by a path driven at a speed, or by a
-// recording.
+// A trajectory: the pose of the vehicle as a function of time. It is defined by single poses, by a path with a speed,
+// or by a recording.
 
 #include <cstdint>
 #include <memory>
@@ -22,7 +22,7 @@ namespace scanmill {
 class Fields;
 class Path;
 
-// A random drive on surfaces of certain classes. Its path is found when the scene is known.
+// A random drive on surfaces of certain classes. Its path is computed after the scene is loaded.
 struct RandomWay {
   enum class Side { Right, Left, Middle };
   std::vector<std::string> classes;
@@ -34,17 +34,17 @@ struct RandomWay {
 // The pose worldFromVehicle over time. In YAML it has one of poses, waypoints, along, on and recorded:
 //
 //   poses: [{position: [x, y, z], yaw_deg: 90}, ...]        # one frame each; the vehicle stands still in each
-//   waypoints: [[x, y, z], ...]                             # driven at `speed` (m/s), heading along the path
+//   waypoints: [[x, y, z], ...]                             # driven at `speed`, heading along the path
 //   path: spline | line                                     # through the waypoints; see base/path.h
 //   rounding: 0.5                                           # m, of the corners of `path: line`
 //   along: lane | turns                                     # in place of waypoints: through the scene's town
-//   on: [road]                                              # in place of waypoints: a random drive on such surfaces
-//   keep: right | left | middle                             # side of the surfaces of `on`
+//   on: [road]                                              # in place of waypoints: a random drive on these classes
+//   keep: right | left | middle                             # side of the surfaces to drive on
 //   drives: 3                                               # number of random drives, each a sequence: name-0, ...
 //   recorded: {file: poses.txt, ...}                        # in place of waypoints: see recorded_poses.h
-//   speed: 8.0
-//   acceleration: 1.5                                       # m/s^2: from rest to rest, slower in bends; see
-//                                                           # speed_profile.h
+//   speed: 8.0                                              # m/s
+//   acceleration: 1.5                                       # m/s^2; the drive starts and ends at rest and is
+//                                                           # slower in bends: see speed_profile.h
 //   stops: [{at: 60, wait: 4}]                              # m along the path, s; needs acceleration
 //   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
 //   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see sway.h
@@ -57,32 +57,32 @@ class Trajectory {
   static constexpr std::uint32_t kMaxFrames = 10'000'000;
 
   std::uint32_t frames() const { return frames_; }  // number of frames
-  // The time of a frame's start (s since the start of the trajectory).
+  // Returns the time of a frame's start (s since the start of the trajectory).
   double frameTime(std::uint32_t frame) const;
 
-  // Returns the pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame;
-  // one on a path drives to its end and stops there. Throws Error if there is no such frame.
+  // Returns the pose `dt` seconds after the start of a frame. A vehicle with listed poses stands still in each frame; a
+  // vehicle on a path stops at the path's end. Throws Error if the trajectory has no frame with this number.
   Pose pose(std::uint32_t frame, double dt) const;
 
-  bool still() const { return !poses_.empty(); }  // the vehicle stands still in each frame
+  bool still() const { return !poses_.empty(); }  // true if the vehicle stands still in each frame
   double pathLength() const;                      // m; 0 for listed poses
   const std::string& name() const { return name_; }
-  // Returns the number of turns of a drive along the turns of a town; nothing for any other drive.
+  // Returns the number of turns that a drive along the turns of a town makes; nothing for any other drive.
   std::optional<int> turns() const { return turns_; }
-  // Describes the path; empty if there is nothing to report.
+  // Returns a description of the path for messages; empty if there is nothing to report.
   std::string about() const;
-  // Returns a warning about recorded poses that are possible but seldom meant; else empty.
+  // Returns a warning about recorded poses that are possible but probably wrong; otherwise empty.
   std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
 
-  // Requirements on the scene that must be met before the trajectory has poses: a random path, and ground to be placed
-  // on. Null: none.
+  // Return requirements that must be met before the trajectory has poses: a random path, and ground to be placed on.
+  // Null if the trajectory does not need this.
   const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
-  // Returns this trajectory along a path (m), which must be as long as randomWay() asks for.
+  // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomWay() requires.
   Trajectory along(const std::vector<Vec3d>& way) const;
-  // Returns this trajectory placed on the ground. Throws InputError if there is no ground.
+  // Returns this trajectory placed on the ground. Throws InputError if no part of the path has ground.
   Trajectory onGround(const Ground& ground) const;
-  // Returns the share of the path without ground, after onGround().
+  // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bare() : 0; }
 
  private:
@@ -90,7 +90,7 @@ class Trajectory {
                                    const SceneLanes* lanes, std::uint64_t seed, std::uint32_t drive,
                                    double longestTurn);
   struct LaneChange {
-    double at, left, over;  // m
+    double at, left, over;  // m: start on the path, displacement to the left, length on the path
   };
   static std::vector<LaneChange> readLaneChanges(const Value& value, double length);
   void readPoses(Fields& fields, double fallbackPeriod, double limit);
@@ -100,25 +100,25 @@ class Trajectory {
   std::vector<Vec3d> overGround(std::vector<Vec3d> way) const;
   void setPath(Path path);
   void setProfile();
-  // Returns the vehicle's place on its path at a time: in m, or in s if the path was recorded.
+  // Returns the vehicle's position on its path at a time (s): in m, or in s if the path was recorded.
   double placeAt(double time) const;
-  // Returns the pose at a place on the path, without ground and sway.
+  // Returns the pose at a position on the path, before ground and sway are applied.
   Pose poseOnWay(double place) const;
 
   std::string name_;
   std::uint32_t frames_ = 0;
   double interval_ = 0;     // s, from frame to frame
   double lastTurn_ = 0;     // s after the start of the last frame, up to which the path must be known
-  double everyMetres_ = 0;  // m from frame to frame of a vehicle that accelerates, in place of interval_; 0: none
+  double everyMetres_ = 0;  // m between frames of a vehicle that accelerates, used in place of interval_; 0: not used
   double speed_ = 0;        // m/s
   std::optional<int> turns_;
-  std::vector<Pose> poses_;           // one per frame where the vehicle stands still
-  std::shared_ptr<const Path> path_;  // the path of a drive; null until it is known
+  std::vector<Pose> poses_;           // one per frame, in which the vehicle stands still; empty for paths
+  std::shared_ptr<const Path> path_;  // path of a drive; null until it is known
   std::shared_ptr<const RecordedPoses> recorded_;
-  double offLines_ = 0;  // m, greatest distance of the path from the straight lines between waypoints
+  double offLines_ = 0;  // m, largest distance of the path from the straight lines between its waypoints
   std::size_t waypoints_ = 0;
   std::optional<RandomWay> random_;
-  double acceleration_ = 0;  // m/s^2; 0: at one speed
+  double acceleration_ = 0;  // m/s^2; 0: constant speed
   std::vector<DriveStop> stops_;
   std::optional<SpeedProfile> profile_;
   std::vector<LaneChange> laneChanges_;
@@ -127,13 +127,15 @@ class Trajectory {
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 
-// Returns how many trajectories an item of the YAML stands for: `drives` of a random drive, else 1. Throws InputError.
+// Returns the number of trajectories that an item of the YAML defines: the key `drives` of a random drive, otherwise 1.
+// Throws InputError.
 std::uint32_t countDrives(const Value& value);
 
-// Reads a trajectory. `fallbackPeriod`: the time between frames (s) if the YAML gives none; callers pass the period of
-// the first sensor. `lanes`: what `along` refers to; null if the caller has no lanes. `seed`: of the vehicle's sway.
-// `drive`: which of several random drives; its number then ends the name. `longestTurn`: the longest revolution of a
-// sensor (s), during which the vehicle drives on after the last frame has started. Throws InputError.
+// Reads a trajectory. `fallbackPeriod`: time between frames (s) if the YAML gives none; callers pass the period of the
+// first sensor. `lanes`: the town's lanes that `along` refers to; null if the caller has no lanes. `seed`: seed of the
+// vehicle's sway. `drive`: index of one of several random drives; the trajectory's name ends with it. `longestTurn`:
+// duration of the longest revolution of a sensor (s), for which the vehicle must continue after the last frame has
+// started. Throws InputError.
 Trajectory readTrajectory(const Value& value, const std::string& name, double fallbackPeriod,
                           const SceneLanes* lanes = nullptr, std::uint64_t seed = 0, std::uint32_t drive = 0,
                           double longestTurn = 0);

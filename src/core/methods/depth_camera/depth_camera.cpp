@@ -1,9 +1,9 @@
 // The depth-camera method (LiDAR-GEIL): cameras at the sensor render depth, normals and ids, and beams look up their
 // hits in the images.
 //
-// If a sensor moves during its revolution, the revolution is rendered in steps. Each column keeps its own pose: it is
-// sampled from the images of its step, which were rendered from a slightly different position. So flat surfaces stay
-// exact, and only surfaces that are hidden from that position cause errors.
+// If a sensor moves during its revolution, the revolution is rendered in steps. Each column keeps its exact pose, but
+// is sampled from the images of its step, which were rendered from a slightly different position. Flat surfaces
+// therefore stay exact; errors occur only at surfaces that are hidden from the position of the images.
 
 #include "methods/depth_camera/depth_camera.h"
 
@@ -26,10 +26,11 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;                       // m and share: surfaces at the sensor's range limit are rendered
-constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // the scene's own mesh
-// Measured with VTK on llvmpipe, as differences of complete processes: 128 MiB with nothing to render, compared with 44
-// MiB for ray tracing; and the street of 1.28 million placed triangles with 3 and with 4 images of 2048 x 2048.
+constexpr double kSlack = 1e-3;                       // m, and fraction of the range: images reach this much farther
+                                                      // than the sensor
+constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
+// Measured with VTK on llvmpipe, as differences of complete processes: 128 MiB without anything to render, against 44
+// MiB for ray tracing; and the street of 1.28 million placed triangles, with 3 and with 4 images of 2048 x 2048.
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
@@ -61,11 +62,11 @@ class TimedSource : public PixelSource {
   double seconds_ = 0;
 };
 
-// The beams and cameras of a sensor that stands still, which depend on its beam table alone.
+// The beams and cameras of a sensor that stands still, which depend only on its beam table.
 struct StillSensor {
   std::shared_ptr<const BeamTable> table;
   RigBeams beams;
-  std::vector<Camera> cameras;  // worldFromCamera: rigFromCamera
+  std::vector<Camera> cameras;  // Camera::worldFromCamera is rigFromCamera here
 };
 
 class DepthCameraMethod : public DepthCamera {
@@ -166,7 +167,8 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // The images of layout auto are smaller, and those of a moving sensor are rendered one step after the other.
+    // This is an upper bound: the images of layout auto are smaller, and a moving sensor's images are rendered step by
+    // step.
     const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
@@ -176,10 +178,10 @@ class DepthCameraMethod : public DepthCamera {
   }
 
  private:
-  // The beams of a step and, if it is to be rendered, its cameras.
+  // The beams of a step and, for rendering, the cameras of the step.
   struct Prepared {
     std::shared_ptr<const RigBeams> beams;
-    std::vector<Camera> cameras;  // worldFromCamera: rigFromCamera
+    std::vector<Camera> cameras;  // Camera::worldFromCamera is rigFromCamera here
   };
 
   Prepared prepareStep(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& rig, bool cameras) const {
@@ -241,14 +243,14 @@ class DepthCameraMethod : public DepthCamera {
     if (!makeRenderer_) throw Error("the passes are read from files, so that no images can be drawn");
   }
 
-  // The caller holds rendererMutex_.
+  // Returns the renderer, created at the first call. The caller must have locked rendererMutex_.
   PassRenderer& renderer() const {
     if (!renderer_) renderer_ = makeRenderer_();
     return *renderer_;
   }
 
-  // Renders a step and hands its pixels to `use`. A renderer renders one shot at a time; the time that other threads
-  // wait for it is not counted.
+  // Renders a step and calls `use` with its pixels. A renderer renders only one shot at a time; the time that other
+  // threads wait for the renderer is not added to `clock`.
   template <class Use>
   void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, StageClock& clock,
              const Use& use) const {
@@ -273,14 +275,14 @@ class DepthCameraMethod : public DepthCamera {
     clock.add("sample", sampling.seconds() - timed.seconds());
   }
 
-  // Returns the seconds that the renderer has spent on reading images back, which some renderers do within draw().
+  // Returns the total seconds for which the renderer has read images back; some renderers read back within draw().
   double readWhileDrawing() const {
     const StageSeconds seconds = renderer().seconds();
     const auto found = seconds.find("read_back");
     return found == seconds.end() ? 0 : found->second;
   }
 
-  // `unseen`: beams of the shot that no image shows.
+  // Returns the account of a shot. `unseen`: number of the shot's beams that are in no image.
   TraceAccount account(const StageClock& clock, const Shot& shot, std::uint64_t unseen) const {
     TraceAccount account{clock.seconds(), {}};
     if (unseen == 0) return account;
@@ -292,7 +294,7 @@ class DepthCameraMethod : public DepthCamera {
     return account;
   }
 
-  const Scene* scene_;  // null: passes from files
+  const Scene* scene_;  // null if the passes come from files
   DepthCameraOptions options_;
   RendererMaker makeRenderer_;
   mutable std::mutex rendererMutex_;

@@ -19,20 +19,20 @@ namespace scanmill {
 struct PassStep {
   std::uint32_t firstColumn = 0;
   std::uint32_t endColumn = 0;
-  Pose worldFromRig;  // pose of the sensor for which the images were rendered
+  Pose worldFromRig;  // pose of the sensor from which the images were rendered
   std::vector<PassImage> images;
 };
 
 class DepthCamera : public Method {
  public:
   const DepthCamera* depthCamera() const override { return this; }
-  // Returns the passes from which these channels are sampled.
+  // Returns the passes that are needed to sample these channels.
   virtual PassChoice passes(Channels channels) const = 0;
-  // Renders the shot's images and hands them to `take`, one step of the revolution after the other. The images are
-  // complete, whereas trace() reads only the pixels into which its beams fall.
+  // Renders the shot's images and calls `take` for each step of the revolution, in order. The images are complete,
+  // whereas trace() only reads the pixels that beams fall into.
   virtual TraceAccount draw(const Shot& shot, PassChoice choice, const std::function<void(PassStep&&)>& take) const = 0;
-  // Fills `hits` for the beams of the step's columns, from the step's images, with the same bytes as trace(). The
-  // caller has called Hits::reset() for the shot.
+  // Fills `hits` for the beams of the step's columns, from the step's images; the values are the same as from trace().
+  // The caller must have called Hits::reset() for the shot.
   virtual TraceAccount sample(const Shot& shot, const PassStep& step, Hits& hits) const = 0;
 };
 
@@ -40,12 +40,13 @@ class DepthCamera : public Method {
 //                      near_m: 0.01, far_m: 120, renders_per_turn: auto}
 std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 
-// Does the same with another renderer, which is created when it is first needed; the option `renderer` has no effect.
+// Returns the depth camera with another renderer, which is created when it is first needed; the option `renderer` has
+// no effect.
 using RendererMaker = std::function<std::unique_ptr<PassRenderer>()>;
 std::unique_ptr<DepthCamera> makeDepthCamera(const Scene& scene, Fields& options, RendererMaker renderer);
 
-// Returns a method without scene and renderer, for sample() alone: it samples passes from other sources. Options for
-// rendering have no effect.
+// Returns a method without scene and renderer, which can only sample(): it samples passes from other sources. Options
+// for rendering have no effect.
 std::unique_ptr<DepthCamera> makePassSampler(Fields& options);
 
 }  // namespace scanmill

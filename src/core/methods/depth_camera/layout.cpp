@@ -1,6 +1,7 @@
-// Auto has side cameras that share the azimuths evenly and, if beams are steep, cameras that look up or down. Each
-// image is a window in its camera's plane around the camera's beams, so that the principal point may lie outside of the
-// image. All cameras have the same focal length; candidates differ in how many pixels their windows take.
+// Layout `auto` has side cameras that share the azimuths evenly and, if beams are steep, cameras that look up or down.
+// Each image covers only the part of its camera's plane that its beams need, so that the principal point may be outside
+// of the image. All cameras have the same focal length; of several candidate layouts the one with the fewest pixels is
+// chosen.
 
 #include "methods/depth_camera/layout.h"
 
@@ -17,16 +18,17 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kImageCost = 100'000;           // pixels: the cost of one more image, whatever its size
-constexpr double kWidestField = radians(168.0);  // wider planes have few pixels at the centre and many at the edge
-constexpr int kMostSides = 6;                    // plus one camera up and one down
-constexpr double kSteepest = 1e4;                // slope that stands for all steeper ones
-constexpr double kSmallestDepth =
-    1e-4;                   // least depth of a unit direction; a direction of less depth is outside the image
-constexpr int kBins = 512;  // bins of azimuth, while the cameras are chosen
-constexpr double kFullRevolution = radians(300.0);  // azimuths that span more are taken as a full circle
+constexpr double kImageCost = 100'000;              // pixels that are considered as expensive as one more image
+constexpr double kWidestField = radians(168.0);     // wider planes have most pixels at the edge
+constexpr int kMostSides = 6;                       // cameras, besides one up and one down
+constexpr double kSteepest = 1e4;                   // slope z / sqrt(x^2 + y^2) to which steeper slopes are limited
+constexpr double kSmallestDepth = 1e-4;             // of a unit direction along the camera's axis; smaller depths are
+                                                    // outside of the image
+constexpr int kBins = 512;                          // number of bins of azimuth by which the cameras are chosen
+constexpr double kFullRevolution = radians(300.0);  // a wider range of azimuths is treated as a full circle
 
-// Returns a monotonic substitute for the azimuth, 0 to 4, without trigonometry: the length along |x| + |y| = 1.
+// Returns a number from 0 to 4 that increases with the azimuth of (x, y), without trigonometry: the length along the
+// square |x| + |y| = 1.
 double squareAngle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0)) return 0;
@@ -53,14 +55,14 @@ Camera facing(double yaw, double pitch, const char* name) {
   return camera;
 }
 
-// The part of a camera's plane (at depth 1) that holds its beams.
+// The part of a camera's plane (at depth 1) that covers the camera's beams.
 struct Window {
-  Mat3 axes;  // right, down, forward
+  Mat3 axes;  // columns: right, down, forward
   double left = INFINITY;
   double right = -INFINITY;
   double top = INFINITY;
   double bottom = -INFINITY;
-  bool outside = false;  // some direction cannot be projected onto the plane
+  bool outside = false;  // true if some direction cannot be projected onto the plane
 
   explicit Window(const Quat& rotation) : axes(toMatrix(rotation)) {}
 
@@ -84,13 +86,13 @@ struct Window {
   }
 };
 
-// The azimuths and slopes of the beams: all data that choosing the cameras needs.
+// The azimuths and slopes of all beams, which suffice to choose the cameras.
 struct Spread {
   std::array<double, kBins> low;   // least slope z / sqrt(x^2 + y^2) per bin; low > high in a bin without beams
   std::array<double, kBins> high;  // largest slope per bin of squareAngle()
-  double first = 0;                // rad, the azimuths are first to first + width
+  double first = 0;                // rad, the azimuths are from first to first + width
   double width = 2 * kPi;
-  double lowest = INFINITY;  // the lowest of all slopes
+  double lowest = INFINITY;  // least slope of all beams
   double highest = -INFINITY;
 
   explicit Spread(std::span<const Vec3d> directions) {
@@ -111,8 +113,8 @@ struct Spread {
 
   static double edge(int bin) { return azimuthOf(bin * (4.0 / kBins)); }
 
-  // Returns representative directions that bound all directions when projected: the corners of each bin, and of its
-  // parts that are steeper than `steep`.
+  // Returns representative directions whose projections bound the projections of all beams: the corners of each bin,
+  // and the corners of the part of each bin that is steeper than `steep`.
   std::vector<Vec3d> corners(double steep) const {
     std::vector<Vec3d> made;
     const double steeper = steep * (1 + 1e-9);
@@ -134,7 +136,7 @@ struct Spread {
   }
 
  private:
-  // Sets the sector of azimuths, which is all but the longest run of empty bins.
+  // Sets the sector of azimuths that has beams: the circle without its longest sequence of empty bins.
   void findSector() {
     int longest = 0;
     int end = 0;
@@ -157,10 +159,10 @@ struct Spread {
   }
 };
 
-// A choice of cameras, and which of them a direction belongs to.
+// A choice of cameras. Each direction belongs to one of the cameras.
 class Candidate {
  public:
-  // Beams whose slope is steeper than `steep` (up or down) belong to the cameras up and down.
+  // Beams with a slope of more than `steep` upwards or downwards belong to the camera that looks up or down.
   Candidate(const Spread& spread, int sides, double steep, bool aimed) : sides_(sides), steep_(steep) {
     const double part = spread.width / sides;
     const double first = spread.width < 2 * kPi ? spread.first : -part / 2;  // in a full circle camera 0 looks forward
@@ -175,7 +177,7 @@ class Candidate {
     cameras_.push_back(facing(0, kPi / 2, "down"));
   }
 
-  // Returns the windows of the cameras around their directions. `directions`: those of all beams, or Spread::corners().
+  // Returns the window of each camera around its directions. `directions`: either all beams, or Spread::corners().
   std::vector<Window> windows(std::span<const Vec3d> directions) const {
     std::vector<Window> made;
     for (const Camera& camera : cameras_) made.emplace_back(camera.worldFromCamera.rotation);
@@ -211,7 +213,7 @@ class Candidate {
   int sides_;
   double steep_;
   double origin_ = 0;
-  std::vector<double> bounds_;  // between neighbouring side cameras, as fromOrigin() gives them
+  std::vector<double> bounds_;  // borders between neighbouring side cameras, in units of fromOrigin()
   std::vector<Camera> cameras_;
 };
 
@@ -223,7 +225,7 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
   double bestCost = INFINITY;
   for (const double limit : {90.0, 35.0, 45.0, 55.0, 65.0}) {
     const double steep = limit < 90 ? std::tan(radians(limit)) : 2 * kSteepest;
-    if (limit < 90 && steepest <= steep) continue;  // no beam is steeper: the same as with 90
+    if (limit < 90 && steepest <= steep) continue;  // no beam is steeper, so the result is the same as for 90
     const std::vector<Vec3d> corners = spread.corners(steep);
     const auto consider = [&](const Candidate& candidate) {
       const double cost = Candidate::cost(candidate.windows(corners), focal);
@@ -235,14 +237,14 @@ std::vector<Camera> layOutAuto(std::span<const Vec3d> directions, std::uint32_t 
     if (limit == 90) consider(Candidate(spread, 1, steep, true));
     for (int sides = 1; sides <= kMostSides; ++sides) consider(Candidate(spread, sides, steep, false));
   }
-  const Candidate& chosen = best ? *best : Candidate(spread, 4, 1, false);  // a cube holds everything
+  const Candidate& chosen = best ? *best : Candidate(spread, 4, 1, false);  // a cube covers all directions
   const std::vector<Window> windows = chosen.windows(directions);
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < windows.size(); ++i) {
     const Window& w = windows[i];
     if (w.empty()) continue;
     Camera camera = chosen.cameras()[i];
-    const double left = std::floor(w.left * focal) - 1;  // px; a margin of one all around
+    const double left = std::floor(w.left * focal) - 1;  // px; with a margin of one pixel on each side
     const double top = std::floor(w.top * focal) - 1;
     camera.width = static_cast<std::uint32_t>(std::ceil(w.right * focal) + 1 - left);
     camera.height = static_cast<std::uint32_t>(std::ceil(w.bottom * focal) + 1 - top);
@@ -260,8 +262,8 @@ struct Facing {
   const char* name;
 };
 
-// Returns those of the given cameras that are needed: for each direction the one that sees it nearest to the camera's
-// axis.
+// Returns the cameras with these facings that are needed: those that are nearest, by their axis, to some direction that
+// they see.
 std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t resolution, double fieldDeg,
                                 std::span<const Facing> facings) {
   std::vector<Camera> cameras;

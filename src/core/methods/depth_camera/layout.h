@@ -1,6 +1,6 @@
 #pragma once
 
-// Chooses where a sensor's cameras look, and how large their images are.
+// Chooses the directions in which a sensor's cameras look, and the sizes of their images.
 
 #include <cstdint>
 #include <span>
@@ -16,19 +16,20 @@ enum class CameraLayout {
   Three120,  // three square images of 120 degrees, as in LiDAR-GEIL
   Four90,    // four square images of 90 degrees
   Cube6,     // the six faces of a cube (Hossny et al.)
-  Auto,      // the fewest and smallest images that hold all beams
+  Auto,      // the fewest and smallest images that cover all beams
 };
 
 struct LayoutOptions {
   CameraLayout layout = CameraLayout::Auto;
-  // Pixels across an image. For Auto: at the centres of the images, pixels are as fine as those of four images of 90
-  // degrees and this width.
+  // Pixels across an image. With layout Auto, the pixels at the centres of the images are as fine as in four images of
+  // 90 degrees with this width.
   std::uint32_t resolution = 2048;
 };
 
-// Returns cameras for beams of these directions (unit, sensor axes: x forward, y left, z up), all at the sensor's
-// origin; Camera::worldFromCamera holds sensorFromCamera. There are at most 8. Fixed layouts leave out cameras that see
-// no beam. With Auto every beam lies in some image, at least half a pixel inside of its edge.
+// Returns cameras for beams with these directions (unit vectors, sensor axes: x forward, y left, z up). All cameras are
+// at the sensor's origin, and Camera::worldFromCamera is sensorFromCamera. There are at most 8 cameras. Fixed layouts
+// leave out cameras that see no beam. With Auto every beam is in some image, at least half a pixel from the image's
+// edge.
 std::vector<Camera> layOutCameras(std::span<const Vec3d> directions, const LayoutOptions& options);
 
 }  // namespace scanmill

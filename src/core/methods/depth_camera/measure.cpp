@@ -8,15 +8,15 @@ namespace scanmill {
 namespace {
 
 // A tangent plane is trusted if the beam hits it at less than kPlaneTrust times the distance of the pixel's point, and
-// at more than 1 / kPlaneTrust times. Otherwise the plane is seen edge-on and says little about what the beam hits
-// within the pixel.
+// at more than 1 / kPlaneTrust times that distance. Otherwise the plane is seen edge-on, and the range to it is
+// unreliable.
 constexpr double kPlaneTrust = 2;
 
-// Four pixels are blended if their depths are within this share of each other. This holds for the ground 2 m below the
-// sensor at up to 120 m (2048 pixels over 120 degrees), but not for a leaf in front of a wall.
+// Four pixels are blended if the largest of their depths exceeds the smallest by at most this fraction. The ground 2 m
+// below the sensor satisfies this at up to 120 m (2048 pixels over 120 degrees), a leaf in front of a wall does not.
 constexpr double kDepthStep = 0.1;
 
-// Rounds the points as LiDAR-GEIL's images of coordinates store them.
+// Rounds the hit points as LiDAR-GEIL's images of coordinates do.
 void keepHalves(std::size_t begin, std::size_t end, Met& met) {
   const auto kept = [](double coordinate) {
     return double{storedDepth(static_cast<float>(coordinate), DepthFormat::Half500, 0, 0)};
@@ -29,8 +29,8 @@ void keepHalves(std::size_t begin, std::size_t end, Met& met) {
   }
 }
 
-// Blends the four depths around a beam if they are of one surface, by 1 / z, which is linear across the image of a
-// plane.
+// Blends the four depths around each beam if they belong to one surface. Their inverses 1 / z are interpolated, because
+// 1 / z is linear across the image of a plane.
 void blendCorners(const SampleOptions& options, const CameraView& view, const BlockPixels& pixels, std::size_t begin,
                   std::size_t end, Met& met) {
   const PassPlanes& planes = *pixels.corners;
@@ -112,7 +112,7 @@ void meetPlanes(std::size_t begin, std::size_t end, const BeamBlock& block, Met&
                           met.nz[i] * (met.pz[i] - block.oz[i]);
     const double range = height / met.along[i];
     const double nearest = met.range[i];
-    // False if the plane is edge-on or behind: `range` is then NaN, infinite or negative.
+    // False if the beam does not hit the plane in front of the sensor: `range` is then NaN, infinite or negative.
     const bool trusted = (range <= nearest * kPlaneTrust) & (range * kPlaneTrust >= nearest);
     met.range[i] = trusted ? range : nearest;
   }

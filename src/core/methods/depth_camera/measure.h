@@ -1,6 +1,6 @@
 #pragma once
 
-// Internals of the depth camera's sampling: computes the ranges of beams from their pixels.
+// Internal to the depth camera's sampling: computes the ranges of beams from the pixels that they fall into.
 
 #include <cstddef>
 
@@ -9,33 +9,33 @@
 
 namespace scanmill {
 
-// The hits of a block of beams.
+// Hits of a block of beams.
 struct Met {
-  alignas(64) double a[kBlock], b[kBlock], depth[kBlock];  // a and b in the plane at depth 1; depth in m
-  alignas(64) double px[kBlock], py[kBlock], pz[kBlock];   // m, the hit point, rig axes
-  alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // rig axes
+  alignas(64) double a[kBlock], b[kBlock], depth[kBlock];  // coordinates in the plane at depth 1, and depth (m)
+  alignas(64) double px[kBlock], py[kBlock], pz[kBlock];   // m, hit point in rig axes
+  alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // normal in rig axes
   alignas(64) double range[kBlock];                        // m; NaN or infinite if nothing is hit
-  alignas(64) double along[kBlock];                        // normal . beam
-  bool again[kBlock];                                      // the hit point lies in another pixel
+  alignas(64) double along[kBlock];                        // dot product of normal and beam direction
+  bool again[kBlock];                                      // true if the hit point is in another pixel
 };
 
-// The pixels of the beams of a block: where each beam falls in the image, its pixel and, if four pixels are blended,
-// those four.
+// Pixels of the beams of a block: their positions in the image, and their values. If four pixels are blended, also the
+// values of these four.
 struct BlockPixels {
-  const double* u;  // px, of the block's beams
+  const double* u;  // px, column in the image, by beam of the block
   const double* v;
-  const PassPlanes* planes;   // pixels of the batch
-  std::size_t first;          // index of the block's first pixel
-  const PassPlanes* corners;  // of the batch: corner k (right k % 2, down k / 2) of pixel i at k * stride + i
+  const PassPlanes* planes;   // values of the batch's pixels
+  std::size_t first;          // index in `planes` of the block's first pixel
+  const PassPlanes* corners;  // of the batch; corner k (right k % 2, down k / 2) of beam i is at k * stride + i
   std::size_t stride;
 };
 
-// Fills `met`, except for `again`, for the beams `begin` to `end` of a block, which all fall into one image.
+// Fills `met`, except `again`, for the beams from `begin` to before `end` of a block, all of which fall into one image.
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
 
-// Returns the column (or row) of pixels such that u lies between its centre and the centre of the next one; at the
-// image's edge, the nearest column.
+// Returns the column (or row) of pixels for which u (px) is between its centre and the centre of the next one. At the
+// edge of the image (`size` px), returns the nearest column that has a next one.
 double firstCorner(double u, double size);
 
 }  // namespace scanmill

@@ -1,4 +1,4 @@
-// Methods of others to find a beam's pixel, in short form, to study how much accuracy they cost.
+// Other authors' methods of finding a beam's pixel, in simplified form, to measure how much accuracy they cost.
 //
 // RowHyperbola     Wolf et al.: a ring is the hyperbola v = cy - fy tan(elevation) sqrt(1 + ((u - cx) / fx)^2) in an
 //                  upright image, and a beam's column is that of the head's azimuth. Azimuth offsets of rings and

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Reads the name of one of the values.
+// Reads a key whose value is one of the names in `values`. Returns the value for that name, and the name in `name`.
 template <class T, std::size_t n>
 T choose(Fields& fields, std::string_view key, const std::pair<const char*, T> (&values)[n], std::string& name) {
   std::vector<std::string> names;

@@ -10,14 +10,14 @@
 namespace scanmill {
 
 struct DepthCameraOptions {
-  std::string renderer;  // vtk, blender
+  std::string renderer;  // vtk or blender
   std::string layoutName;
   std::string samplingName;
   std::string depthName;
   LayoutOptions layout;
   SampleOptions sample;                    // without `farthest`, which is set for each shot
-  double farthest = 0;                     // m, largest depth; 0: the sensor's range
-  std::uint32_t rendersPerRevolution = 0;  // 0: auto
+  double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
+  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: chosen from its motion
 };
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields);

@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::size_t kPixelGrain = 8192;
 
-// Returns the nearest half float, ties to even; values beyond the largest one become the largest one.
+// Returns the nearest half-precision number, ties to even. Larger values than the largest half become the largest half.
 double asHalf(double value) {
   constexpr double kLargest = 65504;
   constexpr int kBits = 11;            // bits of the significand
-  constexpr int kSmallestPower = -24;  // exponent of the step of subnormal numbers
+  constexpr int kSmallestPower = -24;  // exponent of the spacing of subnormal numbers
   if (!std::isfinite(value)) return value;
   int power = 0;
   std::frexp(value, &power);
@@ -38,7 +38,7 @@ double asUnorm(double depth, int bits, double nearest, double farthest) {
 }  // namespace
 
 float storedDepth(float depth, DepthFormat format, double nearest, double farthest) {
-  constexpr double kShift = 500;  // m
+  constexpr double kShift = 500;  // m, added to coordinates by DepthFormat::Half500
   if (!(depth < kNoDepth)) return depth;
   switch (format) {
     case DepthFormat::Float32:
@@ -70,7 +70,7 @@ std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& 
     view.right = axes.x;
     view.down = axes.y;
     view.forward = axes.z;
-    // Subtract first: far from the world's origin this keeps the micrometres.
+    // Subtract before rotating: far from the world's origin this keeps micrometres.
     view.position = rigFromWorld * (camera.worldFromCamera.translation - worldFromRig.translation);
     view.fx = camera.fx / s;
     view.fy = camera.fy / s;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Internals of the depth camera's sampling: reads the pixels into which beams fall, from images that may have
-// subpixels.
+// Internal to the depth camera: reads the pixels that beams fall into. The images may have subpixels, which are then
+// averaged.
 
 #include <span>
 #include <vector>
@@ -11,20 +11,20 @@
 
 namespace scanmill {
 
-// Returns the images of a source, in the axes of the rig. Throws InputError if their sizes are no multiples of
-// `antialiasing`, or if there are too many.
+// Returns the images of a source, in rig axes. Throws InputError if there are too many images, or if their sizes are
+// not multiples of `antialiasing`.
 std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& worldFromRig,
                                 std::uint32_t antialiasing);
 
-// Fetches pixels and converts them to what a framebuffer with the antialiasing and the depth format of the options
-// would have stored. Half500 is not applied here, since it rounds points, not depths.
+// Fetches pixels and converts them as a framebuffer with the antialiasing and the depth format of the options would.
+// Half500 is not applied here, because it rounds points and not depths.
 class PixelReader {
  public:
   PixelReader(PixelSource& source, const SampleOptions& options, PassChoice choice)
       : source_(source), options_(options), choice_(choice) {}
 
-  // After reset(), each pixel needs aim() or aimAtNothing() before fetch(). A pixel that is aimed at nothing gets the
-  // address kNoPixel.
+  // After reset(), aim() or aimAtNothing() must be called for each pixel before fetch(). aimAtNothing() gives a pixel
+  // the address kNoPixel.
   void reset(std::size_t pixels);
   void aim(std::size_t pixel, const CameraView& view, double column, double row);
   void aimAtNothing(std::size_t pixel);
@@ -38,7 +38,7 @@ class PixelReader {
   SampleOptions options_;
   PassChoice choice_;
   std::size_t pixels_ = 0;
-  std::vector<PixelAddress> addresses_;  // subpixel by subpixel: subpixel * pixels + pixel
+  std::vector<PixelAddress> addresses_;  // index: subpixel * pixels + pixel
   PassPlanes subpixels_;
   PassPlanes planes_;
 };

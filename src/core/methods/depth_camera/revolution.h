@@ -1,6 +1,6 @@
 #pragma once
 
-// Internals of the depth camera: splits a revolution of a sensor into steps, each of which is rendered from one pose.
+// Internal to the depth camera: splits a revolution of a sensor into steps, each of which is rendered from one pose.
 
 #include <cstdint>
 #include <vector>
@@ -17,16 +17,16 @@ struct RevolutionStep {
   Pose worldFromRig;
 };
 
-// Splits a revolution into `renders` steps of about equally many poses, at most one per pose. Each is rendered from its
-// middle pose. If `renders` is 0, there is one step per pose for at most 64 poses, else one for every 5 cm or degree
-// that the sensor moves during the revolution.
+// Splits a revolution into `renders` steps of about equally many poses, but at most one step per pose. Each step is
+// rendered from its middle pose. If `renders` is 0, there is one step per pose for up to 64 poses; for more poses, one
+// step for every 5 cm or degree by which the sensor moves during the revolution.
 std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders);
 
-// Returns the beams of columns `first` to `end`, relative to the rig, ring by ring.
+// Returns the beams of the columns from `first` to before `end`, relative to the rig, ring by ring.
 RigBeams rigBeams(const Shot& shot, std::uint32_t first, std::uint32_t end, const Pose& worldFromRig);
 
-// Returns the directions in which the rig's cameras must look to see all that these beams may hit: those of the beams
-// and, if beams do not start at the rig's origin, those of the nearest points that they may hit.
+// Returns directions that the rig's cameras must cover to see everything that the beams can hit: the directions of the
+// beams and, if beams do not start at the rig's origin, the directions of the nearest points that these beams can hit.
 std::vector<Vec3d> viewDirections(const RigBeams& beams);
 
 }  // namespace scanmill

@@ -1,5 +1,5 @@
-// Beams are processed in batches. All pixels of a batch are fetched at once, since a source may have to ask another
-// processor for them; everything before and after runs in blocks on all cores.
+// Beams are processed in batches. All pixels of a batch are fetched together, because a source may read them back from
+// a graphics card; all other work on a batch is done in blocks on all cores.
 
 #include "methods/depth_camera/sample.h"
 
@@ -21,16 +21,17 @@ namespace {
 constexpr std::size_t kBatch = std::size_t{1} << 18;
 constexpr std::size_t kSampleGrain = 16 * kBlock;
 constexpr int kRounds = 3;
-constexpr double kSamePlace = 1e-6;     // m; a beam that starts this close to the camera counts as starting in it
-constexpr double kFirstGuess = 20;      // m along the beam: first guess of the hit, for beams that start elsewhere
-constexpr double kFarAway = 1e6;        // m along the beam: the next guess, if the first pixel sees nothing
-constexpr double kLimitSlack = 1.2e-7;  // of a range: depths are float32, and a hit at exactly the limit counts
+constexpr double kSamePlace = 1e-6;     // m; a beam whose origin is this near to the camera is treated as starting in
+                                        // the camera
+constexpr double kFirstGuess = 20;      // m along a beam that does not start in the camera: first guess of its hit
+constexpr double kFarAway = 1e6;        // m along the beam: next guess, if the first pixel shows no surface
+constexpr double kLimitSlack = 1.2e-7;  // fraction of a range: a hit at exactly the limit counts, in float32
 
-// Beams that are sampled together, and the pixels in which they fall in this round.
+// Beams that are sampled together, and the pixels that they fall into in this round.
 struct Batch {
-  std::size_t base = 0;  // number of the first beam; used if `index` is empty
+  std::size_t base = 0;  // index of the first of `count` consecutive beams; used only if `index` is empty
   std::size_t count = 0;
-  std::vector<std::uint32_t> index;  // into RigBeams
+  std::vector<std::uint32_t> index;  // indices into RigBeams
   std::vector<double> u, v;          // px
   std::vector<std::uint8_t> view;
 
@@ -89,7 +90,7 @@ class Sampler {
     return choice;
   }
 
-  // True if some beam does not start at the position of every camera.
+  // Returns true if some beam does not start at the position of every camera.
   bool startElsewhere() const {
     const bool apart = std::any_of(views_.begin(), views_.end(),
                                    [](const CameraView& view) { return length(view.position) > kSamePlace; });
@@ -120,8 +121,8 @@ class Sampler {
     }
   }
 
-  // Finds the pixels of the first round: those in the direction of the beams or, for beams that start elsewhere, those
-  // of a point on them.
+  // Finds the pixels of the first round: the pixel in the direction of the beam or, for a beam that does not start in
+  // the camera, the pixel of a point on the beam.
   void aimFirst(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;
@@ -142,7 +143,7 @@ class Sampler {
     });
   }
 
-  // Replaces the pixel of each beam by that of its point at kFirstGuess, if some image sees the point.
+  // Replaces the pixel of each beam by the pixel of the beam's point at kFirstGuess, if that point is in an image.
   void aimAtGuess(Batch& batch, std::size_t first, const BeamBlock& block) const {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];
@@ -195,7 +196,7 @@ class Sampler {
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
-        for (std::size_t i = 0; i < count;) {  // neighbours mostly fall into one image
+        for (std::size_t i = 0; i < count;) {  // neighbouring beams are mostly in the same image
           const std::uint8_t view = batch.view[first + i];
           std::size_t next = i + 1;
           while (next < count && batch.view[first + next] == view) ++next;
@@ -216,8 +217,8 @@ class Sampler {
     });
   }
 
-  // Aims the next round at the pixel of the hit point, if it differs from the pixel of this round. If the first round
-  // sees nothing, aims at a point far away on the beam.
+  // Sets the pixel of the next round to the pixel of the hit point, if that differs from the pixel of this round. If
+  // the first round shows no surface, the next pixel is the pixel of a point far away on the beam.
   void aimAgain(Batch& batch, std::size_t first, bool isFirst, const BeamBlock& block, Met& met) {
     alignas(64) double x[kBlock], y[kBlock], z[kBlock], u[kBlock], v[kBlock];
     std::uint8_t view[kBlock];

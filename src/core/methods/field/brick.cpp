@@ -45,7 +45,7 @@ constexpr BrickMaker::Points kBlockCentres = blockCentres();
 
 namespace {
 
-// If more triangles than this are near a brick, makeDense() is faster than makeSparse(): measured on the street.
+// Triangles near a brick above which makeDense() is faster than makeSparse(); measured on the street.
 constexpr std::size_t kFew = 128;
 
 }  // namespace
@@ -74,7 +74,7 @@ void BrickMaker::sortTriangles() {
   order_.clear();
   for (const std::uint32_t t : triangles_) order_.push_back(orderOf(world_.baked, t));
   std::sort(order_.begin(), order_.end());
-  // Embree's hierarchy may hold parts of one triangle in several leaves.
+  // Embree's hierarchy may have a triangle in several leaves, so a triangle may be found several times.
   order_.erase(std::unique(order_.begin(), order_.end()), order_.end());
   triangles_.clear();
   for (const std::uint64_t key : order_) triangles_.push_back(static_cast<std::uint32_t>(key));
@@ -91,7 +91,8 @@ void BrickMaker::fillDistances(std::uint16_t* distance) const {
       const float x = p.x[i] - centres.x[block];
       const float y = p.y[i] - centres.y[block];
       const float z = p.z[i] - centres.z[block];
-      // Beyond kExact: the lower bound that follows from the distance of the block's centre.
+      // If the exact distance is more than kExact, use a lower bound that follows from the distance of the block's
+      // centre.
       const float bound = std::max(blockDistance_[block] - std::sqrt(x * x + y * y + z * z) - brick::kRounding, kExact);
       const float root = std::sqrt(exact[i]);
       const float least = root <= kExact ? std::max(root - brick::kRounding, 0.0f) : bound;
@@ -109,14 +110,15 @@ void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) c
   }
 }
 
-// Ends the list under construction and assigns it to the corner.
+// Ends the list under construction, as the list of `corner`.
 void BrickMaker::addList(std::uint32_t corner) {
   list_[corner] = static_cast<std::uint32_t>(listBegin_);
   listed_.back() |= kLastOfList;
   listBegin_ = listed_.size();
 }
 
-// Appends the corners' lists to `entries`, in the order of corners.
+// Appends the corners' lists to `entries`, in the order of corners, and sets the corners' words to the start of their
+// lists.
 void BrickMaker::placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries) {
   const std::size_t start = entries.size();
   for (int corner = 0; corner < kCornersPerBrick; ++corner) {

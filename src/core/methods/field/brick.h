@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// Makes bricks, one after the other, and reuses its buffers. The content of a brick depends on its position alone.
+// Makes bricks one after the other, and reuses its buffers. The content of a brick depends only on its position.
 //
 // Several algorithms give the same bytes. If few triangles are near a brick, or near a block of it, each triangle is
 // compared with all corners there. In foliage, where a block may have thousands of triangles, each triangle is compared
@@ -24,11 +24,12 @@ class BrickMaker {
  public:
   BrickMaker(const World& world, bool lists) : world_(world), lists_(lists) {}
 
-  // Fills the kBrickStride distances and words (see DistanceField) of the full brick at `place`. Appends its lists, if
-  // there are any, to `entries`; the words count from the first entry that is appended.
+  // Fills the kBrickStride distances and words (see DistanceField) of the full brick at `place`. Appends the brick's
+  // lists, if it has some, to `entries`; its words count from the first appended entry.
   void make(const BrickPlace& place, std::uint16_t* distance, std::uint32_t* word, std::vector<std::uint32_t>& entries);
 
-  // Corners are processed in 27 blocks of 3 x 3 x 3, one corner per lane; the remaining lanes repeat the last corner.
+  // Corners are processed in 27 blocks of 3 x 3 x 3 corners, one corner per lane; the surplus lanes repeat the last
+  // corner.
   static constexpr int kBlock = 27;
   static constexpr int kLanes = 32;
   using Lanes = std::array<float, kLanes>;
@@ -63,51 +64,54 @@ class BrickMaker {
 
   const World& world_;
   bool lists_;
-  std::vector<std::uint32_t> triangles_;  // near the brick or the block, in the order of lists
+  std::vector<std::uint32_t> triangles_;  // triangles near the brick or the block, ordered as in lists
   std::vector<std::uint64_t> order_;
 
-  // Per corner: the squared distance to the nearest triangle, that triangle, and where the list begins in listed_.
-  // Infinite and kNoWord if unknown or too far.
+  // Arrays by corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's
+  // list in listed_. Infinite and kNoWord if unknown or too far away.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};
-  std::array<float, kBlock> blockDistance_{};  // from blocks' centres; never too large
+  std::array<float, kBlock> blockDistance_{};  // voxels, from the centre of each block to the nearest triangle, or less
 
-  // The triangles that are compared with the corners of the current block, in the order of lists.
+  // The triangles that are compared with the corners of the current block, ordered as in lists.
   std::vector<Facet<float>> candidates_;
   std::vector<std::uint32_t> candidateTriangles_;
-  std::vector<std::array<std::uint32_t, kLanes>> listedBy_;  // bit i of [c][lane]: the corner lists candidate 32 c + i
+  std::vector<std::array<std::uint32_t, kLanes>> listedBy_;  // bit i of [c][lane] is set if the lane's corner lists
+                                                             // candidate 32 c + i
 
   // Buffers for sparse bricks.
-  std::vector<Facet<float>> facets_;    // the facets of triangles_
-  std::vector<Lanes> centreDistance2_;  // squared, of facets_ from the blocks' centres
+  std::vector<Facet<float>> facets_;    // facets of triangles_
+  std::vector<Lanes> centreDistance2_;  // voxels^2, from each facet to the blocks' centres
 
   // Buffers for dense bricks.
   FacetCache cache_;
-  std::uint32_t guess_ = kNoTriangle;      // first guess of the nearest triangle
+  std::uint32_t guess_ = kNoTriangle;      // first guess of the nearest triangle in a search
   std::vector<int> crowded_;               // blocks with too many candidates
-  std::array<bool, kBrickStride> open_{};  // corners of crowded blocks
+  std::array<bool, kBrickStride> open_{};  // true for the corners of crowded blocks
   std::vector<Listing> listings_;
   std::vector<std::uint32_t> listingsByCorner_;
 
   std::vector<std::uint32_t> listed_;
-  std::size_t listBegin_ = 0;  // in listed_: start of the list under construction
+  std::size_t listBegin_ = 0;  // start in listed_ of the list under construction
 };
 
-// Shared by the parts of BrickMaker; lengths in voxels.
+// Constants and functions that the parts of BrickMaker share; lengths are in voxels.
 namespace brick {
 
-// Distances computed in float32 err by up to 1e-5. They are shortened by this much, so that they are never too large.
+// Largest error of distances computed in float32, doubled. Distances are reduced by it, so that they are never too
+// large.
 constexpr float kRounding = 2e-5f;
-constexpr float kShortened = 1 - 1e-5f;   // distances of bricks' centres are shortened to this share
-constexpr float kRadius = 6.93f;          // a little more than 4 sqrt(3), from a brick's centre to its corners
-constexpr float kListedRadius = 0.9536f;  // a little more than sqrt(3) kListedHalf: of a ball that holds the cube
-constexpr float kBlockRadius = 1.7322f;   // a little more than sqrt(3), from a block's centre to its corners
+constexpr float kShortened = 1 - 1e-5f;   // factor on distances of bricks' centres, so that they are never too large
+constexpr float kRadius = 6.93f;          // from a brick's centre to its corners: slightly more than 4 sqrt(3)
+constexpr float kListedRadius = 0.9536f;  // radius of a ball that contains the cube of kListedHalf: slightly more than
+                                          // sqrt(3) kListedHalf
+constexpr float kBlockRadius = 1.7322f;   // from a block's centre to its corners: slightly more than sqrt(3)
 static_assert(kListedRadius * kListedRadius > 3 * kListedHalf * kListedHalf);
-// All triangles within kExact of a corner of the brick lie within this distance of the brick's centre.
+// Distance from the brick's centre within which all triangles are that are at most kExact from a corner of the brick.
 constexpr float kSeen = kRadius + kExact;
 
-// Corners relative to the brick's centre, by block.
+// Positions of the corners relative to the brick's centre, by block.
 extern const std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners;
 extern const BrickMaker::Points kBlockCentres;
 
@@ -118,7 +122,7 @@ constexpr std::uint32_t cornerIndex(int block, int lane) {
          axis(block % 3, lane % 3);
 }
 
-// Returns up to which distance from a block's centre all triangles are known.
+// Returns the distance from a block's centre within which all triangles are known.
 inline float seenFrom(int block) {
   const auto& c = kBlockCentres;
   return kSeen - std::sqrt(c.x[block] * c.x[block] + c.y[block] * c.y[block] + c.z[block] * c.z[block]);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The full bricks of a field and of the earlier fields from which it moved: bricks that several of them share are
+// The full bricks of a field that moves: fields at successive positions share a pool, so that their common bricks are
 // stored once.
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace scanmill {
 
-// A brick and its lists of triangles keep their place in the pool: moving a field appends the new bricks, and devices
-// that hold the earlier ones are given only the new ones. If no room is left, the field gets a pool of its own, to
-// which the bricks that it takes over are copied. The arrays never grow, so that threads may read bricks while others
-// are appended.
+// A brick and its lists of triangles have a fixed place in the pool. Moving a field appends the new bricks, and only
+// these are uploaded to a device that has the earlier ones. If the pool is full, the field gets a new pool, to which
+// the bricks that it still needs are copied. The arrays are never reallocated, so that threads may read bricks while
+// others are appended.
 struct BrickPool {
-  // Makes room for `most` bricks, and none for lists yet.
+  // Reserves space for `most` bricks, and none for lists.
   explicit BrickPool(std::size_t most) {
     distance.resize(most * kBrickStride);
     word.resize(most * kBrickStride);
@@ -25,11 +25,11 @@ struct BrickPool {
   }
   std::size_t room() const { return firstList.size() - 1 - bricks; }
 
-  // The arrays of DistanceField, filled for the first `bricks` bricks.
+  // The arrays of DistanceField. The elements of the first `bricks` bricks are set.
   RawVector<std::uint16_t> distance;
   RawVector<std::uint32_t> word;
   RawVector<std::uint32_t> lists;
-  std::vector<std::uint32_t> firstList;  // per brick: where its lists begin; one more for the end
+  std::vector<std::uint32_t> firstList;  // by brick: index in `lists` of its first list; last entry: the end
 
   std::mutex appending;  // locked while bricks are appended
   std::size_t bricks = 0;

@@ -19,14 +19,14 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // table entry of a full brick that has no place in the pool yet
-constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // instead of an index
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // means "no index"
 constexpr float kNothing = 1e30f;               // voxels, the distance to surfaces in an empty world
 constexpr std::size_t kBricksPerTask = 8;
-// The lanes of march_stream.h address distances by offsets of 31 bits.
+// Largest number of full bricks, because the lanes of march_stream.h address distances by offsets of 31 bits.
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
 
-// Returns how much room to reserve for a field that moves: on a street some twenty moves fit before its bricks must be
-// copied.
+// Returns the number of bricks to reserve space for, if a field has `count` bricks and moves. On a street about twenty
+// moves fit into the space before bricks must be copied to a new pool.
 constexpr std::size_t withRoom(std::size_t count) {
   return count + count / 2;
 }
@@ -56,22 +56,22 @@ class Builder {
   void assemble();
 
   const World& world_;
-  std::vector<const DistanceField*> before_;  // fields of one pool
-  std::shared_ptr<BrickPool> poolBefore_;     // null: none
+  std::vector<const DistanceField*> before_;  // earlier fields, all of one pool
+  std::shared_ptr<BrickPool> poolBefore_;     // pool of the earlier fields; null if there are none
   std::shared_ptr<DistanceField> field_;
   std::shared_ptr<BrickPool> pool_;
 
-  // A full brick that is placed in the pool.
+  // A full brick with a place in the pool.
   struct Brick {
-    std::uint32_t entry;   // index of its entry in the table
-    std::uint32_t made;    // number of a new brick, an index into lists_; else kNone
-    std::uint32_t copied;  // place in poolBefore_ of a brick that is copied from there; else kNone
+    std::uint32_t entry;   // index of the brick's table entry
+    std::uint32_t made;    // number of a new brick, an index into lists_; kNone for a brick from an earlier field
+    std::uint32_t copied;  // place in poolBefore_ of a brick that is copied from there; otherwise kNone
   };
   std::vector<Brick> bricks_;                      // in the order of their places, which are consecutive
-  std::size_t first_ = 0;                          // place of the first brick of bricks_
-  std::vector<std::uint32_t> unmade_;              // table entries of new bricks
-  std::size_t kept_ = 0;                           // how many bricks are taken from earlier fields
-  std::vector<std::vector<std::uint32_t>> lists_;  // of new bricks, whose words count from the start of their lists
+  std::size_t first_ = 0;                          // place in the pool of the first brick of bricks_
+  std::vector<std::uint32_t> unmade_;              // indices of new bricks' table entries
+  std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
+  std::vector<std::vector<std::uint32_t>> lists_;  // by new brick: its lists; the brick's words count from their start
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,
@@ -111,7 +111,7 @@ BrickPlace Builder::placeOf(std::uint32_t entry) const {
   return placeOf(level, brickOf(level, entry));
 }
 
-// Returns the table entry of a brick, or null if the field does not have the brick.
+// Returns the table entry of the brick with lattice coordinates `brick`; null if the field does not have the brick.
 const std::uint32_t* Builder::entryOf(const DistanceField& field, std::size_t level, const Corner& brick) {
   if (level >= field.levels.size()) return nullptr;
   const LevelBox& box = field.shape.levels[level];
@@ -124,7 +124,7 @@ const std::uint32_t* Builder::entryOf(const DistanceField& field, std::size_t le
   return &field.table[field.levels[level].firstEntry + (at[2] * box.bricks[1] + at[1]) * box.bricks[0] + at[0]];
 }
 
-// Returns the table entry of a brick in the first earlier field that has it, or null if none has.
+// Returns the table entry of a brick in the first earlier field that has the brick; null if none has it.
 const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick) const {
   for (const DistanceField* field : before_) {
     if (const std::uint32_t* entry = entryOf(*field, level, brick)) return entry;
@@ -132,8 +132,8 @@ const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick
   return nullptr;
 }
 
-// Returns the distance of a brick's centre from the nearest triangle (voxels). `nearest` is a first guess of that
-// triangle, and is set to it.
+// Returns the distance of a brick's centre from the nearest triangle (voxels). `nearest` is a first guess of the
+// nearest triangle, and is set to the nearest triangle.
 float Builder::distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const {
   facets.startBrick();
   const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);
@@ -146,8 +146,8 @@ constexpr std::uint32_t tableEntry(float distance) {
   return distance >= kEmptyBrick ? std::bit_cast<std::uint32_t>(distance) : kUnmade;
 }
 
-// Fills the table entries of a row of bricks along x: those of earlier fields, the distances of empty bricks, or
-// kUnmade.
+// Fills the table entries of a row of bricks along x: with an earlier field's entry if there is one, else with the
+// distance of an empty brick, or kUnmade for a full brick.
 void Builder::fillRow(std::size_t level, std::size_t row, FacetCache& facets) {
   const LevelBox& box = field_->shape.levels[level];
   const auto first = static_cast<std::uint32_t>(field_->levels[level].firstEntry + row * box.bricks[0]);
@@ -194,7 +194,7 @@ void Builder::findUnmade() {
                   field_->shape.voxel, kMostBricks / 1'000'000));
 }
 
-// Gives new bricks places in the earlier pool, behind the bricks that it holds.
+// Gives new bricks places in the pool of the earlier fields, after the bricks that it already has.
 void Builder::append() {
   pool_ = poolBefore_;
   first_ = pool_->bricks;
@@ -205,7 +205,7 @@ void Builder::append() {
   }
 }
 
-// Gives all bricks places in a new pool of the field's own, including new bricks that were appended to the earlier
+// Gives all bricks places in a new pool of this field, including new bricks that were already appended to the earlier
 // pool.
 void Builder::startPool() {
   const bool wereAppended = !bricks_.empty();
@@ -245,7 +245,7 @@ void Builder::makeBrick(std::size_t i, BrickMaker& maker, std::vector<std::uint3
   lists_[brick.made].assign(lists.begin(), lists.end());
 }
 
-// Sets where the lists of each brick begin. Returns where the last ones end, which may be beyond the room of the pool.
+// Sets the start of each brick's lists. Returns the end of the last lists, which may be beyond the space of the pool.
 std::uint64_t Builder::placeLists() {
   const auto countOf = [&](const Brick& brick) -> std::uint64_t {
     if (brick.made != kNone) return lists_[brick.made].size();
@@ -260,7 +260,7 @@ std::uint64_t Builder::placeLists() {
   return end;
 }
 
-// Copies bricks from the earlier pool, and all lists, to their places.
+// Copies bricks from the earlier pool to their places, and all lists.
 void Builder::assemble() {
   const BrickPool* from = poolBefore_.get();
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {
@@ -289,7 +289,7 @@ std::shared_ptr<const DistanceField> Builder::build() {
   if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
   fillTable();
   findUnmade();
-  // A field that has more new bricks than shared ones gets a pool of its own.
+  // A field with more new bricks than shared ones gets a new pool.
   const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
   appended ? append() : startPool();
   makeBricks();
@@ -330,7 +330,7 @@ std::vector<FieldLevel> fieldLevels(const FieldShape& shape) {
     level.bricks = box.bricks;
     level.firstEntry = entries;
     for (std::size_t k = 0; k < 3; ++k) {
-      // Counted in whole bricks of level 0, so that the offset is exact.
+      // The offset is counted in complete bricks of level 0, so that it is exact.
       const auto brick = std::llround(centre[k] / (kBrickVoxels * shape.voxel));
       const std::int64_t bricks = brick - box.firstBrick[k] * (std::int64_t{1} << l);
       level.offset[k] = static_cast<float>(std::ldexp(static_cast<double>(bricks * kBrickVoxels), -int(l)));

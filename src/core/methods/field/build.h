@@ -1,6 +1,6 @@
 #pragma once
 
-// Builds distance fields, by Embree's point queries.
+// Builds distance fields, with Embree's point queries.
 
 #include <memory>
 #include <vector>
@@ -10,14 +10,15 @@
 
 namespace scanmill {
 
-// Returns the data of the levels that particles read, for a field with this shape.
+// Returns the data of a field's levels that particles read, for a field with this shape.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
-// Builds the field of a world. Bricks that a field in `before` has are copied from it or shared with it (brick_pool.h),
-// if that field is of the same world, has the same voxel size and `lists`, and is in the same pool as the first such
-// field. What particles read is the same as without `before`, byte by byte. The world must be flat: nothing in it is
-// instanced. An empty world gives a field of empty bricks. Runs on all threads; what particles read does not depend on
-// their number. Moving a field by a metre takes a thirtieth of the time of building it.
+// Builds the field of a world. Bricks of the fields in `before` are copied or shared (brick_pool.h) and not built
+// again. A field in `before` is used only if it belongs to the same world, has the same voxel size and `lists`, and has
+// the same pool as the first field that is used. The data that particles read is the same as without `before`, byte by
+// byte. The world must be flat, without instances. An empty world gives a field of empty bricks. Runs on all threads;
+// the data that particles read does not depend on the number of threads. Moving a field by a metre takes a thirtieth of
+// the time of building it.
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 

@@ -11,16 +11,16 @@ namespace scanmill {
 namespace {
 
 constexpr float kHalf = kHalfBrick;
-constexpr float kSlack = 1e-3f;  // voxels, for rounding
+constexpr float kSlack = 1e-3f;  // voxels, margin for rounding
 
-// If a block has more candidates than this, its corners search for their nearest triangles.
+// Number of candidates of a block above which each corner searches for its nearest triangle.
 constexpr std::size_t kFewOfBlock = 128;
 
 }  // namespace
 
-// Compares a triangle with the corners that may list it. The cube test is rarely needed: most triangles of foliage lie
-// completely in one cube, and most others have a corner in each cube that they intersect. The exact distance is rarely
-// needed either: few triangles are nearer to a corner than those before.
+// Compares a triangle with all corners that may list it. The cube test is rarely needed: most triangles of foliage are
+// completely inside one cube, and most others have a corner in each cube that they intersect. The exact distance is
+// also rarely needed: few triangles are nearer to a corner than the triangles before them.
 void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   const TriangleCorners corners = cornersAt(world_.baked, triangle, place);
   const auto& [a, b, c] = corners;
@@ -67,7 +67,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   }
 }
 
-// Makes the lists of corners from listings_; the triangles of a list stay in order.
+// Makes the lists of all corners from listings_. The triangles of a list stay in order.
 void BrickMaker::sortListings() {
   std::array<std::uint32_t, kCornersPerBrick + 1> first{};
   for (const Listing& l : listings_) ++first[l.corner + 1];
@@ -82,7 +82,7 @@ void BrickMaker::sortListings() {
   }
 }
 
-// Returns the triangle nearest to a point of the brick, among those at most `reach` away.
+// Returns the triangle nearest to a point of the brick, if it is at most `reach` (voxels) away; otherwise kNoTriangle.
 NearestFacet BrickMaker::search(const BrickPlace& place, const Vec3f& point, float reach) {
   NearestFacet best{(reach + 1e-3f) * (reach + 1e-3f), kNoTriangle};
   if (guess_ != kNoTriangle) {
@@ -94,14 +94,15 @@ NearestFacet BrickMaker::search(const BrickPlace& place, const Vec3f& point, flo
   return best;
 }
 
-// Fills a block, unless it has too many candidates: then returns false.
+// Fills a block and returns true; returns false if the block has too many candidates.
 bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   const Points& centres = brick::kBlockCentres;
   const Vec3f centre{centres.x[block], centres.y[block], centres.z[block]};
   const float seen = brick::seenFrom(block);
   blockDistance_[block] = std::min(std::sqrt(search(place, centre, seen).distance2), seen);
   if (blockDistance_[block] > kExact + brick::kBlockRadius) return true;
-  // No corner is farther from its nearest triangle than from the triangle nearest to the block's centre.
+  // Search as far as the corner that is farthest from the triangle nearest to the block's centre: no corner's nearest
+  // triangle is farther away than that.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.of(world_.baked, guess_, place);
   float farthest2 = lists_ ? brick::kListedRadius * brick::kListedRadius : 0.0f;
@@ -120,7 +121,8 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
 
 void BrickMaker::searchBlock(const BrickPlace& place, int block) {
   const Points& p = brick::kBlockCorners[block];
-  // A triangle at most this far from a corner is in the corner's list, so scatter() has compared the two.
+  // scatter() has compared each corner with all triangles at most this far away, because these are in the corner's
+  // list.
   constexpr float kKnown = kListedHalf - kSlack;
   const float known2 = lists_ ? kKnown * kKnown : -1.0f;
   for (int i = 0; i < kBlock; ++i) {

@@ -1,18 +1,18 @@
 #pragma once
 
-// A distance field around a sensor: distances to the nearest surface, finely resolved near surfaces and near the
-// sensor.
+// A distance field around a sensor: distances to the nearest surface, with a finer resolution near surfaces and near
+// the sensor.
 //
-// A field has nested levels ("clipmaps", as in Unreal's global distance fields), each with voxels twice as large as the
-// one before, or one level that holds the complete scene. A level is a box of bricks of 8 x 8 x 8 voxels. A brick near
-// a surface stores the distances at the 9 x 9 x 9 corners of its voxels; any other brick stores one distance. So memory
-// grows with the surface area, not with the volume. Fields that move share their bricks (brick_pool.h).
+// A field has nested levels ("clipmaps", as in Unreal's global distance fields), each with voxels twice as large as
+// those of the level before, or one level that covers the complete scene. A level is a box of bricks of 8 x 8 x 8
+// voxels. A brick near a surface stores the distances at the 9 x 9 x 9 corners of its voxels; any other brick stores
+// one distance. Memory therefore grows with the surface area and not with the volume. Fields that move share their
+// bricks (brick_pool.h).
 //
 // Frames. "Lattice": corners of voxels have integer coordinates, counted from the world's origin (world.h) in voxels of
-// the level; brick b holds corners 8b to 8b + 8 of each axis. The values at a corner depend on its position alone, not
-// on the field that it belongs to, so that a field that has moved holds the same bytes as a new one at its position.
-// "Field": metres / voxel size of level 0, relative to the field's centre, in float32: the frame in which particles
-// march.
+// the level; brick b has the corners 8b to 8b + 8 along each axis. The values at a corner depend only on the corner's
+// position, so that a field that has moved has the same bytes as a new field at its position. "Field": metres / voxel
+// size of level 0, relative to the field's centre, in float32; particles march in this frame.
 
 #include <array>
 #include <cstdint>
@@ -27,36 +27,36 @@ namespace scanmill {
 constexpr int kBrickVoxels = 8;                     // per axis
 constexpr int kHalfBrick = kBrickVoxels / 2;        // per axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
-constexpr int kCornersPerBrick = 9 * 9 * 9;         // x fastest, then y, then z
-constexpr int kBrickStride = kCornersPerBrick + 1;  // of DistanceField::distance; even: two values per 32-bit word
-constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in bricks
-constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;  // the word of a corner that names no triangle: see DistanceField::word
-constexpr std::uint32_t kFullBrick = 0x80000000u;   // bit of an entry of DistanceField::table
-constexpr std::uint32_t kLastOfList = 0x80000000u;  // bit of an entry of DistanceField::lists
+constexpr int kCornersPerBrick = 9 * 9 * 9;         // order of corners: x fastest, then y, then z
+constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance; even, so that two
+                                                    // values fit a 32-bit word
+constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in full bricks
+constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // in DistanceField::word: the corner has no triangle or list
+constexpr std::uint32_t kFullBrick = 0x80000000u;   // this bit of an entry of DistanceField::table marks a full brick
+constexpr std::uint32_t kLastOfList = 0x80000000u;  // this bit of an entry of DistanceField::lists ends a list
 constexpr std::uint32_t kMaxLevels = 16;
 
-// All distances are in voxels of the corner's level.
-//
-// A brick is empty if its centre is at least kEmptyBrick from all surfaces; every point of the brick is then at least
-// kEmptyBrick - 4 sqrt(3) > 1 away from them. The distances in full bricks are never too large: they are exact up to
-// kExact; beyond, they are lower bounds of at least kExact. They are rounded down to kDistanceStep.
+// All distances are in voxels of the corner's level. A brick is empty if its centre is at least kEmptyBrick from all
+// surfaces; every point of the brick is then more than 1 away from them (at least kEmptyBrick - 4 sqrt(3)). The
+// distances in full bricks are never too large: exact up to kExact, and otherwise lower bounds that are at least
+// kExact. They are rounded down to multiples of kDistanceStep.
 constexpr float kEmptyBrick = 8.0f;
 constexpr float kExact = 4.0f;
-// A corner names triangles if it is at most this far from a surface: see DistanceField::word.
+// Largest distance of a corner from a surface for which the corner has a triangle: see DistanceField::word.
 constexpr float kNamed = 2.0f;
-// A corner may have a list if it is at most this far from a surface. If it is farther away, no surface intersects the
-// voxel centred at the corner, whose half diagonal is 0.8661.
+// Largest distance of a corner from a surface for which the corner may have a list. If a corner is farther away, no
+// surface intersects the voxel centred at the corner, whose half diagonal is 0.8661.
 constexpr float kListed = 0.93f;
-// A corner's list names all triangles that intersect the cube of this half side around the corner. The cube is larger
-// than the voxel around the corner, since particles may test points slightly outside of the voxel: they look kNudge
-// (march_rule.h) past its faces, and their positions, metres in float32, may be off by 3e-5 m a few hundred metres from
-// the world's origin. Triangles farther behind a particle, up to kBehind, are in the lists of the voxels through which
-// it came.
+// Half side of the cube around a corner. The corner's list contains all triangles that intersect the cube. The cube is
+// larger than the voxel around the corner, because particles may test points slightly outside of the voxel: they look
+// kNudge (march_rule.h) past its faces, and their positions, metres in float32, may be off by 3e-5 m a few hundred
+// metres from the world's origin. Triangles farther behind a particle, up to kBehind, are in the lists of the voxels
+// that the particle has passed.
 constexpr float kListedHalf = 0.55f;
 
 using Corner = std::array<std::int64_t, 3>;  // lattice coordinates of a corner or a brick
 
-// The box of bricks of a level.
+// The box of bricks of a level, in bricks of the level.
 struct LevelBox {
   Corner firstBrick{};
   std::array<std::uint32_t, 3> bricks{};
@@ -67,49 +67,51 @@ struct LevelBox {
 
 // The position and extent of a field, which follow from the options and the sensor's position: see shape.h.
 struct FieldShape {
-  double voxel = 0.1;            // m, of level 0; level l: voxel * 2^l
+  double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
   std::vector<LevelBox> levels;  // finest first, 1 to kMaxLevels
-  // Level l serves the points whose largest absolute coordinate (field frame) is at most reach * 2^l; the last level
-  // serves all others.
+  // Level l is used for points whose largest absolute coordinate (field frame) is at most reach * 2^l; the last level
+  // is used for all other points.
   float reach = 0;
-  // True: corners near surfaces name all triangles there, not only the nearest one. On the street this takes 40 MB in
-  // addition to 59 MB, and of a million beams 28 get a wrong label instead of 85,000.
+  // If true, corners near surfaces list all triangles that are near, otherwise only the nearest one. On the street the
+  // lists take 40 MB in addition to 59 MB, and reduce the wrong labels among a million beams from 85,000 to 28.
   bool lists = false;
 
   bool operator==(const FieldShape&) const = default;
 };
 
 // The data of a level that particles read. A point q in the field frame has the coordinates u = q * scale + offset, in
-// voxels of the level, relative to the level's first corner.
+// voxels of the level from the level's first corner.
 struct FieldLevel {
   std::array<float, 3> offset{};
   float scale = 1;  // 2^-level
   std::array<std::uint32_t, 3> bricks{};
-  std::uint32_t firstEntry = 0;  // the level's first entry in DistanceField::table; x fastest, then y, then z
+  std::uint32_t firstEntry = 0;  // index in DistanceField::table of the level's first brick; x fastest, then y, then z
 };
 
 struct BrickPool;  // brick_pool.h
 
-// Read-only once built.
+// A field is not modified after it is built.
 struct DistanceField {
   FieldShape shape;
   std::vector<FieldLevel> levels;
-  // One entry per brick. Full brick: kFullBrick + its index in the arrays below. Empty brick: the bits of a float, the
-  // distance at the brick's centre in voxels of its level (at least kEmptyBrick; rounded down).
+  // One entry per brick. Full brick: kFullBrick + index of the brick in the arrays below. Empty brick: the bits of a
+  // float, the distance (rounded down, at least kEmptyBrick) from the brick's centre to the nearest surface, in voxels
+  // of the brick's level.
   std::vector<std::uint32_t> table;
   // kBrickStride values per full brick: the distances at its corners, in units of kDistanceStep voxels.
   std::span<const std::uint16_t> distance;
-  // kBrickStride words per full brick, one for each corner. Without lists a word is the nearest triangle, with lists it
-  // is where the corner's list begins in `lists`. It is kNoWord if the corner is farther than kNamed from all
-  // triangles; with lists, if it is farther than kListed or its list is empty.
+  // kBrickStride words per full brick, one per corner. In a field without lists a word is the nearest triangle, in a
+  // field with lists the index in `lists` where the corner's list begins. The word is kNoWord if the corner is farther
+  // than kNamed from all triangles; with lists, if it is farther than kListed or its list is empty.
   std::span<const std::uint32_t> word;
-  // The lists of corners, in the order of corners. A list holds the triangles that intersect the cube around its corner
-  // (kListedHalf), in ascending order of (instance id, triangle); kLastOfList marks the last one. If neighbours shared
-  // equal lists, fields would be 4 % smaller on the street and 7 % on truck_town.
+  // The lists of corners, in the order of corners. A list contains the triangles that intersect the cube around its
+  // corner (kListedHalf), in ascending order of (instance id, triangle); its last entry has the bit kLastOfList.
+  // Sharing equal lists between neighbouring corners would make fields only 4 % smaller on the street and 7 % on
+  // truck_town.
   std::span<const std::uint32_t> lists;
-  // The pool that owns these arrays. The spans above end where the arrays ended when the field was built. If the field
-  // has moved, they also cover bricks that only earlier fields use.
+  // The pool that owns these arrays. The spans above have the length that the arrays had when the field was built. If
+  // the field has moved, they also contain bricks that only earlier fields use.
   std::shared_ptr<BrickPool> pool;
 };
 

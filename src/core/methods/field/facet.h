@@ -1,6 +1,6 @@
 #pragma once
 
-// A triangle prepared for computing its distances to many nearby points quickly.
+// A triangle that is prepared for computing its distances to many nearby points quickly.
 
 #include <algorithm>
 #include <array>
@@ -9,25 +9,26 @@
 
 namespace scanmill {
 
-// Functions of a point p: the height of p over the triangle's plane and, for each edge, how far p lies inside of the
-// edge, before its beginning and past its end. All are affine functions with unit directions, and their constants are
-// computed in double. The constants that matter at p are about as large as p itself, however large the triangle is and
-// however far away its corners are, so that float32 suffices to evaluate the functions.
+// Affine functions of a point p with unit directions: the height of p over the triangle's plane and, for each edge, the
+// distance by which p is inside of the edge, before its start and past its end. Their constants are computed in double.
+// The constants that matter at p are about as large as p, however large the triangle is and however far away its
+// corners are, so that float32 suffices to evaluate the functions.
 template <class T>
 struct Facet {
   Vec3<T> normal;
   T height;
   struct Edge {
-    Vec3<T> inward;  // in the plane
+    Vec3<T> inward;  // in the triangle's plane
     T inside;
     Vec3<T> along;
     T before, past;
   };
-  std::array<Edge, 3> edges;  // the longest first
+  std::array<Edge, 3> edges;  // the first edge is the longest
 
-  // Returns the squared distance from the point to the triangle, which may be degenerate: a line or a point. If the
-  // point is inside of all edges, this is the distance to the plane. Beyond the tips of a slim triangle rounding may
-  // make a point seem inside; but such a point is past an end of the longest edge, and so counts as outside.
+  // Returns the squared distance from the point (x, y, z) to the triangle, which may be degenerate: a line or a point.
+  // If the point is inside of all edges, this is the squared distance to the plane. Beyond the tips of a slim triangle
+  // rounding may make a point seem to be inside of all edges; but such a point is past an end of the longest edge, and
+  // therefore is treated as outside.
   T distance2(T x, T y, T z) const {
     const auto along = [=](const Vec3<T>& v) { return v.x * x + v.y * y + v.z * z; };
     const T up = along(normal) + height;
@@ -60,9 +61,9 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   Vec3d normal = cross(sides[0], -sides[2]);
   std::array<double, 4> scales{longest, square(sides[1]), square(sides[2]), square(normal)};
   const bool line = !(scales[3] > 1e-20 * longest * longest);
-  for (double& scale : scales) scale = 1 / std::sqrt(scale);  // infinite where the length is 0
+  for (double& scale : scales) scale = 1 / std::sqrt(scale);  // infinite if the length is 0
   const Vec3d first = longest > 0 ? sides[0] * scales[0] : Vec3d{1, 0, 0};
-  if (line) {  // any unit vector square to the line will do
+  if (line) {  // any unit vector perpendicular to the line can be the normal
     normal = normalized(cross(first, std::fabs(first.x) < 0.7 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
   } else {
     normal = normal * scales[3];
@@ -81,22 +82,22 @@ inline Facet<double> facetOf(Vec3d a, Vec3d b, Vec3d c) {
   return facet;
 }
 
-// Tests whether a triangle intersects a cube around a point: it does if none of the 13 axes of Akenine-Moeller 2001,
-// "Fast 3D triangle-box overlap testing", separates the two. The constants are computed in double, as those of a facet
-// are. Float32 rounding may make a cube count as up to 1e-5 larger or smaller than it is.
+// Tests whether a triangle intersects a cube around a point: this is the case if none of the 13 axes of Akenine-Moeller
+// 2001, "Fast 3D triangle-box overlap testing", separates the two. The constants are computed in double, as for a
+// facet. Float32 rounding may make the cube seem up to 1e-5 larger or smaller than it is.
 struct CubeTest {
-  // A linear function of the point, and the range of its values within which it does not separate cube and triangle.
+  // A linear function of the point, and the range of values for which the function does not separate cube and triangle.
   struct Axis {
     float u, v, low, high;
   };
-  std::array<float, 3> low, high;  // ranges of the functions x, y, z
+  std::array<float, 3> low, high;  // ranges of the functions x, y and z
   Vec3f normal;
   float lowest, highest;
   // The functions u * p[k + 1] + v * p[k + 2] (indices modulo 3) for each axis k and each edge.
   std::array<std::array<Axis, 3>, 3> axes;
 
-  // Returns the largest amount by which a function is outside of its range, in the unit of that function. At most zero
-  // if the cube intersects the triangle.
+  // Returns the largest amount by which a function is outside of its range, in the unit of that function; at most zero
+  // if the cube around (x, y, z) intersects the triangle.
   float excess(float x, float y, float z) const {
     const auto beyond = [](float value, float least, float most) { return std::max(least - value, value - most); };
     const float p[3] = {x, y, z};
@@ -113,7 +114,7 @@ struct CubeTest {
   }
 };
 
-// Returns the test of a triangle with these corners against cubes of half side `half`.
+// Returns the test of a triangle with these corners against cubes of half side `half` around points.
 inline CubeTest cubeTestOf(const std::array<Vec3d, 3>& corners, double half) {
   const auto list = [](const Vec3d& v) { return std::array<double, 3>{v.x, v.y, v.z}; };
   const std::array<std::array<double, 3>, 3> at{list(corners[0]), list(corners[1]), list(corners[2])};

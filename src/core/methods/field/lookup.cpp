@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the level that serves a place: the least l with |coordinates| <= reach * 2^l, or the last one.
+// Returns the level that is used at a point: the smallest l with |coordinates| <= reach * 2^l, or the last level.
 int levelAt(const DistanceField& field, const Vec3f& place) {
   const float most = std::max({std::fabs(place.x), std::fabs(place.y), std::fabs(place.z)});
   const int last = static_cast<int>(field.levels.size()) - 1;
@@ -20,8 +20,8 @@ int levelAt(const DistanceField& field, const Vec3f& place) {
 
 struct FieldPlace {
   std::uint32_t brick;              // entry of DistanceField::table
-  std::array<std::uint32_t, 3> in;  // voxel in the brick
-  std::array<float, 3> f;           // place in the voxel, 0 to 1
+  std::array<std::uint32_t, 3> in;  // voxel within the brick
+  std::array<float, 3> f;           // position within the voxel, 0 to 1
 };
 
 FieldPlace placeIn(const DistanceField& field, const Vec3f& place) {
@@ -42,7 +42,8 @@ FieldPlace placeIn(const DistanceField& field, const Vec3f& place) {
   return found;
 }
 
-// Returns the index of a corner in the arrays of full bricks.
+// Returns the index of a corner in the arrays of full bricks. `brick`: the brick's table entry; x, y, z: the corner in
+// the brick.
 std::size_t cornerIndex(std::uint32_t brick, std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return std::size_t{brick - kFullBrick} * kBrickStride + (z * kBrickCorners + y) * kBrickCorners + x;
 }

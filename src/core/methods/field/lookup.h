@@ -1,6 +1,6 @@
 #pragma once
 
-// Looks up a field at single places, to resolve the hits of particles. Places are in the field frame.
+// Looks up a field at single points, to resolve the hits of particles. Points are in the field frame.
 
 #include <cstdint>
 
@@ -9,13 +9,13 @@
 
 namespace scanmill {
 
-// Returns the voxel size (m) of the level that serves the place.
+// Returns the voxel size (m) of the level that is used at a point.
 double voxelAt(const DistanceField& field, const Vec3f& place);
 
-// Returns the interpolated distance (voxels of the level); in an empty brick, a lower bound.
+// Returns the interpolated distance to the nearest surface (voxels of the level); in an empty brick, a lower bound.
 float distanceAt(const DistanceField& field, const Vec3f& place);
 
-// Returns the triangle that the corner nearest to the place names, in a field without lists; kNoWord if no triangle is
+// Returns the triangle stored at the corner nearest to a point, in a field without lists; kNoWord if no triangle is
 // near.
 std::uint32_t triangleAt(const DistanceField& field, const Vec3f& place);
 

@@ -13,15 +13,15 @@ namespace {
 
 using Float4 [[gnu::vector_size(16)]] = float;
 
-// Loads a vertex. The block's vertices are padded, so that 16 bytes may be read at each.
+// Loads a vertex. The block's vertices are padded, so that 16 bytes can be read at each vertex.
 Float4 vertexOf(const TriangleBlock& block, std::uint32_t vertex) {
   Float4 v;
   std::memcpy(&v, reinterpret_cast<const char*>(block.vertices.data()) + sizeof(Vec3f) * vertex, sizeof v);
   return v;
 }
 
-// A sphere around a point, in float32 (m, relative to the world's origin). Its radius is slightly larger than asked
-// for, so that rounding loses no triangle.
+// A sphere around a point, in float32 (m, relative to the world's origin). Its radius is slightly larger than
+// requested, so that rounding loses no triangle.
 class Ball {
  public:
   Ball(const Vec3d& point, double radius)
@@ -37,7 +37,8 @@ class Ball {
   float radius() const { return radius_; }
   Float4 point() const { return point_; }
 
-  // True if the bounding box of a triangle is within the radius of the cube of half side `half` around the point.
+  // Returns true if a triangle's bounding box is within the ball's radius of the cube of half side `half` around the
+  // point.
   bool meets(const TriangleBlock& block, std::uint32_t triangle, float half = 0) const {
     const Triangle& corners = block.corners[triangle];
     const Float4 a = vertexOf(block, corners[0]);
@@ -76,13 +77,13 @@ Vec3d metresOf(const BrickPlace& place, const Vec3f& point) {
 struct PointSearch {
   const TriangleBlock& block;
   const BrickPlace& place;
-  const Vec3f& point;  // voxels from the place
+  const Vec3f& point;  // voxels, relative to the centre of the brick
   FacetCache& facets;
   Ball ball;
   NearestFacet best;
 };
 
-// Returns the search radius (m) for a squared distance. It has a margin, since the distances of facets are rounded.
+// Returns the search radius (m) for a squared distance (voxels^2), with a margin for the rounding of facets' distances.
 double reachOf(const BrickPlace& place, float distance2) {
   return (double{std::sqrt(distance2)} + 1e-4) * place.voxel;
 }
@@ -109,8 +110,8 @@ bool nearPoint(RTCPointQueryFunctionArguments* arguments) {
 
 struct Gathering {
   const TriangleBlock& block;
-  Ball margin;  // around each point of the cube
-  float half;   // m
+  Ball margin;  // ball around each point of the cube
+  float half;   // m, half side of the cube
   std::size_t most;
   std::vector<std::uint32_t>& triangles;
 };
@@ -122,7 +123,7 @@ bool gathered(RTCPointQueryFunctionArguments* arguments) {
   if (!search.margin.meets(search.block, triangle, search.half)) return false;
   search.triangles.push_back(triangle);
   if (search.triangles.size() <= search.most) return false;
-  arguments->query->radius = 0;  // ends the query
+  arguments->query->radius = 0;  // a radius of 0 ends the query
   return true;
 }
 

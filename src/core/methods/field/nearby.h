@@ -1,6 +1,6 @@
 #pragma once
 
-// Finds the triangles of a world that are near a place, by Embree's point queries.
+// Finds the triangles of a world near a point, with Embree's point queries.
 
 #include <array>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// The position of a brick. Points near it are given in voxels, relative to its centre.
+// The position of a brick. Points near the brick are given in voxels, relative to its centre.
 struct BrickPlace {
   Vec3d centre;      // m, relative to the world's origin
   double voxel = 0;  // m
@@ -19,7 +19,7 @@ struct BrickPlace {
 
 using TriangleCorners = std::array<Vec3d, 3>;
 
-// Returns the corners of a triangle in voxels, relative to the place.
+// Returns the corners of a triangle in voxels, relative to the brick's centre.
 TriangleCorners cornersAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place);
 
 inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle, const BrickPlace& place) {
@@ -30,11 +30,11 @@ inline Facet<double> facetAt(const TriangleBlock& block, std::uint32_t triangle,
 constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFu;
 
 struct NearestFacet {
-  float distance2 = 0;  // voxels^2, by Facet<float>::distance2()
+  float distance2 = 0;  // voxels^2, computed by Facet<float>::distance2()
   std::uint32_t triangle = kNoTriangle;
 };
 
-// Caches the facets of a brick that were last asked for.
+// Caches the facets of the triangles that were last used for a brick.
 class FacetCache {
  public:
   void startBrick() { ++brick_; }
@@ -58,18 +58,18 @@ class FacetCache {
   std::uint32_t brick_ = 0;
 };
 
-// Returns the triangle nearest to a point near a brick: `nearest`, unless another one is nearer, or as near and earlier
-// by orderOf().
+// Returns the triangle nearest to a point near a brick. This is `nearest`, unless another triangle is nearer, or is
+// equally near and has a lower orderOf().
 NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec3f& point, const NearestFacet& nearest,
                           FacetCache& facets);
 
-// Gathers all triangles that are at most `margin` away from the cube of half side `half` around a point near a brick,
-// and possibly some that are farther away (all in voxels). A triangle may be gathered twice. Returns false if there are
-// more than `most`.
+// Appends to `triangles` all triangles that are at most `margin` away from the cube of half side `half` around a point
+// near a brick, and possibly some that are farther away (all lengths in voxels). A triangle may be appended twice.
+// Returns false if there are more than `most`.
 bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& point, float half, float margin,
                      std::size_t most, std::vector<std::uint32_t>& triangles);
 
-// Returns the rank of a triangle: among equally near triangles the one of lowest rank comes first.
+// Returns the rank of a triangle: of equally near triangles the one with the lowest rank wins.
 inline std::uint64_t orderOf(const TriangleBlock& block, std::uint32_t triangle) {
   return std::uint64_t{block.surfaceOf(triangle).instance} << 32 | triangle;
 }

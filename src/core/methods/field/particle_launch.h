@@ -9,16 +9,16 @@
 
 namespace scanmill {
 
-// The particles of a shot. Their order: 16 columns of the first ring, the same 16 columns of each further ring, then
-// the next 16 columns. The last group of 16 may exceed the columns; its surplus particles do not march.
+// The particles of a shot, in this order: 16 columns of the first ring, the same 16 columns of each further ring, then
+// the next 16 columns. If the columns are not a multiple of 16, the surplus particles of the last group do not march.
 struct ParticleLaunch {
-  static constexpr std::uint32_t kTogether = 16;  // columns
+  static constexpr std::uint32_t kTogether = 16;  // columns of a group
   const Shot* shot;
-  const ShotFrame* frame;  // relative to the world's origin
-  Box box;                 // m, relative to the world's origin: where particles may march
-  double farthest;         // m, how far particles go
-  bool whole;              // nothing of the scene lies outside of the box
-  bool corrected;          // without lists: hits are moved to the plane of the particle's triangle
+  const ShotFrame* frame;  // the shot's poses, relative to the world's origin
+  Box box;                 // m, relative to the world's origin: particles march only inside of the box
+  double farthest;         // m, length of the particles' paths
+  bool whole;              // true if the box contains the complete scene
+  bool corrected;          // without lists: true if hits are moved to the plane of their triangle
   std::size_t size() const {
     return std::size_t{shot->beams->rings} * ((shot->beams->columns + kTogether - 1) / kTogether) * kTogether;
   }

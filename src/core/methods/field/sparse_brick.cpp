@@ -22,8 +22,8 @@ void BrickMaker::makeSparse(const BrickPlace& place) {
   for (int block = 0; block < kBlock; ++block) {
     blockDistance_[block] = std::min(std::sqrt(least[block]), brick::seenFrom(block));
     if (blockDistance_[block] > kExact + brick::kBlockRadius) continue;
-    // Candidates are the triangles that may be nearest to some corner of the block, up to kExact, and those that may be
-    // listed.
+    // Candidates are the triangles that may be the nearest to some corner of the block (up to kExact), and the
+    // triangles that some corner of the block may list.
     float reach = std::min(blockDistance_[block] + 2 * brick::kBlockRadius, kExact + brick::kBlockRadius);
     if (lists_) reach = std::max(reach, brick::kListedRadius + brick::kBlockRadius);
     candidates_.clear();
@@ -49,7 +49,7 @@ void BrickMaker::fillBlock(const BrickPlace& place, int block) {
     alignas(64) Lanes distance2;
     for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
     for (int i = 0; i < kLanes; ++i) {
-      const bool less = distance2[i] < least[i];  // among equally near triangles the first stays
+      const bool less = distance2[i] < least[i];  // of equally near triangles the first one wins
       nearest[i] = less ? c : nearest[i];
       least[i] = less ? distance2[i] : least[i];
     }

@@ -9,13 +9,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 1e-4;  // m; a ray continues this far behind a surface, so as not to hit it again
+constexpr double kStep = 1e-4;  // m; a ray continues this far behind a surface, to miss it
 
 // A ray that continues after a hit.
 struct Onward {
   std::uint32_t beam;
   Vec3d origin;     // m, world axes, relative to the sensor's position at the start of the revolution
-  Vec3d direction;  // unit, world axes
+  Vec3d direction;  // unit vector, world axes
   double way;       // m, length of the path so far
   double weight;
   std::uint32_t panes;
@@ -42,7 +42,7 @@ class LightFollower {
   }
 
  private:
-  // Fills in the beam, weight and path of the rays traced so far.
+  // Fills beamOfRay, weightOfRay and pathOfRay of the hits for the rays traced so far.
   void takeAsTheyAre() {
     if (hits_.beamOfRay.empty()) {
       hits_.beamOfRay.resize(hits_.rays());
@@ -78,7 +78,8 @@ class LightFollower {
     return m.transmission > 0 || (paths_.bounces > 0 && m.roughness <= kMirrorRoughness);
   }
 
-  // Appends the rays that continue from a hit: one through the pane, one off the mirror.
+  // Appends the rays that continue from a hit: one through a pane and one off a mirror, if the surface has these
+  // properties.
   void branch(const Onward& before, const Hits& met, std::uint32_t ray, std::vector<Onward>& onward) const {
     const Material& material = materials_[met.material[ray]];
     const double cosine = met.incidence[ray];
@@ -105,7 +106,7 @@ class LightFollower {
     }
   }
 
-  // Returns a shot with these rays as a single ring around the sensor's position, in world axes.
+  // Returns a shot whose beams are these rays, as a single ring, in world axes, relative to the sensor's position.
   Shot shotOf(const std::vector<Onward>& onward) const {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;
@@ -125,13 +126,13 @@ class LightFollower {
     return shot;
   }
 
-  // Returns when a beam fires (s since the start of the revolution).
+  // Returns the time at which a beam fires (s since the start of the revolution).
   float timeOf(std::uint32_t beam) const {
     const BeamTable& rays = *shot_.beams;
     return static_cast<float>(rays.columnTime(beam % (rays.columns / rays.raysPerBeam) * rays.raysPerBeam));
   }
 
-  // Adds the hits of these rays to hits_, and returns the rays that continue from there.
+  // Appends the hits of these rays to hits_. Returns the rays that continue from these hits.
   std::vector<Onward> add(const std::vector<Onward>& onward, const Hits& met) {
     std::vector<Onward> further;
     for (std::uint32_t i = 0; i < onward.size(); ++i) {

@@ -14,43 +14,44 @@
 namespace scanmill {
 
 struct LightPaths {
-  std::uint32_t panes = 4;          // most panes that a ray passes
-  std::uint32_t bounces = 1;        // most reflections of a ray off mirrors
-  double least = 0.001;             // share of a beam's power below which a ray is not followed
-  bool mirroredUnlabelled = false;  // hits seen in mirrors have class and instance 0, not those of the surface
+  std::uint32_t panes = 4;          // largest number of panes that a ray passes
+  std::uint32_t bounces = 1;        // largest number of reflections of a ray off mirrors
+  double least = 0.001;             // fraction of a beam's power below which a ray is not followed
+  bool mirroredUnlabelled = false;  // if true, hits seen in mirrors get class and instance 0
 };
 
 // The channels that followLight() reads.
 inline constexpr Channels kLightChannels =
     Channel::Range | Channel::Normal | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
 
-// Materials of at most this roughness reflect as mirrors, in addition to scattering.
+// Largest roughness of a material that reflects as a mirror, in addition to scattering.
 constexpr float kMirrorRoughness = 0.1f;
 
-// Returns the share of unpolarised light that one face between air and a material of this refractive index reflects
-// (Fresnel; Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine` is that of the angle of
+// Returns the fraction of unpolarised light that one face between air and a material with this refractive index
+// reflects (Fresnel; Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine`: of the angle of
 // incidence.
 double fresnel(double cosine, double index);
 
-// The shares of light that a pane reflects and transmits in all. It has two faces between air and its material, and its
-// inside transmits the share `inside`. Both are sums of the geometric series of internal reflections (Born and Wolf,
-// section 7.6, without interference).
+// The total fractions of light that a pane reflects and transmits. A pane has two faces between air and its material,
+// and its inside transmits the fraction `inside`. Both totals are sums of the geometric series of internal reflections
+// (Born and Wolf, section 7.6, without interference).
 struct Pane {
   double reflected = 0;
   double transmitted = 0;
 };
 Pane paneOf(double cosine, double index, double inside);
 
-// Returns the share of light that a surface reflects as a mirror: a pane, a metal (Schlick, "An inexpensive BRDF model
-// for physically-based rendering", Eurographics 1994, eq. 15) or a smooth face. 0 if the material is rough.
+// Returns the fraction of light that a surface reflects as a mirror: as a pane, as a metal (Schlick, "An inexpensive
+// BRDF model for physically-based rendering", Eurographics 1994, eq. 15) or as a smooth face. Returns 0 if the material
+// is rough.
 double mirrored(const Material& material, double cosine, double reflectance);
 
-// Continues rays through transmissive materials, in the same direction, and off mirrors, in the mirrored direction, as
-// often as `paths` allows, and adds each continued ray to `hits`. Before, `hits` must hold kLightChannels for each ray
-// of the shot's beam table (which may be a footprint's). An added ray has the beam that it comes from, its pathOfRay,
-// the length of its complete path as its range, and a weight: that of the ray before times the square of the share of
-// light that continues, since the echo returns along the same path. Continued rays that hit nothing within the sensor's
-// range limits are not added.
+// Continues rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as
+// often as `paths` allows, and appends the hit of each continued ray to `hits`. At the call, `hits` must have
+// kLightChannels for each ray of the shot's beam table (which may be a footprint's). An appended ray has the beam of
+// the ray that it continues, its kind of path (pathOfRay), the length of the complete path as its range, and a weight:
+// the weight of the ray that it continues, times the square of the fraction of light that continues, because the echo
+// returns along the same path. Continued rays that hit nothing within the sensor's range limits are not appended.
 TraceAccount followLight(const Method& method, const Shot& shot, std::span<const Material> materials,
                          const LightPaths& paths, Hits& hits);
 

@@ -22,56 +22,57 @@ namespace scanmill {
 class DepthCamera;
 class Worlds;
 
-// All calls are safe from several threads at once. A method may cache data between calls, such as the hierarchy around
-// a sensor; a cache never changes a result.
+// All member functions may be called from several threads at once. A method may cache data between calls, such as the
+// hierarchy around a sensor; a cache never changes a result.
 class Method {
  public:
   virtual ~Method() = default;
-  // Does the set-up that trace() would do first for a shot at this position, such as building a hierarchy, so that
-  // set-up and tracing can be timed separately. Never changes a result.
+  // Does the preparation that trace() would do first for a shot at this position, such as building a hierarchy, so that
+  // preparation and tracing can be timed separately. Never changes a result.
   virtual TraceAccount prepare(const Shot& shot) const = 0;
-  // Fills `hits` with the channels asked for; the result depends on the shot alone. A hit nearer than the sensor's
-  // minimum range, or farther than its maximum, is a miss.
+  // Fills `hits` with the requested channels; the result depends only on the shot. A hit nearer than the sensor's
+  // minimum range or farther than its maximum range is a miss.
   virtual TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const = 0;
-  // Returns what the method models of the scene and what it leaves out, one line each, for `plan` and the manifest.
+  // Returns which features of the scene the method models and which it leaves out, one line each, for `plan` and the
+  // manifest.
   virtual std::vector<std::string> modelled() const = 0;
-  // Returns about how many bytes the scene's own meshes and all that the method caches take, as far as they are loaded
-  // now; `plan` reports it.
+  // Returns approximately the bytes that the scene's meshes and the method's caches take, as far as they are loaded
+  // now; `plan` reports the number.
   virtual std::uint64_t memoryBytes() const = 0;
-  // Returns this method if it renders passes that can be saved (MethodCapabilities::passes), else null.
+  // Returns this method if it renders passes that can be saved (MethodCapabilities::passes), otherwise null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }
-  // Returns the method's hierarchies of the scene's own triangles, built with thingFilter()
-  // (methods/ray_tracing/unobstructed.h) for occlusions, if it has some that others may share; else null.
+  // Returns the method's hierarchies of the scene's triangles, if they are built with thingFilter()
+  // (methods/ray_tracing/unobstructed.h) for occlusions and others may share them; otherwise null.
   virtual const Worlds* worlds() const { return nullptr; }
 };
 
-// The capabilities of a method. The plan refuses a pipeline that asks for more.
+// The capabilities of a method. The plan refuses a pipeline that needs more.
 struct MethodCapabilities {
-  bool severalHits = false;  // several hits along a ray, one behind the other; else only the first
-  bool footprints = false;   // several rays per beam, which sample its footprint; else one, along its axis
-  // Most returns of a beam by severalHits or footprints; bounds the size of scans.
+  bool severalHits = false;  // several hits along a ray, one behind the other; false: only the first hit
+  bool footprints = false;   // several rays per beam, which sample its footprint; false: one ray along its axis
+  // Largest number of returns of a beam that severalHits or footprints can give; bounds the size of scans.
   std::uint32_t mostReturns = 1;
-  // Rays may start anywhere, not only at the sensor, and so can continue through glass and off mirrors
-  // (methods/interface/light_paths.h); else every surface stops them, except where alpha cuts it out.
+  // True if rays can start anywhere, not only at the sensor, and therefore can continue through glass and off mirrors
+  // (methods/interface/light_paths.h). False: every surface stops rays, except where alpha cuts the surface out.
   bool transmission = false;
-  bool motion = false;     // the sensor may move during a revolution; else it stands still
-  bool moving = false;     // objects may move, also during a revolution; else scenes with moving objects are refused
-  bool passes = false;     // renders images that can be saved, see Method::depthCamera()
-  bool reference = false;  // with default options exact enough to judge other methods by
-  bool openGl = false;     // uses OpenGL, or may: a graphics card changes its speed
+  bool motion = false;     // the sensor may move during a revolution; false: it stands still
+  bool moving = false;     // objects may move, also during a revolution; false: scenes with moving objects are refused
+  bool passes = false;     // renders images that can be saved: see Method::depthCamera()
+  bool reference = false;  // with default options exact enough to be the reference for other methods
+  bool openGl = false;     // uses OpenGL, at least with some options, so that a graphics card changes its speed
 };
 
 struct MethodEntry {
   std::string_view name;
   std::string_view summary;
-  std::string_view keys;  // the options: "name: default, what it is; ..."
+  std::string_view keys;  // the options, as "name: default, meaning; ..."
   MethodCapabilities can;
-  std::array<std::uint8_t, 3> color;  // sRGB, of its points in pictures that compare methods
-  // The settings that `method: auto` tries if the pipeline names none: a YAML list as readSettings() takes it
+  std::array<std::uint8_t, 3> color;  // sRGB, colour of the method's points in pictures that compare methods
+  // The settings that `method: auto` tries if the pipeline lists none: a YAML list for readSettings()
   // (evaluate/settings.h).
   std::string_view autoSettings;
-  // `options` is the map of the method in the pipeline; the maker calls its finish(). The scene must outlive the
-  // method.
+  // Makes the method. `options` is the method's map in the pipeline; the maker calls its finish(). The scene must
+  // outlive the method.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };
 

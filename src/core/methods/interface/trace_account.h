@@ -10,20 +10,20 @@
 
 namespace scanmill {
 
-// A problem with some beams of a scan, which makes them worse than the user expects.
+// A problem of some beams of a scan, which makes these beams less accurate than the user expects.
 struct BeamWarning {
-  std::string sensor;       // the sensor's name
-  unsigned kind = 0;        // number of the warning in its method; warnings are reported in this order
-  std::uint64_t count = 0;  // how many of the scan's beams are affected
-  std::string text;         // the complete sentence, with the count, the sensor and the remedy
+  std::string sensor;       // name of the sensor
+  unsigned kind = 0;        // number of the warning within its method; warnings are reported in this order
+  std::uint64_t count = 0;  // number of the scan's beams with the problem
+  std::string text;         // the complete sentence for the user, with count, sensor and remedy
 };
 
 struct TraceAccount {
-  StageSeconds seconds;               // by the method's stages; empty if it has only one
-  std::vector<BeamWarning> warnings;  // at most one for each sensor and kind, in the order of sensor and kind
+  StageSeconds seconds;               // by stage of the method; empty if the method has only one stage
+  std::vector<BeamWarning> warnings;  // at most one per sensor and kind, ordered by sensor and then kind
 
-  // Adds a warning. Of two warnings of the same sensor and kind only the one with more beams is kept: a user wants to
-  // know the worst scan, and the order in which scans are traced must not change what is reported.
+  // Adds a warning. Of two warnings with the same sensor and kind, only the one with more beams is kept: a user is
+  // interested in the worst scan, and the order in which scans are traced must not change the report.
   void warn(BeamWarning warning);
   // Adds the seconds and the warnings of `other`.
   TraceAccount& operator+=(const TraceAccount& other);

@@ -17,11 +17,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kShareOfMemory = 0.125;   // share of the memory that fields may take
-constexpr std::size_t kFewestPools = 4;    // for two drives, one being built, one being dropped
-constexpr std::size_t kFewestFields = 6;   // that fit into these pools: one and a half into each
-constexpr std::size_t kFieldsOfPool = 2;   // for two sensors of a vehicle
-constexpr double kOriginsFarApart = 1000;  // m: a larger scene may have worlds with several origins
+constexpr double kShareOfMemory = 0.125;   // fraction of the memory that fields may take
+constexpr std::size_t kFewestPools = 4;    // pools for two drives, one being built and one being dropped
+constexpr std::size_t kFewestFields = 6;   // fields that fit into these pools: one and a half per pool
+constexpr std::size_t kFieldsOfPool = 2;   // fields for two sensors of a vehicle
+constexpr double kOriginsFarApart = 1000;  // m; a scene larger than this may have worlds with several origins
 
 bool holds(const Box& outer, const Box& inner) {
   return inner.empty() ||
@@ -29,13 +29,13 @@ bool holds(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
-// Checks the options before anything is built, so that a plan refuses what a run would refuse.
+// Checks the options before anything is built, so that a plan already refuses them.
 const ParticleOptions& checked(const Scene& scene, const ParticleOptions& options) {
   checkField(options, scene.bounds(), static_cast<double>(memoryLimitBytes()));
   return options;
 }
 
-// Returns how many pools may exist, including that of the field being built.
+// Returns the largest number of pools that may exist, including the pool of the field under construction.
 std::size_t mostPoolsOf(const ParticleOptions& options, const Box& scene) {
   if (options.extent == ParticleOptions::Extent::Scene) return 3;
   const double fit = kShareOfMemory * static_cast<double>(memoryLimitBytes()) / fieldBytes(options, scene);
@@ -58,7 +58,7 @@ struct FieldStore::Work {
   const FieldShape shape;
   tbb::collaborative_once_flag once;
   TaskOrder done;
-  std::shared_ptr<const DistanceField> field;  // null: see failure
+  std::shared_ptr<const DistanceField> field;  // null if building failed: see `failure`
   std::exception_ptr failure;
 };
 
@@ -100,20 +100,19 @@ std::shared_ptr<const DistanceField> FieldStore::fieldOf(const std::shared_ptr<c
       work = work_;
     }
     if (own && hasWaiters()) {
-      // This thread is loading the scene: threads that wait for the scene help to build the field, and no thread waits
-      // for the field alone.
+      // This thread is loading the scene, so threads that wait for the scene help to build the field.
       build(*work, clock);
     } else {
       tbb::collaborative_call_once(work->once, [&]() SCANMILL_UNWATCHED { build(*work, clock); });
       work->done.take();
     }
-    if (work->world != world || !(work->shape == shape)) continue;  // the field was for another thread
+    if (work->world != world || !(work->shape == shape)) continue;  // another thread needed a different field first
     if (work->failure) std::rethrow_exception(work->failure);
     return work->field;
   }
 }
 
-// Called with mutex_ locked. Returns the field if it is cached, else null.
+// Returns the field if it is cached, otherwise null. The caller must have locked mutex_.
 std::shared_ptr<const DistanceField> FieldStore::known(const std::shared_ptr<const World>& world,
                                                        const FieldShape& shape) const {
   const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const Known& known) {
@@ -134,7 +133,7 @@ void FieldStore::build(Work& work, StageClock& clock) const {
         if (known.world.lock() == work.world) before.push_back(known.field);
       }
     }
-    // Threads work on drives that are far apart: the nearest field is of the same drive.
+    // Threads work on drives that are far apart, so the nearest field belongs to the same drive.
     std::ranges::stable_sort(before, {}, [&](const auto& field) { return apart2(field->shape, work.shape); });
     const WallTimer timer;
     withWaiters([&] { work.field = buildField(*work.world, work.shape, before); });
@@ -148,7 +147,7 @@ void FieldStore::build(Work& work, StageClock& clock) const {
   work_ = nullptr;
 }
 
-// Called with mutex_ locked. Caches the new field and drops those that were not used for the longest time.
+// Caches the new field and drops the least recently used fields. The caller must have locked mutex_.
 void FieldStore::keep(const Work& work) const {
   std::erase_if(fields_, [](const Known& known) { return known.world.expired(); });
   fields_.push_front({work.world, work.field});

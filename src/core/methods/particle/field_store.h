@@ -22,17 +22,18 @@ class FieldStore {
   struct Place {
     std::shared_ptr<const World> world;
     std::shared_ptr<const DistanceField> field;
-    Box box;     // m, relative to the world's origin: where particles may march
-    bool whole;  // nothing of the scene lies outside of the box
+    Box box;     // m, relative to the world's origin: particles march only inside of the box
+    bool whole;  // true if the box contains the complete scene
   };
-  // Returns the field around a sensor (m), which reaches `range` (m) unless the options set its extent. Safe to call
-  // from several threads: fields are built one after the other, each from those before, and threads that wait for a
-  // field help to build it. The seconds of building a field, or of moving one along with the sensor, are added to the
-  // stage "field_build" or "field_update" of `clock`.
+  // Returns the field around a sensor at `sensor` (m, world frame). The field reaches `range` (m) unless the options
+  // set its extent. Safe to call from several threads: fields are built one after the other, each from the fields
+  // before it, and threads that wait for a field help to build it. The seconds of building a field, or of moving a
+  // field along with the sensor, are added to the stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // Returns how many fields are in memory at least while sensors drive, including the room for moving. There may be
-  // more, one for each thread (which works on a drive of its own), as long as all fit into an eighth of the memory.
+  // Returns the least number of fields in memory while sensors drive, including the space for moving them. There may be
+  // more, one for each thread (each thread works on its own drive), as long as all fields fit into an eighth of the
+  // memory.
   std::size_t fewestFields() const;
 
  private:
@@ -40,7 +41,7 @@ class FieldStore {
     std::weak_ptr<const World> world;
     std::shared_ptr<const DistanceField> field;
   };
-  struct Work;  // a field that is being built
+  struct Work;  // a field under construction
 
   std::shared_ptr<const DistanceField> fieldOf(const std::shared_ptr<const World>& world, const FieldShape& shape,
                                                StageClock& clock) const;
@@ -49,12 +50,12 @@ class FieldStore {
   void keep(const Work& work) const;
 
   ParticleOptions options_;
-  Box bounds_;  // m, world
+  Box bounds_;  // bounds of the scene (m, world frame)
   std::size_t mostPools_;
   Worlds worlds_;
   mutable std::mutex mutex_;
   mutable std::list<Known> fields_;     // most recently used first
-  mutable std::shared_ptr<Work> work_;  // only one at a time: the next field is built from it
+  mutable std::shared_ptr<Work> work_;  // the field under construction; null if there is none
 };
 
 }  // namespace scanmill

@@ -1,12 +1,13 @@
 #pragma once
 
-// Sphere tracing (Hart 1996): particles march from the sensor through a distance field. Each step is as long as the
-// distance that the field says is free around the particle. A particle ends where it hits a surface, at the end of its
-// path, or when its steps are used up.
+// Sphere tracing (Hart 1996): particles march from the sensor through a distance field. The length of each step is the
+// distance around the particle that the field says is free. A particle ends where it hits a surface, at the end of its
+// path, or after its largest number of steps.
 //
-// There are two backends: the lanes of the processor (march_stream.h) and a compute shader (gpu/march_shader.cpp). Both
-// use float32 and nothing but additions, multiplications, comparisons and conversions, in the same order and without
-// contraction. So both take the same steps, bit by bit, on any processor or GPU that follows IEEE 754.
+// There are two backends: the SIMD lanes of the processor (march_stream.h) and a compute shader (gpu/march_shader.cpp).
+// Both use float32 and only additions, multiplications, comparisons and conversions, in the same order and without
+// contraction to fused operations. Both therefore take the same steps, bit by bit, on any processor or GPU that follows
+// IEEE 754.
 
 #include <cstdint>
 #include <span>
@@ -18,27 +19,27 @@
 
 namespace scanmill {
 
-// Particles before they march, as a structure of arrays, in the field frame: lengths in voxels of level 0.
+// Particles before they march, as a structure of arrays in the field frame: lengths are in voxels of level 0.
 struct Particles {
   std::vector<float> ox, oy, oz;  // origin, relative to the field's centre
   std::vector<float> dx, dy, dz;  // unit direction, world axes
-  std::vector<float> begin, end;  // the part of the line that is marched; if begin >= end, the particle misses
-  // Only for fields with lists.
+  std::vector<float> begin, end;  // section of the line that is marched; a particle with begin >= end is a miss
+  // The following arrays are empty in fields without lists.
   std::vector<float> wx, wy, wz;  // m, origin relative to the world's origin
-  std::vector<float> ix, iy, iz;  // 1 / direction; components smaller than 1e-12 count as 1e-12
+  std::vector<float> ix, iy, iz;  // 1 / direction, whose components are replaced by 1e-12 if they are smaller
 
   std::size_t size() const { return begin.size(); }
   void resize(std::size_t count, bool lists);
 };
 
-// The results of particles, in the same order.
+// The results of particles, in the order of the particles.
 struct HitRecords {
-  std::vector<float> way;               // of a hit: the length marched, in the field frame
-  std::vector<std::uint32_t> triangle;  // of a hit: index in World::baked
-  std::vector<std::uint32_t> outcome;   // Outcome + 4 * steps taken
+  std::vector<float> way;               // only of a hit: length marched, in the field frame
+  std::vector<std::uint32_t> triangle;  // only of a hit: index in World::baked
+  std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
 
   std::size_t size() const { return way.size(); }
-  void reset(std::size_t count);  // to particles that have taken no step
+  void reset(std::size_t count);  // resets all records to zero steps
   Outcome outcomeOf(std::size_t i) const { return static_cast<Outcome>(outcome[i] & 3u); }
   std::uint32_t stepsOf(std::size_t i) const { return outcome[i] >> 2; }
   // Copies record j of `others` to record i.
@@ -50,8 +51,8 @@ struct HitRecords {
 };
 
 // Marches the particles with the indices `which` on the calling thread, as many at a time as the processor has lanes.
-// Each takes at most `steps` steps, including those that its record already counts. Alpha is ignored: every triangle
-// counts as solid.
+// Each particle takes at most `steps` steps, including the steps that its record already has. Alpha is ignored: every
+// triangle is solid.
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,
               const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records);
 

@@ -2,7 +2,7 @@
 // HWY_AFTER_NAMESPACE() is compiled for each instruction set that Highway knows for this kind of processor, and the
 // best one that the machine has is used.
 
-#ifdef __AVX2__  // a build for this machine's processor: only its instruction set
+#ifdef __AVX2__  // a build for this machine's processor compiles only its instruction set
 #define HWY_COMPILE_ONLY_STATIC
 #endif
 #undef HWY_TARGET_INCLUDE
@@ -56,7 +56,8 @@ void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::u
               const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
   HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, steps, particles, which, records);
   if (field.shape.lists) return;
-  // Replaces corners by the triangles that they name: all at once, since words are scattered in memory.
+  // Replace corners by their triangles. This is done for all particles together, because the words are scattered in
+  // memory.
   for (const std::uint32_t i : which) {
     if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.word[records.triangle[i]];
   }

@@ -1,5 +1,5 @@
-// SIMD lanes of particles, by Google Highway. Only for march_cpu.cpp and the files that it includes, so that
-// third-party types stay there. Included once for each instruction set: see march_cpu.cpp.
+// SIMD lanes of particles, by Google Highway. Included only by march_cpu.cpp and the files that it includes, so that
+// third-party types stay there; and once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_LANES_H
 #undef SCANMILL_MARCH_LANES_H
@@ -36,7 +36,7 @@ using LaneWords = std::uint32_t[kLanes];
 using LaneBits = std::uint32_t;
 
 inline LaneBits bitsOf(Mask mask) {
-  std::uint8_t bytes[8] = {};  // Highway may write this many
+  std::uint8_t bytes[8] = {};  // Highway may write up to 8 bytes
   hn::StoreMaskBits(kFloats, mask, bytes);
   std::uint16_t bits = 0;
   std::memcpy(&bits, bytes, sizeof bits);

@@ -1,12 +1,12 @@
 // Steps particles, as many at a time as the processor has lanes, for march_cpu.cpp. The shader in march_shader.cpp
 // takes the same steps.
 //
-// Particles stream through the lanes: as soon as a particle is done, its lane is refilled with the next one, so that a
-// long path leaves no other lane idle. A step is split into stages, and each stage is done for all groups of lanes
-// before the next stage begins: while one group waits for its loads, which take far longer than arithmetic, the
-// processor works on the other groups. The result of a particle does not depend on the others. Compared with one
-// particle at a time, the lanes of AVX-512 make scans 3.1 to 3.5 times as fast; the groups contribute 15 to 25 % of
-// that (docs/particle.md).
+// Particles stream through the lanes: as soon as a particle is done, the next particle takes its lane, so that a long
+// path leaves no other lane idle. A step is split into stages, and each stage is done for all groups of lanes before
+// the next stage begins: while one group waits for its loads, which take far longer than arithmetic, the processor
+// works on the other groups. The result of a particle does not depend on other particles. Compared with one particle at
+// a time, the lanes of AVX-512 make scans 3.1 to 3.5 times as fast; the groups contribute 15 to 25 % of this speed-up
+// (docs/particle.md).
 //
 // Included once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_STREAM_H) == defined(HWY_TARGET_TOGGLE)
@@ -35,19 +35,19 @@ constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
 // The particles in a group of lanes.
 struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
-  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only for fields with lists
+  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only in fields with lists
   HWY_ALIGN_MAX LaneFloats way = {};
-  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * steps taken
+  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps
   std::size_t particle[kLanes] = {};
-  LaneBits active = 0;  // lanes that hold a particle
+  LaneBits active = 0;  // lanes that have a particle
 
   // State of the current step.
-  HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // place in the voxel
+  HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // position in the voxel
   HWY_ALIGN_MAX LaneWords in[3] = {};              // voxel in the brick
   HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
-  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only that of the nearest corner
+  HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only the pair of the nearest corner
   HWY_ALIGN_MAX LaneFloats looked = {};  // `way` before the step
-  HWY_ALIGN_MAX LaneWords corner = {};   // without lists: corner nearest to a particle that rests
+  HWY_ALIGN_MAX LaneWords corner = {};   // without lists: the corner nearest to a particle that rests at a surface
   LaneBits meeting = 0;                  // lanes that rest at a surface, or have triangles to test
 };
 
@@ -55,8 +55,8 @@ struct LaneGroup {
 struct LevelTables {
   static constexpr std::size_t kSize = kMaxLevels;
   HWY_ALIGN_MAX float offset[3][kSize] = {};
-  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // last corner that begins a voxel
-  HWY_ALIGN_MAX std::uint32_t row[kSize] = {};     // bricks from one row to the next
+  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // last corner at which a voxel begins
+  HWY_ALIGN_MAX std::uint32_t row[kSize] = {};     // number of bricks from one row to the next
   HWY_ALIGN_MAX std::uint32_t layer[kSize] = {};
   HWY_ALIGN_MAX std::uint32_t first[kSize] = {};
 
@@ -91,7 +91,8 @@ inline Floats mixed(Floats a, Floats b, Floats t) {
   return hn::Add(a, hn::Mul(hn::Sub(b, a), t));
 }
 
-// Returns the distance in the lower half of a pair; upperOf() returns that of the next corner along x.
+// Returns the distance in the lower half of each pair; upperOf() returns the distance in the upper half, which belongs
+// to the next corner along x.
 inline Floats lowerOf(Words pair) {
   return hn::ConvertTo(kFloats, hn::BitCast(kInts, hn::And(pair, hn::Set(kWords, 0xFFFFu))));
 }
@@ -104,8 +105,8 @@ inline Words wordsWhere(Mask mask, Words yes, Words no) {
   return hn::IfThenElse(hn::RebindMask(kWords, mask), yes, no);
 }
 
-// Marches particles. Without lists, a hit is recorded with the corner whose word names the triangle; marchCpu()
-// replaces it by the triangle.
+// Marches particles. Without lists, the record of a hit contains the corner whose word is the triangle; marchCpu()
+// replaces the corner by the triangle.
 template <bool kLists>
 class RayStream {
  public:
@@ -154,7 +155,7 @@ class RayStream {
     records_.outcome[i] = outcome;
   }
 
-  // Gives the lane to the next particle. If none is left, the lane idles at its last position.
+  // Loads the next particle into a lane. If no particle is left, the lane idles at its last position.
   void refill(LaneGroup& group, std::size_t lane) {
     group.active &= ~(LaneBits{1} << lane);
     while (next_ < which_.size()) {
@@ -217,14 +218,14 @@ class RayStream {
     hn::Store(hn::GatherIndex(kWords, field_.table.data(), hn::BitCast(kInts, at)), kWords, group.entry);
   }
 
-  // Loads the distance of a corner (lower half) and of the next corner along x (upper half).
+  // Loads the distance of a corner (into the lower half) and of the next corner along x (into the upper half).
   Words pair(Words corner) const {
     return hn::GatherOffset(kWords, reinterpret_cast<const std::uint32_t*>(field_.distance.data()),
                             hn::BitCast(kInts, hn::ShiftLeft<1>(corner)));
   }
 
-  // Finds the corner that begins the voxel or, with lists, the nearest corner, in full bricks. Prefetches its
-  // distances, which may lie anywhere in memory.
+  // In full bricks, finds the first corner of the voxel or, with lists, the corner nearest to the particle. Prefetches
+  // the corner's distances, which may be anywhere in memory.
   void aim(LaneGroup& group) const {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
@@ -244,7 +245,7 @@ class RayStream {
     }
   }
 
-  // Loads the distances of full bricks.
+  // Loads the distances in full bricks.
   void fetch(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);
@@ -292,7 +293,7 @@ class RayStream {
     return hn::Mul(between, hn::Set(kFloats, kDistanceStep));
   }
 
-  // Returns how far the particle is from leaving its voxel (voxels).
+  // Returns the length (voxels) after which the particle leaves its voxel.
   static Floats exitOf(const LaneGroup& group, const Floats (&r)[3]) {
     const auto face = [&](int k) {
       const Floats inverse = hn::Load(kFloats, group.inverse[k]);
@@ -311,7 +312,7 @@ class RayStream {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     const bool anyFull = !hn::AllFalse(kFloats, full);
-    // The free ball around the centre of the brick or around the nearest corner.
+    // The centre r and radius of the free ball: around the centre of the brick, or around the nearest corner.
     Floats r[3];
     for (int k = 0; k < 3; ++k) {
       const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));
@@ -359,13 +360,13 @@ class RayStream {
         hn::Store(nearestOf(group, hn::Load(kWords, group.cell)), kWords, group.corner);
       }
     }
-    // Idle lanes stay at the end of their path.
+    // Lanes without a particle stay at the end of their path.
     const Floats end = hn::Load(kFloats, group.end);
     hn::Store(hn::Min(hn::Add(way, hn::Mul(ahead, grow)), end), kFloats, group.way);
     hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
   }
 
-  // Gives tester_ the lanes whose particles have triangles to test.
+  // Gives tester_ the lines of the lanes that have triangles to test.
   void ask(std::size_t g, const Floats (&d)[3], Floats way, Floats exit, Floats grow) {
     const LaneGroup& group = groups_[g];
     const Floats metres = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));
@@ -386,7 +387,7 @@ class RayStream {
     }
   }
 
-  // Records the particles that are done and refills their lanes.
+  // Records the particles that are done, and refills their lanes.
   void settle(std::size_t g) {
     LaneGroup& group = groups_[g];
     LaneBits hits = group.meeting;
@@ -421,10 +422,10 @@ class RayStream {
   }
 
   const DistanceField& field_;
-  const std::uint32_t spent_;  // the limit of steps as outcomes count them: 4 per step
+  const std::uint32_t spent_;  // the largest number of steps, times 4 as in outcomes
   const Particles& particles_;
   std::span<const std::uint32_t> which_;
-  std::size_t next_ = 0;  // index into which_
+  std::size_t next_ = 0;  // index in which_ of the next particle to load
   HitRecords& records_;
   LevelTables tables_;
   TriangleTester tester_;

@@ -1,5 +1,5 @@
-// Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp.
-// Included once for each instruction set: see march_cpu.cpp.
+// Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp. Included once for each
+// instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_TRIANGLES_H
 #undef SCANMILL_MARCH_TRIANGLES_H
@@ -18,8 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {
 
-// The part of a particle's line that is tested: from `low` to `high` along d, counted from the point x y z; m, relative
-// to the world's origin.
+// The section of a particle's line that is tested: from `low` to `high` along d, counted from the point x y z (all in
+// m, relative to the world's origin). Split into two records of four floats.
 struct LineStart {
   float x, y, z, low;
 };
@@ -27,22 +27,21 @@ struct LineCourse {
   float dx, dy, dz, high;
 };
 
-// The intersection of a line with a triangle: the distance from the line's start (m) as a fraction.
+// The intersection of a line with a triangle: its distance from the line's point x y z (m) is numerator / denominator.
 struct Meeting {
-  float numerator, denominator;  // denominator > 0 if there is a hit
+  float numerator, denominator;  // denominator > 0 if the line hits the triangle
   std::uint32_t triangle;
 };
 
-// Lists differ in length, so pairs of a line and a triangle are collected first and then intersected, kLanes at a time,
-// whichever lines they belong to. Words and lists are scattered in memory, so they are prefetched before they are
-// needed.
+// Lists differ in length, so pairs of a line and a triangle are first collected and then intersected, kLanes pairs at a
+// time, of whichever lines. Words and lists are scattered in memory, so they are prefetched before use.
 class TriangleTester {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;
 
   TriangleTester(const DistanceField& field, const TriangleBlock& triangles) : field_(field), triangles_(triangles) {}
 
-  // The caller fills these for the lines that it adds.
+  // The caller fills these arrays for the lines that it adds.
   HWY_ALIGN_MAX LineStart start[kLines] = {};
   HWY_ALIGN_MAX LineCourse course[kLines] = {};
   HWY_ALIGN_MAX float tie[kLines] = {};
@@ -53,7 +52,7 @@ class TriangleTester {
     best[line].denominator = 0;
   }
 
-  // Intersects the lines that were added with the triangles that their corners list, and forgets the lines.
+  // Intersects each added line with the triangles that its corner lists, sets `best`, and removes the added lines.
   void meet();
 
   Meeting best[kLines] = {};
@@ -93,7 +92,8 @@ inline void TriangleTester::meet() {
     }
   }
   asked_.clear();
-  // The last pair is repeated to fill the last lanes. Repeats change nothing, since only a nearer hit replaces another.
+  // The last pair is repeated to fill the last lanes. Repeats change nothing, because only a nearer hit replaces
+  // another.
   for (; count % kLanes != 0; ++count) pairs_[count] = pairs_[count - 1];
   for (std::size_t k = 0; k < count; k += kLanes) look(pairs_.data() + k);
 }
@@ -106,7 +106,7 @@ inline void crossOf(const Floats (&a)[3], const Floats (&b)[3], Floats (&product
   }
 }
 
-// Loads four floats each from address(k), address(k + 4) and so on, for numbers below kLanes.
+// Loads four floats from each of address(k), address(k + 4) and so on, for arguments below kLanes.
 template <class Address>
 HWY_INLINE Floats loadRow(const Address& address, std::size_t k) {
   constexpr hn::FixedTag<float, 4> four;
@@ -136,11 +136,11 @@ HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Flo
   w = hn::InterleaveUpper(kFloats, zwEven, zwOdd);
 }
 
-// Intersects kLanes pairs by Moeller and Trumbore 1997, without the division.
+// Intersects kLanes pairs by the algorithm of Moeller and Trumbore 1997, without the division.
 inline void TriangleTester::look(const Pair* pairs) {
   const Vec3f* vertices = triangles_.vertices.data();
   const Triangle* triangles = triangles_.corners.data();
-  // Reads 16 bytes per vertex: the vertices are padded by one.
+  // Reads 16 bytes per vertex; the array has one more vertex as padding.
   const auto vertex = [&](int c) {
     return [=](std::size_t k) { return &vertices[triangles[pairs[k].triangle][c]].x; };
   };

@@ -17,13 +17,14 @@ namespace scanmill {
 
 namespace {
 
-// Diameter of the smallest ball that every beam through its middle hits, in voxels; see smallestSeen().
+// Diameter in voxels of the smallest ball that is hit by every beam through its centre; see smallestSeen().
 constexpr double kSmallestBall = 2;
-constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m
+constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m, limits of the key voxel_m
 constexpr std::uint32_t kMostVoxels = 1024;
 constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
 
-// Reads the name of one of the values; `fallback` if the key is absent.
+// Reads a key whose value is one of the names in `values`. Returns the value for that name; `fallback` if the key is
+// absent.
 template <class T, std::size_t n>
 T named(Fields& fields, std::string_view key, const std::pair<const char*, T> (&values)[n], T fallback) {
   std::vector<std::string> names;
@@ -57,13 +58,13 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   return voxels;
 }
 
-// Returns how many levels the field may have at most.
+// Returns the largest number of levels of the field.
 std::uint32_t mostLevels(const ParticleOptions& options) {
   return options.levels == 0 ? kMaxLevels : options.levels;
 }
 
-// Returns up to which distance from the sensor (m) `level` and finer levels serve in all directions. The sensor is up
-// to half a brick of level 0 off the field's centre along each axis.
+// Returns the distance from the sensor (m) up to which `level` and finer levels are used, in all directions. The sensor
+// is up to half a brick of level 0 away from the field's centre along each axis.
 double servedRange(const ParticleOptions& options, std::uint32_t level) {
   return levelReach(options, level) - kHalfBrick * options.voxel;
 }
@@ -103,9 +104,9 @@ double levelReach(const ParticleOptions& options, std::uint32_t level) {
 }
 
 double levelBytes(double voxels, bool lists) {
-  constexpr double kFullBricks = 3.0;            // full bricks in a street's level, in units of (bricks across)^2
+  constexpr double kFullBricks = 3.0;            // full bricks of a level of a street, in units of (bricks across)^2
   constexpr double kBytes = kBrickStride * 6.0;  // bytes of a full brick: distances and words
-  constexpr double kListBytes = 3000;            // and of its lists
+  constexpr double kListBytes = 3000;            // bytes of a full brick's lists
   const double across = voxels / kBrickVoxels;
   return across * across * kFullBricks * (kBytes + (lists ? kListBytes : 0)) + across * across * across * 4;
 }

@@ -8,20 +8,20 @@
 
 namespace scanmill {
 
-inline constexpr double kLargestVoxel = 10;                     // m, limit of ParticleOptions::voxel
-inline constexpr std::uint32_t kFewestVoxels = 64;              // across each level
-inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // whole bricks on both sides of the centre
+inline constexpr double kLargestVoxel = 10;                     // m, largest value of ParticleOptions::voxel
+inline constexpr std::uint32_t kFewestVoxels = 64;              // voxels across each level, lower limit
+inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // voxels across each level are a multiple of this
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
-  enum class Backend { Cpu, Gl } backend = Backend::Cpu;        // the processor, or compute shaders of OpenGL
-  enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // levels around the sensor, or one level for all
-  double voxel = 0.1;                                           // m, of the finest level
-  std::uint32_t voxels = 256;                                   // across each level
-  std::uint32_t levels = 0;                                     // 0: as many as the sensor's range takes
+  enum class Backend { Cpu, Gl } backend = Backend::Cpu;        // on the processor, or by compute shaders of OpenGL
+  enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // around the sensor, or of the complete scene
+  double voxel = 0.1;                                           // m, voxel size of the finest level
+  std::uint32_t voxels = 256;                                   // voxels across each level
+  std::uint32_t levels = 0;                                     // 0: as many levels as the sensor's range needs
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
-  std::uint32_t steps = 512;  // most steps of a particle
-  Location where;             // the key that chose the voxels, for messages
+  std::uint32_t steps = 512;  // largest number of steps of a particle
+  Location where;             // key that chose the voxels, for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
@@ -29,26 +29,26 @@ struct ParticleOptions {
 // Throws InputError, also for a key that has no effect in combination with the others.
 ParticleOptions readParticleOptions(Fields& fields);
 
-// Returns how far a level of a field around a sensor serves: m from the field's centre along each axis,
-// FieldShape::reach * voxel * 2^level. The level's bricks reach voxels / 2 from the middle of their box, which is up to
-// half a brick off the field's centre; one voxel is a margin.
+// Returns the distance up to which a level of a field around a sensor is used: m from the field's centre along each
+// axis, FieldShape::reach * voxel * 2^level. The level's bricks reach voxels / 2 from the centre of their box, which
+// may be half a brick away from the field's centre; one voxel is a margin.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 
-// Returns about how many bytes a level with `voxels` voxels across takes. Memory grows with the surface area, hence
-// with the square of the voxels; the factor was measured on the procedural street.
+// Returns approximately how many bytes a level with `voxels` voxels across takes. Memory grows with the surface area,
+// and hence with the square of the voxels; the factor was measured on the procedural street.
 double levelBytes(double voxels, bool lists);
 
-// Returns an estimate as text: 1.2 GiB, 34 MiB.
+// Returns a number of bytes as text: 1.2 GiB, 34 MiB.
 std::string memoryText(double bytes);
 
-// Returns the diameter (m) of the smallest ball at `range` m from the sensor that every beam through its middle hits;
-// infinite beyond the last level.
+// Returns the diameter (m) of the smallest ball at `range` m from the sensor that is hit by every beam through its
+// centre; infinite beyond the last level.
 //
-// With `refine: none` and `normal` the diameter is two voxels. Of the beams through the middle of a ball 0.8 % miss a
-// ball of half a voxel, 0.4 % one of 1.25 voxels, and none of 30,000 one of 1.8 voxels or more: one step may take a
-// particle through both sides of a thinner object.
+// With `refine: none` and `refine: normal` the diameter is two voxels, because one step may take a particle through
+// both sides of a thinner object. Of beams through the centre, 0.8 % miss a ball of half a voxel, 0.4 % miss a ball of
+// 1.25 voxels, and none of 30,000 misses a ball of 1.8 voxels or more.
 //
-// With `refine: triangle` the size does not matter: every triangle lies in full bricks, and is intersected exactly.
+// With `refine: triangle` the diameter is 0: every triangle is in full bricks, and is intersected exactly.
 double smallestSeen(const ParticleOptions& options, double range);
 
 }  // namespace scanmill

@@ -1,8 +1,8 @@
 // The particle method (LiDAR-GEIL): one particle per beam, sphere-traced through a distance field.
 //
 // The field is built around the sensor and moves with it (distance_field.h). Particles march in float32, on the
-// processor or by a compute shader, with the same steps (march.h). Their hits are resolved in double from the triangles
-// that the field names, so that labels and normals need no further trace (march_job.h).
+// processor or in a compute shader, with the same steps (march.h). Their hits are resolved in double precision from the
+// triangles that the field stores, so that labels and normals need no further tracing (march_job.h).
 
 #include "methods/particle/particle.h"
 
@@ -34,11 +34,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles: their columns stay in the L2 cache
-constexpr std::size_t kFewestPieces = 64;  // keeps every core busy when tiles are few
+constexpr std::size_t kTilesAtOnce = 128;  // 2048 particles, whose columns of hits stay in the L2 cache
+constexpr std::size_t kFewestPieces = 64;  // least number of work items, which keeps every core busy when tiles are few
 
-// Returns groups of 16 beams of a ring, sector by sector of the revolution: particles that march together then stay
-// close to each other, and read nearby parts of the field.
+// Returns groups of 16 beams of a ring, sector by sector of the revolution, so that particles that march together stay
+// close to each other and read nearby parts of the field.
 std::vector<Tile> tilesOf(const BeamTable& beams) {
   std::vector<Tile> tiles;
   for (std::uint32_t column = 0; column < beams.columns; column += kPacket) {
@@ -110,8 +110,8 @@ class ParticleMethod : public Method {
   }
 
  private:
-  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // the scene's own mesh
-  static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // measured: hierarchy, corners, records, all flattened
+  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // measured: the scene's own mesh
+  static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // measured on a flattened scene
 
   FieldStore::Place placeOf(const Shot& shot, StageClock& clock) const {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
@@ -152,7 +152,7 @@ class ParticleMethod : public Method {
     return counts;
   }
 
-  // Marches on the device. Tiles with rays that the device leaves open (RayVerdict::Open) are marched again on the
+  // Marches on the device. Tiles with rays that the device leaves undecided (RayVerdict::Open) are marched again on the
   // processor.
   MarchCounts marchOnDevice(const MarchJob& job, const FieldStore::Place& place, Hits& hits, StageClock& clock) const {
     std::vector<UndecidedRay> undecided;
@@ -191,10 +191,10 @@ class ParticleMethod : public Method {
                        gl_->device(), memoryText(deviceBytes()));
   }
 
-  // Returns about how many bytes a device needs: for a field, with room for the bricks that moving adds, and for the
-  // triangles and texels of the scene.
+  // Returns approximately how many bytes a device needs for a field, with space for bricks that are added when the
+  // field moves, and for the triangles and texels of the scene.
   double deviceBytes() const {
-    constexpr std::uint64_t kBytesOfCorners = 48;  // with lists
+    constexpr std::uint64_t kBytesOfCorners = 48;  // per triangle, only with lists
     const std::uint64_t each =
         kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
     const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;
@@ -244,7 +244,7 @@ class ParticleMethod : public Method {
   ParticleOptions options_;
   FieldStore fields_;
   std::vector<CompactMaterial> materials_;
-  std::unique_ptr<GlMarcher> gl_;  // null: the processor marches
+  std::unique_ptr<GlMarcher> gl_;  // null: particles march on the processor
 };
 
 }  // namespace

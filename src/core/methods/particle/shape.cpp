@@ -12,16 +12,16 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMostBricks = 268'435'456;   // 2^28: a table of 1 GiB
+constexpr double kMostBricks = 268'435'456;   // 2^28, for which the table takes 1 GiB
 constexpr double kMostBricksAcross = 65'536;  // float32 resolves 1/32 of a voxel at 2^19 voxels
-constexpr std::uint32_t kUsualLevels = 5;     // for ranges of 120 to 200 m
-constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate: exact in double, with room to spare
+constexpr std::uint32_t kUsualLevels = 5;     // enough for ranges of 120 to 200 m
+constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate: exact in double, with a margin
 
 std::array<double, 3> axes(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// Returns the first corner of a brick of level 0 (m).
+// Returns the position of the first corner of a brick of level 0 (m, relative to the world's origin).
 Vec3d placeOf(const Corner& brick, double voxel) {
   const double size = kBrickVoxels * voxel;
   return {static_cast<double>(brick[0]) * size, static_cast<double>(brick[1]) * size,
@@ -44,7 +44,7 @@ Corner nearestBrick(const Vec3d& point, double voxel) {
   return brick;
 }
 
-// Returns the largest absolute coordinate of the box's corners, relative to `centre`.
+// Returns the largest absolute coordinate of the box's corners relative to `centre` (m).
 double reachOf(const Box& box, const Vec3d& centre) {
   if (box.empty()) return 0;
   double most = 0;
@@ -59,7 +59,7 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
   shape.voxel = options.voxel;
   const Corner centre = nearestBrick(sensor, options.voxel);
   shape.centre = placeOf(centre, options.voxel);
-  // The box of a coarse level may be off the centre by half a brick; one voxel more is a margin.
+  // The box of a coarse level may be off the centre by half a brick; one more voxel is a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {
@@ -88,8 +88,8 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
 struct Span {
   std::array<double, 3> first{}, bricks{};
 
-  // Returns the factor by which the voxels are too small, so that there are too many bricks; at most 1 if there are
-  // not. NaN if it cannot be computed.
+  // Returns the factor by which voxels must be larger so that there are not too many bricks; at most 1 if there are not
+  // too many. NaN if the factor cannot be computed.
   double excess() const {
     double all = 1;
     double most = 0;
@@ -101,7 +101,7 @@ struct Span {
   }
 };
 
-// Returns the bricks that hold the box, with one more on each side.
+// Returns the bricks that cover a box, with one more brick on each side.
 Span spanOf(const Box& box, double voxel) {
   Span span;
   const std::array<double, 3> low = axes(box.low);
@@ -113,8 +113,8 @@ Span spanOf(const Box& box, double voxel) {
   return span;
 }
 
-// Returns what to choose in place of a field whose voxels are too small or, around a sensor, too many across, by the
-// factor `times`.
+// Returns advice for a message about a field that is too large. `times`: factor by which voxels are too small or,
+// around a sensor, too many across.
 std::string adviceFor(const ParticleOptions& options, double times) {
   if (options.extent == ParticleOptions::Extent::Sensor) {
     const auto most = static_cast<std::uint32_t>(std::max(options.voxels / times, double{kFewestVoxels}));
@@ -126,8 +126,8 @@ std::string adviceFor(const ParticleOptions& options, double times) {
   return fmt::format("choose `voxel_m: {:g}` or more, or `field: sensor`", std::ceil(voxel / unit) * unit);
 }
 
-// Returns the bricks of a field of the complete scene. Throws InputError if there would be too many; its advice
-// considers the `memory` that the field may take (bytes).
+// Returns the bricks of a field of the complete scene. Throws InputError if there would be too many bricks; the advice
+// in its message considers `memory`, the bytes that the field may take.
 Span sceneSpan(const ParticleOptions& options, const Box& box, double memory) {
   const Span span = spanOf(box, options.voxel);
   const double excess = span.excess();
@@ -177,7 +177,7 @@ double fieldBytes(const ParticleOptions& options, const Box& scene) {
   }
   const Vec3d size = scene.empty() ? Vec3d{} : scene.high - scene.low;
   const double across = std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x})) / options.voxel;
-  // The table grows with the volume of the box, not with the surface.
+  // The table grows with the volume of the box, all other arrays with the surface area.
   return levelBytes(across, lists) - std::pow(across / kBrickVoxels, 3) * 4 +
          size.x * size.y * size.z / std::pow(kBrickVoxels * options.voxel, 3) * 4;
 }

@@ -12,21 +12,21 @@
 
 namespace scanmill {
 
-// Returns the levels around a sensor at `sensor` (m, relative to the world's origin), or the one level that holds
-// `scene` (the scene's bounds in the same frame; empty if the scene has no triangles). The field should reach `range`
-// (m). Depends on its arguments alone. Throws InputError, which says what to choose instead, if the field would have
-// too many bricks.
+// Returns the shape of a field that reaches `range` (m): levels around a sensor at `sensor` (m, relative to the world's
+// origin), or one level that contains `scene` (the scene's bounds in the same frame; empty if the scene has no
+// triangles). Depends only on its arguments. Throws InputError, with advice, if the field would have too many bricks.
 FieldShape shapeOf(const ParticleOptions& options, const Vec3d& sensor, const Box& scene, double range);
 
-// Returns about how many bytes a field of the scene takes. `scene`: its bounds, m, world frame.
+// Returns approximately how many bytes a field of the scene takes. `scene`: the scene's bounds (m, world frame).
 double fieldBytes(const ParticleOptions& options, const Box& scene);
 
-// Throws InputError, which says what to choose instead, if a scene-wide field would have too many bricks, or if the
-// field is estimated to take more than twice `memory` (bytes). Twice, since the estimate may be off by that factor.
+// Throws InputError, with advice, if a scene-wide field would have too many bricks, or if the estimated size of the
+// field is more than twice `memory` (bytes). The limit is twice the memory because the estimate may be wrong by this
+// factor.
 void checkField(const ParticleOptions& options, const Box& scene, double memory);
 
-// Returns the box in which particles march: that of the outermost level, shrunk by a voxel (m, relative to the world's
-// origin).
+// Returns the box inside of which particles march: the box of the outermost level, shrunk by a voxel (m, relative to
+// the world's origin).
 Box marchBox(const FieldShape& shape);
 
 }  // namespace scanmill

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Embree's RTCRayN and RTCHitN of N rays (Embree 3 API, rtcore_ray.h): field f of ray i is the 32-bit word f * N + i.
+// Embree's RTCRayN and RTCHitN for N rays (Embree 3 API, rtcore_ray.h): field f of ray i is the 32-bit word f * N + i.
 enum RayField { kDirX = 4, kDirY = 5, kDirZ = 6, kFar = 8, kId = 10 };
 enum HitField { kNgX = 0, kNgY = 1, kNgZ = 2, kU = 3, kV = 4, kPrimitive = 5, kGeometry = 6, kInstance = 7 };
 
@@ -33,7 +33,7 @@ bool precedes(const World& world, const Candidate& a, const Candidate& b) {
          std::tuple(instanceIdOf(world, b), b.instance, b.geometry, b.primitive);
 }
 
-// Returns the absolute cosine between a ray (world frame) and a triangle's normal.
+// Returns the absolute cosine of the angle between a ray's direction (world frame) and a triangle's normal.
 float cosineOf(const World& world, const Candidate& c, const Vec3f& direction) {
   const bool baked = c.instance == RTC_INVALID_GEOMETRY_ID;
   const TriangleBlock& block = baked ? world.baked : *world.placed[c.instance - World::kFirstPlaced].block;
@@ -46,8 +46,8 @@ float reachOf(float distance, float floor) {
   return distance + (distance * kReach + floor);
 }
 
-// Returns whether a lane takes the candidate at `distance`, and if so updates the context and the ray's far end.
-// `direction` is the ray's, in the world frame.
+// Decides whether a lane accepts a candidate hit at `distance` (m). If so, returns true and updates the context and
+// `far`, the ray's end. `direction`: of the ray, in the world frame.
 bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction, const Candidate& candidate,
             float& far) {
   const float best = context.distance[lane];
@@ -92,15 +92,15 @@ void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
 }
 
-// W numbers of 4 bytes, unaligned. W is at most 8, since GCC 12 compares vectors of 16 number by number.
+// W values of 4 bytes, unaligned. W is at most 8, because GCC 12 compares vectors of 16 values one by one.
 template <int W>
 struct Lanes {
   typedef float Floats __attribute__((vector_size(4 * W), aligned(4), may_alias));
   typedef int Ints __attribute__((vector_size(4 * W), aligned(4), may_alias));
 };
 
-// Filters all lanes at once unless some candidate is close to the nearest hit of its lane, which is rare. Written with
-// vector types because the compiler does not vectorise the loop of filterLanes().
+// Filters all lanes at once, unless some candidate is close to the nearest hit of its lane, which is rare. Uses vector
+// types, because the compiler does not vectorise the loop of filterLanes().
 template <int N>
 void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   constexpr int kWidth = N < 8 ? N : 8;
@@ -142,7 +142,7 @@ void filterPacket(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
 }
 
-// Rejects hits where the base colour is transparent.
+// Rejects hits at which the texture's alpha is transparent.
 void dropTransparent(const RTCFilterFunctionNArguments* a, const World& world) {
   const unsigned n = a->N;
   const auto* hit = reinterpret_cast<const float*>(a->hit);

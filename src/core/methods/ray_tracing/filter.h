@@ -10,13 +10,13 @@
 
 namespace scanmill {
 
-// The state of a packet while Embree traces it: the nearest hit of each ray so far. Lane i belongs to the ray whose id
-// is i.
+// The state of a packet while Embree traces it: the nearest hit of each ray so far. Lane i belongs to the ray with the
+// id i.
 struct TieContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
   float floor;                          // m, see coplanarFloor()
-  alignas(64) float distance[kPacket];  // to the nearest surface; infinite: nothing was hit
+  alignas(64) float distance[kPacket];  // m, to the nearest surface; infinite: no hit yet
   alignas(64) std::uint32_t geometry[kPacket];
   alignas(64) std::uint32_t primitive[kPacket];
   alignas(64) std::uint32_t instance[kPacket];
@@ -24,19 +24,20 @@ struct TieContext {
   void reset();
 };
 
-// Surfaces count as coplanar if they lie within kCoplanar x distance + floor of each other, measured along their
-// normals. Among coplanar surfaces the lowest instance id wins, then the lowest Embree instance, geometry and
-// primitive, whatever order the traversal visits them in. The tolerance covers float32 rounding, of distances and of
+// Surfaces are treated as coplanar if their distance along their normals is at most kCoplanar x distance + floor. Of
+// coplanar surfaces the one with the lowest instance id wins, then the lowest Embree instance, geometry and primitive,
+// so that the order of the traversal does not matter. The tolerance covers float32 rounding of distances, and of
 // corners near the sensor.
 constexpr float kCoplanar = 4e-7f;
-constexpr float kCoplanarCorners = 64;  // m, largest distance of a near corner from the sensor
+constexpr float kCoplanarCorners = 64;  // m, largest distance from the sensor of a corner that is covered by the floor
 
 inline float coplanarFloor(float sensorToOrigin) {
   return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);
 }
 
-// When a hit is accepted, the ray is cut off not at the hit but farther, by this share of the hit's distance, so that
-// surfaces coplanar with the hit are visited too, in any order. The margin suffices up to 89.98 degrees of incidence.
+// When a hit is accepted, the ray is not cut off at the hit but this fraction of the hit's distance farther, so that
+// surfaces coplanar with the hit are visited too, in any order. The margin suffices for angles of incidence up to 89.98
+// degrees.
 constexpr float kReach = 1e-3f;
 
 void tieFilter(const RTCFilterFunctionNArguments* arguments);

@@ -12,15 +12,15 @@ namespace scanmill {
 
 namespace {
 
-// Returns a component of a direction for Embree; tiny ones become 0. Embree 3.13 treats components below 1e-18 in size
-// as positive when it divides by them, but not when it tests their sign: with -4e-19 in one lane, all rays of a
-// coherent packet missed surfaces that they should have hit.
+// Returns a component of a direction for Embree; tiny components become 0. Embree 3.13 treats components with absolute
+// values below 1e-18 as positive when it divides by them, but not when it tests their sign: with -4e-19 in one lane,
+// all rays of a coherent packet missed surfaces that they should have hit.
 float component(double direction) {
   constexpr double kAlongAnAxis = 1e-12;
   return static_cast<float>(std::abs(direction) < kAlongAnAxis ? 0.0 : direction);
 }
 
-// Computes when the beams of a tile fire, as shares of the revolution; all 0 if nothing moves.
+// Computes the firing times of a tile's beams, as fractions of the revolution; all 0 if nothing in the scene moves.
 void findParts(const PacketJob& job, const Tile& tile, float* parts) {
   std::fill_n(parts, kPacket, 0.0f);
   if (job.world.duration <= 0) return;
@@ -80,12 +80,12 @@ HitTriangle triangleOf(const World& world, const TieContext& context, int lane) 
   return {block, placed, block->global(context.geometry[lane], context.primitive[lane])};
 }
 
-// A packet in flight: first traced, then its triangles' records are prefetched, then it is resolved.
+// A packet in progress: it is traced, then the records of its triangles are prefetched, then it is resolved.
 struct Pending {
   Tile tile;
   Rays rays;
   HitTriangle triangles[kPacket];
-  float traced[kPacket];  // m
+  float traced[kPacket];  // m, range that Embree found
   float parts[kPacket];
 };
 
@@ -136,7 +136,7 @@ float searchDistance(const BeamTable& beams) {
 }
 
 void tracePackets(const PacketJob& job, std::span<const Tile> tiles, Hits& hits) {
-  // Two packets are in flight: while Embree traces one, the data for resolving the other is prefetched.
+  // Two packets are in progress: while Embree traces one packet, the data for resolving the other is prefetched.
   Pending pending[2];
   for (std::size_t i = 0; i < tiles.size(); ++i) {
     begin(job, tiles[i], pending[i % 2]);

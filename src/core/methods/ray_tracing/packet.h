@@ -1,6 +1,6 @@
 #pragma once
 
-// Traces packets of beams: set up in double, traced by Embree in float32, resolved in double.
+// Traces packets of beams, which are set up in double, traced by Embree in float32, and resolved in double.
 
 #include <cstdint>
 #include <span>
@@ -23,7 +23,7 @@ struct PacketJob {
   float coplanarFloor;  // m
 };
 
-// Returns how far rays are traced (m): slightly beyond the maximum range, so that float32 rounding does not decide
+// Returns the length of traced rays (m): slightly more than the maximum range, so that float32 rounding does not decide
 // about hits at exactly the maximum.
 float searchDistance(const BeamTable& beams);
 

@@ -1,7 +1,7 @@
 // Ray tracing with Embree: the reference of all methods.
 //
-// The scene is rebased to an origin near the sensor and traced in float32, 16 beams at a time; the range is recomputed
-// in double from the triangle that was hit.
+// The scene is shifted to an origin near the sensor and traced in float32, 16 beams at a time; the range is then
+// recomputed in double from the triangle that was hit.
 
 #include "methods/ray_tracing/ray_tracing.h"
 
@@ -26,8 +26,8 @@ namespace {
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
 
-// Returns how many columns make a packet's tile as square as possible in angle, since packets trace fastest when their
-// beams stay together.
+// Returns the number of columns for which a packet's tile is as square as possible in angle, because packets trace
+// fastest when their beams are close together.
 std::uint32_t bestTileColumns(const BeamTable& beams) {
   if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
   const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
@@ -46,10 +46,10 @@ std::uint32_t bestTileColumns(const BeamTable& beams) {
   return best;
 }
 
-// How a table's rays are split into packets.
+// The division of a table's rays into packets.
 class Tiling {
  public:
-  // `columns`: how many a packet's tile has; 0: as bestTileColumns() says.
+  // `columns`: columns of a packet's tile; 0: the result of bestTileColumns().
   Tiling(const BeamTable& beams, int columns)
       : beams_(beams),
         width_(columns != 0 ? static_cast<std::uint32_t>(columns) : bestTileColumns(beams)),
@@ -144,7 +144,7 @@ class RayTracing : public Method {
   }
 
   const Scene& original_;
-  std::unique_ptr<const Scene> simplified_;  // null: the original is traced
+  std::unique_ptr<const Scene> simplified_;  // null: the original scene is traced
   const Scene& scene_;                       // the scene that is traced
   RayTracingOptions options_;
   Worlds worlds_;

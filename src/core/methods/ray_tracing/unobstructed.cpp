@@ -21,11 +21,11 @@ struct ThingContext {
   std::uint32_t thing;
 };
 
-// A box around a thing over the complete revolution, in the box's own axes, relative to the world's origin.
+// A box that contains a thing during the complete revolution, in the box's own axes.
 struct Extent {
   Pose boxFromOrigin;
   Box box;
-  Vec3d middle;  // m, relative to the origin
+  Vec3d middle;  // m, relative to the world's origin
   double radius = 0;
 };
 
@@ -72,8 +72,9 @@ std::optional<Interval> crossing(const Extent& extent, const Vec3d& origin, cons
   return found.enter <= found.leave ? std::optional(found) : std::nullopt;
 }
 
-// Returns the half angle (rad) of a cone around the direction to the thing's middle (at the first pose) that holds all
-// beams which may hit the thing during the revolution. `offset`: distance of beams' origins from the sensor's (m).
+// Returns the half angle (rad) of a cone in the sensor's frame that contains all beams that may hit the thing during
+// the revolution. The cone's axis is the direction to the thing's centre at the first pose. `offset`: largest distance
+// of a beam's origin from the sensor's origin (m).
 double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
   const double radius = extent.radius + offset;
   double angle = 0;
@@ -90,7 +91,7 @@ double angleOf(const Extent& extent, const ShotFrame& frame, double offset) {
   return angle;
 }
 
-// Returns the beam of the middle ring that is nearest to the direction. One ring suffices, since the rings of a column
+// Returns the beam of the middle ring that is nearest to a direction. One ring is enough, because all rings of a column
 // fire at almost the same time.
 std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
   const std::uint32_t first = beams.rings / 2 * beams.columns;
@@ -103,7 +104,7 @@ std::uint32_t nearestBeam(const BeamTable& beams, const Vec3d& direction) {
 
 }  // namespace
 
-// Rejects hits on anything but the thing, and hits where alpha cuts the thing out.
+// Rejects hits on all surfaces except the thing's, and hits on the thing at points that alpha cuts out.
 void thingFilter(const RTCFilterFunctionNArguments* a) {
   const auto& context = *reinterpret_cast<const ThingContext*>(a->context);
   const World& world = *context.world;
@@ -162,7 +163,7 @@ Unobstructed::View Unobstructed::of(std::size_t thing, const Shot& shot, const B
     if (!inside || inside->enter > beams.maxRange) return;
     const double time = beams.time.empty() ? beams.columnTime(column) : double{beams.time[beam]};
     const float part = world->duration > 0 ? static_cast<float>(std::clamp(time / world->duration, 0.0, 1.0)) : 0.0f;
-    // A part of the thing nearer than the minimum range hides the rest from this beam.
+    // A surface of the thing that is nearer than the minimum range blocks this beam.
     if (inside->enter < beams.minRange && blocked(o, d, inside->enter, beams.minRange, part)) return;
     const double from = std::max(inside->enter, beams.minRange);
     const double to = std::min(inside->leave, beams.maxRange);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Counts the beams that would hit a thing (an object instance) if nothing occluded it. True visibility is measured
-// against this count.
+// Counts the beams that would hit a thing (an object instance) if nothing occluded the thing. The visible fraction of a
+// thing is measured relative to this count.
 
 #include <cstdint>
 #include <memory>
@@ -13,24 +13,25 @@
 
 namespace scanmill {
 
-// Embree's occlusion filter for the queries of Unobstructed, which accepts only hits on the thing.
+// Embree's occlusion filter for the class Unobstructed: accepts only hits on the thing whose visibility is computed.
 void thingFilter(const RTCFilterFunctionNArguments* arguments);
 
-// Traces rays from where they enter a thing's box to where they leave it, and ignores everything but the thing. So only
-// beams that cross the box take time. Alpha cut-outs and motion are modelled as in ray tracing.
+// Traces rays only from the point where they enter a thing's box to the point where they leave it, and ignores all
+// surfaces except the thing's. Beams that do not cross the box therefore take no time. Alpha cut-outs and motion are
+// modelled as in ray tracing.
 class Unobstructed {
  public:
-  // Both must outlive this object. `worlds` are of the same scene as `boxes`, and are built with thingFilter() for
-  // occlusions.
+  // `worlds` and `boxes` must be of the same scene and must outlive this object. `worlds` must be built with
+  // thingFilter() for occlusions.
   Unobstructed(const Worlds& worlds, const ThingBoxes& boxes) : worlds_(worlds), boxes_(boxes) {}
 
   struct View {
-    std::uint32_t beams = 0;  // beams that would hit the thing within the sensor's range
-    // Index of the beam in the middle of these by firing time; if there are none, of a beam that fires when the sensor
-    // looks towards the thing.
+    std::uint32_t beams = 0;  // number of beams that would hit the thing within the sensor's range
+    // Index of a beam whose firing time is the time at which the sensor sees the thing: of the `beams` beams the middle
+    // one by firing time; if `beams` is 0, a beam that fires when the sensor points towards the thing.
     std::uint32_t middle = 0;
   };
-  // Returns the view of a thing in a shot, traced with one ray along the axis of each beam. `grid` is that of the
+  // Returns the view of a thing in a shot, traced with one ray along the axis of each beam. `grid`: the grid of the
   // shot's beams. Safe to call from several threads.
   View of(std::size_t thing, const Shot& shot, const BeamGrid& grid) const;
 

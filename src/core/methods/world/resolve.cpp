@@ -20,10 +20,10 @@ float texturedReflectance(const HitTriangle& hit, const CompactMaterial& materia
       textureCoordinates(hit.block->uvs, hit.block->corners[hit.index], barycentric(hit, point)));
 }
 
-// Copies one value per lane into an image, row by row of the tile.
+// Copies one value per lane into a column of rings x columns, row by row of the tile.
 template <class T>
 void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::uint32_t columns) {
-  if (tile.width == kPacket) {  // one row, of a length that the compiler knows
+  if (tile.width == kPacket) {  // one row, whose length the compiler knows
     std::copy_n(lanes, kPacket, &column[std::size_t{tile.ring} * columns + tile.column]);
     return;
   }
@@ -32,7 +32,7 @@ void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::ui
   }
 }
 
-// The labels of the lanes' hits, from their triangles.
+// Labels of the lanes' hits, looked up from their triangles.
 struct Looked {
   std::uint32_t instance[kPacket];
   std::uint16_t semantic[kPacket];
@@ -96,7 +96,7 @@ void storeNormals(const Tile& tile, const Resolved& r, Hits& hits) {
   storeRows(tile, normal, hits.normal, hits.columns);
 }
 
-// Sets up kPacket adjacent beams of one ring, which share one pose.
+// Sets up kPacket neighbouring beams of one ring with the same pose.
 void setUpRow(const ShotFrame& frame, const Vec3d* directions, Rays& rays) {
   const Mat3 rotation = frame.rotation.front();
   const Vec3d o = frame.position.front();
@@ -178,7 +178,7 @@ SCANMILL_BEST_INSTRUCTIONS void intersectPlanes(const Rays& rays, const BeamTabl
     const double plane = (r.offset[i] - origin) / along;
     const double low = r.traced[i] - (kTrust * r.traced[i] + kTrust);
     const double high = r.traced[i] + (kTrust * r.traced[i] + kTrust);
-    double range = plane > low ? plane : low;  // also where plane is NaN
+    double range = plane > low ? plane : low;  // also if plane is NaN
     range = range < high ? range : high;
     const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (r.traced[i] < kNothing);
     r.range[i] = inside ? range : kNothing;

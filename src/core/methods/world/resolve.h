@@ -19,7 +19,7 @@ constexpr int kPacket = 16;
 
 // A shot's poses, relative to the world's origin.
 struct ShotFrame {
-  std::vector<Mat3> rotation;  // per step
+  std::vector<Mat3> rotation;  // by step of the revolution
   std::vector<Vec3d> position;
 };
 
@@ -32,35 +32,37 @@ struct Tile {
 
 using Lane = double[kPacket];
 
-// Origins and directions of the beams, in double, relative to the world's origin. Idle lanes repeat the first beam.
+// Origins (m, relative to the world's origin) and unit directions of a tile's beams. Lanes without a beam repeat the
+// first beam.
 struct Rays {
   int count = 0;
   alignas(64) Lane ox, oy, oz, dx, dy, dz;
 };
 
 struct HitTriangle {
-  const TriangleBlock* block = nullptr;  // null: a miss
-  const PlacedBlock* placed = nullptr;   // null: baked
+  const TriangleBlock* block = nullptr;  // null: the ray hits nothing
+  const PlacedBlock* placed = nullptr;   // null: the triangle is baked
   std::uint32_t index = 0;
-  float part = 0;  // share of the revolution, 0 to 1, at which the ray fires: places moving meshes
+  float part = 0;  // time at which the ray fires, as a fraction of the revolution (0 to 1), which determines the pose
+                   // of a moving mesh
 };
 
 // The planes of the hit triangles, relative to the world's origin, and the ranges and cosines that follow from them.
 struct Resolved {
   alignas(64) Lane nx, ny, nz;  // unit normals
-  alignas(64) Lane offset;      // normal . p of the plane
-  alignas(64) Lane traced;      // m, the range that was traced; infinite for a miss
+  alignas(64) Lane offset;      // m, normal . p for points p of the plane
+  alignas(64) Lane traced;      // m, the range that Embree or the particle found; infinite for a miss
   alignas(64) Lane range;       // m; infinite for a miss
-  alignas(64) Lane cosine;      // signed cosine of the angle between normal and beam
+  alignas(64) Lane cosine;      // dot product of normal and beam direction
 };
 
-// Returns when a ray of the table fires, as a share (0 to 1) of a revolution of `duration` seconds; 0 if `duration` is
-// 0, which means that nothing moves.
+// Returns the time at which a ray of the table fires, as a fraction (0 to 1) of a revolution of `duration` seconds; 0
+// if `duration` is 0, which means that nothing in the scene moves.
 float partOf(const BeamTable& beams, std::size_t ray, double duration);
 
 void setUp(const Shot& shot, const ShotFrame& frame, const Tile& tile, Rays& rays);
 
-// Loads the plane of a triangle that was hit at about the distance `traced` (m).
+// Loads the plane of a triangle that a ray has hit at about the range `traced` (m).
 inline void loadPlane(const HitTriangle& hit, float traced, Resolved& r, int lane) {
   const BlockTriangle& triangle = hit.block->triangles[hit.index];
   Vec3d normal = triangle.normal;
@@ -85,21 +87,21 @@ inline void loadMiss(Resolved& r, int lane) {
   r.traced[lane] = std::numeric_limits<double>::infinity();
 }
 
-// The limits within which a sensor reports hits.
+// The nearest and the farthest range that a sensor reports (m).
 struct RangeLimits {
   double nearest, farthest;  // m
 };
 
 RangeLimits limitsOf(const BeamTable& beams);
 
-// How far the range to a triangle's plane may be from the traced range. The plane of a triangle that is seen edge-on
-// says little about where the triangle is.
-constexpr double kTrust = 1e-2;  // this share of the range, plus this many m
+// Largest difference between the range to a triangle's plane and the traced range: this fraction of the range plus this
+// many metres. The limit is needed because the plane of a triangle that is seen edge-on gives an unreliable range.
+constexpr double kTrust = 1e-2;  // fraction of the traced range; and also m
 
-// Sets each range to the distance along the ray to the plane of its triangle, clamped to kTrust around the traced
-// range. A range outside of the sensor's limits is a miss.
+// Sets each range to the distance along the ray to the plane of its triangle, clamped to the traced range +- kTrust. A
+// hit outside of the sensor's range limits becomes a miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
-// Does the same, but takes the traced range as it is.
+// Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
 void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);
 
 // Writes the tile's hits to the channels that `hits` has.
@@ -116,7 +118,7 @@ Vec2d barycentric(const HitTriangle& hit, const Vec3d& point);
 inline void prefetch(const BlockTriangle& triangle) {
   const auto* bytes = reinterpret_cast<const char*>(&triangle);
   __builtin_prefetch(bytes);
-  __builtin_prefetch(bytes + sizeof triangle - 1);  // a record may lie across two cache lines
+  __builtin_prefetch(bytes + sizeof triangle - 1);  // a record may extend over two cache lines
 }
 
 }  // namespace scanmill

@@ -14,7 +14,7 @@ namespace scanmill {
 
 namespace {
 
-// A scene with fewer placed triangles is flattened: one level of hierarchy traces faster than two, and takes about 150
+// Scenes with fewer placed triangles are flattened: one level of hierarchy traces faster than two, but takes about 150
 // bytes per triangle. On the street of 1.28 million triangles both trace equally fast, and instancing takes half the
 // memory.
 constexpr std::uint64_t kFlattenedTriangles = 500'000;
@@ -38,7 +38,7 @@ struct Source {
   std::uint32_t firstVertex, firstSurface;
 };
 
-// Appends the opaque or the alpha-tested triangles of a mesh. fillPlanes() adds their planes later, in parallel.
+// Appends either the opaque or the alpha-tested triangles of a mesh. fillPlanes() adds their planes later, in parallel.
 void appendTriangles(TriangleBlock& block, const Scene& scene, const Source& source, bool alpha) {
   const Mesh& mesh = *source.mesh;
   std::vector<bool> wanted(mesh.surfaces.size());
@@ -63,7 +63,7 @@ void fillVertices(TriangleBlock& block, const std::vector<Source>& sources) {
   });
 }
 
-// Computes the planes from the meshes' own corners, which no rebasing has rounded.
+// Computes the planes from the meshes' double-precision transform and corners, without the rounding of vertices.
 void fillPlanes(TriangleBlock& block, const std::vector<Source>& sources) {
   parallelFor(block.triangles.size(), 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t t = first; t < last; ++t) {
@@ -116,7 +116,7 @@ void attachTriangles(RTCDevice device, RTCScene scene, const TriangleBlock& bloc
                              first * sizeof(Triangle), sizeof(Triangle), last - first);
   if (filter != nullptr) rtcSetGeometryIntersectFilterFunction(geometry, filter);
   if (options.occlusionFilter != nullptr) rtcSetGeometryOccludedFilterFunction(geometry, options.occlusionFilter);
-  // A scene of low quality builds each geometry with the geometry's own quality.
+  // A scene of low quality builds each geometry with the quality set for the geometry.
   rtcSetGeometryBuildQuality(geometry, qualityOf(options));
   rtcCommitGeometry(geometry);
   rtcAttachGeometryByID(scene, geometry, id);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene as Embree traces it: float32 triangles relative to a nearby origin, with their exact planes alongside.
+// The scene as Embree traces it: float32 triangles relative to a nearby origin, together with their exact planes.
 
 #include <cstdint>
 #include <memory>
@@ -23,8 +23,8 @@ struct HitSurface {
   std::uint16_t material = 0;
 };
 
-// All data that resolving a hit reads, in one record, so that a hit touches few cache lines. The plane is normal . p =
-// offset, computed in double from the mesh's own corners; the normal is a unit vector.
+// All data of a triangle that resolving a hit reads, in one record, so that a hit reads few cache lines. The plane is
+// normal . p = offset (m), computed in double from the mesh's corners; the normal is a unit vector.
 struct BlockTriangle {
   Vec3d normal;
   double offset;
@@ -32,15 +32,16 @@ struct BlockTriangle {
   std::uint32_t primitive;  // the triangle's index in its mesh
 };
 
-// Triangles in one frame. Those with an alpha-tested material come last and form an Embree geometry of their own (id
-// 1), so that only they pay for the alpha test; the others are geometry 0.
+// Triangles in one frame. Triangles with an alpha-tested material come last and are a separate Embree geometry (id 1),
+// so that only they need the alpha test; all others are geometry 0.
 struct TriangleBlock {
-  std::vector<Vec3f> vertices;    // padded by one, since Embree reads 16 bytes per vertex
-  std::vector<Triangle> corners;  // indices of vertices; read by Embree too
+  std::vector<Vec3f> vertices;    // with one more as padding, because Embree reads 16 bytes per vertex
+  std::vector<Triangle> corners;  // indices of vertices; Embree reads them too
   std::vector<Vec2f> uvs;         // empty, or one per vertex
   std::vector<BlockTriangle> triangles;
-  std::vector<HitSurface> surfaces;  // instance: the id (baked), or the object's number in its mesh (instanced)
-  std::uint32_t firstAlpha = 0;      // triangles from here on are alpha-tested
+  std::vector<HitSurface> surfaces;  // HitSurface::instance is the instance id (baked), or the object's number in its
+                                     // mesh (instanced)
+  std::uint32_t firstAlpha = 0;      // index of the first alpha-tested triangle
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
   std::uint32_t global(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {
@@ -51,17 +52,18 @@ struct TriangleBlock {
 // A mesh placed by an Embree instance.
 struct PlacedBlock {
   const TriangleBlock* block = nullptr;
-  Affine originFromMesh;  // exact, relative to the world's origin; of a moving mesh: at the revolution's start
+  Affine originFromMesh;  // m, relative to the world's origin; for a moving mesh, at the start of the revolution
   Mat3 normalFromMesh;    // the inverse transpose of originFromMesh's linear part
   std::uint32_t firstInstanceId = 0;
   bool moves = false;
-  Affine atEnd = {};  // of a moving mesh: originFromMesh at the revolution's end; in between linear, as in Embree
+  Affine atEnd = {};  // originFromMesh of a moving mesh at the end of the revolution; interpolated linearly, as in
+                      // Embree
 
-  // Returns originFromMesh at a share of the revolution, 0 to 1.
+  // Returns originFromMesh at a fraction of the revolution, 0 to 1.
   Affine at(double part) const;
 };
 
-// Owners of Embree's reference-counted handles.
+// Deleters for Embree's reference-counted handles.
 struct DeviceDeleter {
   void operator()(RTCDeviceTy* device) const;
 };
@@ -72,60 +74,62 @@ using DeviceHandle = std::unique_ptr<RTCDeviceTy, DeviceDeleter>;
 using SceneHandle = std::unique_ptr<RTCSceneTy, SceneDeleter>;
 
 DeviceHandle makeDevice();
-// Returns the version of the Embree library that runs, such as "4.3.3".
+// Returns the version of the Embree library in use, such as "4.3.3".
 std::string embreeVersion(RTCDeviceTy* device);
 
 enum class HierarchyQuality { Low, Medium, High };
 enum class Instancing { Auto, Always, Never };
 
-// How Embree's hierarchy is built.
+// Options for building Embree's hierarchy.
 struct HierarchyOptions {
   bool robust = true;  // watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
-  // Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions; null:
-  // none.
+  // Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions. Null:
+  // no filter.
   void (*solidFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*alphaFilter)(const RTCFilterFunctionNArguments*) = nullptr;
   void (*occlusionFilter)(const RTCFilterFunctionNArguments*) = nullptr;
 };
 
-// Meshes that many instances share: built once, whatever the origin.
+// Meshes with several instances: built once, for all origins.
 struct SharedMeshes {
-  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // per mesh of the scene; null if the mesh is baked
+  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // by mesh of the scene; null if the mesh is baked
   std::vector<SceneHandle> scenes;
 };
 
-// True if worlds of the scene move. For a part of a scene (Scene::whole) the complete scene decides, unless instancing
-// is Never: then the part decides.
+// Returns true if worlds of the scene move. For a part of a scene, the motion of the complete scene (Scene::whole)
+// decides, unless instancing is Never: then only the part decides.
 bool worldsMove(const Scene& scene, Instancing instancing);
 
-// Returns for each mesh whether it is instanced. Instancing::Auto instances the meshes that are placed more than once,
-// if the scene is too large to be flattened. If something in the scene moves, all meshes are instanced, so that no
+// Returns, by mesh, whether it is instanced. Instancing::Auto instances the meshes that are placed more than once, if
+// the scene is too large to be flattened. If something in the scene moves, all meshes are instanced, so that no
 // hierarchy of triangles is rebuilt for each revolution.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
 SharedMeshes buildSharedMeshes(RTCDeviceTy* device, const Scene& scene, const std::vector<bool>& instanced,
                                const HierarchyOptions& options);
 
-// The complete scene relative to one origin and, if it moves, over one revolution. Read-only once built.
+// The complete scene relative to one origin and, if something moves, during one revolution. Not modified after it is
+// built.
 struct World {
   Vec3d origin;
   const Scene* scene = nullptr;
-  TriangleBlock baked;                   // frame: world axes, relative to origin
-  std::vector<PlacedBlock> placed;       // Embree instance id k + kFirstPlaced
+  TriangleBlock baked;                   // in world axes, relative to `origin`
+  std::vector<PlacedBlock> placed;       // by Embree instance id minus kFirstPlaced
   const SharedMeshes* shared = nullptr;  // owns the blocks of `placed`; outlives the world
   SceneHandle embree;
   bool alpha = false;
-  double time = 0;                                  // s, start of the revolution, if the scene moves
-  double duration = 0;                              // s
-  static constexpr std::uint32_t kFirstPlaced = 2;  // 0 and 1 are the baked geometries
+  double time = 0;                                  // s, start of the revolution; used only if the scene moves
+  double duration = 0;                              // s, of the revolution; 0: nothing moves
+  static constexpr std::uint32_t kFirstPlaced = 2;  // instance ids 0 and 1 are not used, because the baked geometries
+                                                    // have these numbers
 };
 
 std::unique_ptr<World> buildWorld(RTCDeviceTy* device, const Scene& scene, const Vec3d& origin,
                                   const std::vector<bool>& instanced, const SharedMeshes& shared,
                                   const HierarchyOptions& options, double time = 0, double duration = 0);
 
-// True if the alpha-tested material of a triangle lets beams through at these barycentric coordinates.
+// Returns true if the alpha-tested material of a triangle is transparent at these barycentric coordinates.
 bool transparentAt(const World& world, const TriangleBlock& block, std::uint32_t triangle, double u, double v);
 
 }  // namespace scanmill

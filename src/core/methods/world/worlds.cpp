@@ -8,11 +8,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kOriginGrid = 1024;        // m
-constexpr double kMovingOriginGrid = 16;    // m
-constexpr std::size_t kWorldsInMemory = 2;  // origins that a drive across a grid line needs at once
+constexpr double kOriginGrid = 1024;        // m, spacing of the origins
+constexpr double kMovingOriginGrid = 16;    // m, spacing of the origins if something moves
+constexpr std::size_t kWorldsInMemory = 2;  // number of origins that are needed while a drive crosses a grid line
 
-constexpr std::uint64_t kBytesPerTriangle = 150;  // measured: hierarchy, corners, records
+constexpr std::uint64_t kBytesPerTriangle = 150;  // bytes, measured: hierarchy, corners and records
 
 }  // namespace
 

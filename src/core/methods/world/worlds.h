@@ -1,6 +1,6 @@
 #pragma once
 
-// Worlds near sensors, built when they are first needed.
+// Worlds near sensors, each built when it is first needed.
 
 #include <cstdint>
 #include <list>
@@ -12,26 +12,27 @@
 
 namespace scanmill {
 
-// Caches worlds. Their origins lie on a grid of 1024 m anchored at the scene's centre, so that they depend on the shot
-// alone and move with the scene. If something moves, each revolution has its own world, for which little more is built
-// than the placement of shared meshes; one more world than there are threads is cached. Origins of moving worlds lie on
-// a grid of 16 m, since rounding errors grow with the distance from the origin.
+// Builds and caches worlds. Their origins are on a grid of 1024 m that starts at the scene's centre, so that a shot's
+// world depends only on the shot. If something in the scene moves, each revolution has its own world; only the
+// placements of the shared meshes are built for it. One more of these worlds than there are threads is cached, and
+// their origins are on a grid of 16 m, because rounding errors grow with the distance from the origin.
 class Worlds {
  public:
-  // The scene must outlive it.
+  // The scene must outlive the object.
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
   // Returns the world whose origin is nearest to the sensor (m). Safe to call from several threads.
   std::shared_ptr<const World> near(const Vec3d& sensor) const { return near(sensor, 0, 0); }
-  // The same for the revolution that starts at `time` and takes `duration` (s); both matter only if something moves.
+  // Returns the world for the revolution that starts at `time` and takes `duration` (s); both matter only if something
+  // moves.
   std::shared_ptr<const World> near(const Vec3d& sensor, double time, double duration) const;
   bool moves() const { return moves_; }
   std::string embree() const { return embreeVersion(device_.get()); }  // version of the library
   bool instanced(std::size_t mesh) const { return instanced_[mesh]; }
-  // Returns how many triangles a world and the meshes that it shares have: each baked copy counts, each shared mesh
-  // counts once.
+  // Returns the number of triangles of a world and its shared meshes. A baked triangle counts once per instance, a
+  // triangle of a shared mesh counts once.
   std::uint64_t triangles() const;
-  // Returns about how many bytes these triangles take.
+  // Returns approximately the bytes that these triangles take.
   std::uint64_t memoryBytes() const;
 
  private:

@@ -1,5 +1,5 @@
-// Blender's Cycles as a renderer: scripts/blender_passes.py renders depth and ids into OpenEXR files, which are read
-// here.
+// Renders with Blender's Cycles: scripts/blender_passes.py makes Blender write depths and ids into OpenEXR files, which
+// this file reads.
 
 #include <fmt/core.h>
 
@@ -30,14 +30,18 @@ namespace {
 constexpr std::size_t kMaxImages = 8;
 constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
 constexpr double kMaxStretch = 200;           // Blender's largest aspect ratio of a pixel
-constexpr float kBlenderSky = 1e9f;           // m; Blender writes 1e10 where nothing is seen
-constexpr float kExact = 16777216.0f;         // 2^24; an object's number is written in two parts: see the script
-constexpr double kReach = 512;                // m from the origin: float32 steps of 6e-5 m there
-constexpr double kPlaneShare = 1e-3;          // of the depth: how far a drawn depth may be from its triangle's plane
-constexpr std::size_t kFrameGrain = 1 << 14;  // pixels
-constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels; fewer may be cut-outs, with depths but no ids
+constexpr float kBlenderSky = 1e9f;           // m; Blender writes 1e10 as the depth of a pixel without a surface
+constexpr float kExact = 16777216.0f;         // 2^24, largest exact integer of a float32; larger object numbers are
+                                              // written in two parts: see the script
+constexpr double kReach = 512;                // m, largest distance of the cameras from the scene's origin in Blender:
+                                              // float32 steps are 6e-5 m there
+constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
+                                              // plane, as a fraction of the depth
+constexpr std::size_t kFrameGrain = 1 << 14;  // pixels per task
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels with a depth but without ids; more of them are an error,
+                                                    // fewer may be cut-outs
 
-// Rendered images in memory.
+// Rendered images, stored in memory.
 class SeenSource : public PixelSource {
  public:
   SeenSource(std::shared_ptr<const Resolver> resolver, std::vector<Camera> cameras, std::vector<SeenTriangle> seen)
@@ -60,12 +64,12 @@ class SeenSource : public PixelSource {
  private:
   std::shared_ptr<const Resolver> resolver_;
   std::vector<Camera> cameras_;
-  std::vector<SeenTriangle> seen_;     // by address
-  std::vector<SeenTriangle> fetched_;  // scratch
+  std::vector<SeenTriangle> seen_;     // by pixel address
+  std::vector<SeenTriangle> fetched_;  // reused by each fetch
 };
 
-// Computes the depth of triangles' planes at the centres of one camera's pixels, in double. Blender's float32 depth has
-// an error of some 1e-7 of the triangle's size and distance, which is much for a large triangle nearby.
+// Computes the depth of triangles' planes at the centres of one camera's pixels, in double precision. Blender's float32
+// depth has an error of about 1e-7 of the triangle's size and distance, which is too much for a large triangle nearby.
 class ExactDepth {
  public:
   ExactDepth(const Scene& scene, const Camera& camera) : scene_(scene), camera_(camera) {
@@ -77,7 +81,8 @@ class ExactDepth {
     }
   }
 
-  // Returns the exact depth (m), or the drawn one if they are not close, as on a triangle that is seen edge-on.
+  // Returns the depth (m) of the triangle's plane at a pixel's centre; or Blender's depth if the two differ by more
+  // than kPlaneShare, as for a triangle seen edge-on.
   float at(std::size_t column, std::size_t row, const SeenTriangle& seen) const {
     const Affine& place = cameraFromMesh_[seen.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[seen.instance - 1].mesh];
@@ -95,7 +100,7 @@ class ExactDepth {
  private:
   const Scene& scene_;
   const Camera& camera_;
-  std::vector<Affine> cameraFromMesh_;  // per instance
+  std::vector<Affine> cameraFromMesh_;  // by instance of the scene
 };
 
 class BlenderRenderer : public PassRenderer {
@@ -113,7 +118,7 @@ class BlenderRenderer : public PassRenderer {
       if (!cameras.empty()) load(cameras[0].worldFromCamera.translation);
       return std::make_unique<SeenSource>(resolver_, cameras, drawAll(cameras, limits));
     } catch (...) {
-      job_.reset();  // the process's next answers would belong to earlier requests
+      job_.reset();  // otherwise the next answers would belong to requests from before the error
       origin_.reset();
       throw;
     }
@@ -149,7 +154,7 @@ class BlenderRenderer : public PassRenderer {
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
   }
 
-  // Hands the scene to Blender, relative to an origin near the cameras.
+  // Loads the scene into Blender, relative to an origin near the cameras.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
     const StageTimer timer(clock_, "upload");
@@ -159,7 +164,7 @@ class BlenderRenderer : public PassRenderer {
     job_->answer();
   }
 
-  // While one image is read, Blender renders the next.
+  // Renders all images. While one image is read, Blender renders the next.
   std::vector<SeenTriangle> drawAll(const std::vector<Camera>& cameras, const DrawLimits& limits) {
     std::size_t pixels = 0;
     for (const Camera& camera : cameras) pixels += camera.pixels();
@@ -213,7 +218,7 @@ class BlenderRenderer : public PassRenderer {
     };
     reader.read(std::vector<ExrTarget>{target(".Depth.Z", &Pixel::depth), target(".ids.R", &Pixel::object),
                                        target(".ids.G", &Pixel::beyond), target(".ids.B", &Pixel::triangle)});
-    // A surface that lies on a limit may be drawn on either side of it.
+    // Rounding may put a surface at a limit on either side of the limit, so the test here is inclusive.
     const auto nearest = static_cast<float>(limits.nearest);
     const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
     const auto isDrawn = [&](const Pixel& pixel) { return pixel.depth >= nearest && pixel.depth <= farthest; };
@@ -246,7 +251,8 @@ class BlenderRenderer : public PassRenderer {
   mutable std::mutex mutex_;  // guards all members below
   ScratchFolder folder_;
   std::optional<BlenderJob> job_;
-  std::optional<Vec3d> origin_;  // world, m, origin of the scene in Blender; none: Blender has no scene yet
+  std::optional<Vec3d> origin_;  // m, world: origin of the scene in Blender; nothing: Blender has not loaded the scene
+                                 // yet
   std::vector<BlenderObject> objects_;
   int threads_ = 1;
   std::string device_;

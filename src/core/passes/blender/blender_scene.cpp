@@ -24,14 +24,14 @@ using Json = nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "the arrays are written as they lie in memory");
 
-// scene.bin: arrays one after the other, each at a multiple of 8 bytes.
+// Writes scene.bin: arrays one after the other, each of which starts at a multiple of 8 bytes.
 class Arrays {
  public:
   explicit Arrays(const std::filesystem::path& file) : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
     add<double>(std::vector<double>{0}, "f8", {1});  // so that the file of an empty scene is not empty
   }
 
-  // Appends an array and returns its entry of scene.json: position, type (as numpy names it) and shape.
+  // Appends an array. Returns its entry in scene.json: offset in the file, type (numpy's name) and shape.
   template <class T>
   Json add(std::span<const T> values, const char* type, std::vector<std::size_t> shape) {
     static constexpr std::array<char, 8> kZeroes{};
@@ -62,7 +62,7 @@ class SceneWriter {
 
   std::vector<BlenderObject> write(int threads) {
     addMaterials();
-    std::vector<std::vector<std::uint32_t>> placed(scene_.meshes.size());  // instances of each mesh
+    std::vector<std::vector<std::uint32_t>> placed(scene_.meshes.size());  // by mesh: indices of its instances
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) placed[scene_.instances[i].mesh].push_back(i);
     for (std::size_t m = 0; m < placed.size(); ++m) {
       if (!scene_.meshes[m].triangles.empty() && !placed[m].empty()) addMesh(scene_.meshes[m], placed[m]);
@@ -81,7 +81,7 @@ class SceneWriter {
   }
 
  private:
-  // Writes for each material null, or a mask of the texels of an alpha-tested material that are solid.
+  // Writes an entry for each material: null, or for an alpha-tested material a mask of its solid texels.
   void addMaterials() {
     Json& list = index_["materials"] = Json::array();
     std::vector<std::uint8_t> mask;

@@ -25,7 +25,8 @@ ExrMatrix4 rowByRow(const Pose& pose) {
   return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z, 0, 0, 0, 1};
 }
 
-// Returns OpenEXR's standard attribute: for row vectors, and for a left-handed camera with x right, y up, z forward.
+// Returns the value of OpenEXR's standard attribute worldToCamera, which is for row vectors and for a left-handed
+// camera frame with x right, y up, z forward.
 ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
   const Pose cameraFromWorld = inverse(worldFromCamera);
   const Mat3 r = toMatrix(cameraFromWorld.rotation);
@@ -36,7 +37,7 @@ ExrMatrix4f standardWorldToCamera(const Pose& worldFromCamera) {
   return matrix;
 }
 
-// Returns the sum of the absolute differences of all entries; NaN if one of them is NaN.
+// Returns the sum of the absolute differences between the entries of two matrices; NaN if an entry is NaN.
 double difference(const Mat3& a, const Mat3& b) {
   double sum = 0;
   for (const Vec3d& d : {a.x - b.x, a.y - b.y, a.z - b.z}) sum += std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
@@ -110,7 +111,7 @@ class CameraReader {
     const auto& m = require<ExrMatrix4>(kPose, "m44d", kMeaning);
     if (m[12] != 0 || m[13] != 0 || m[14] != 0 || m[15] != 1) refuse(kPose, fmt::format("must be {}", kMeaning));
     const Mat3 matrix{{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
-    constexpr double kRotation = 1e-5;  // wide enough for float32 matrices
+    constexpr double kRotation = 1e-5;  // largest difference from a rotation; wide enough for float32 matrices
     if (determinant(matrix) < 0) {
       refuse(kPose, "mirrors: the camera's axes are right-handed, x right, y down, z forward");
     }
@@ -118,7 +119,7 @@ class CameraReader {
       refuse(kPose, "its left upper 3 x 3 is no rotation: camera poses have no scale and no shear");
     }
     camera.worldFromCamera = {fromMatrix(matrix), {m[3], m[7], m[11]}};
-    // The matrix does not preserve every bit of the quaternion that it was computed from.
+    // The matrix is rounded, so the exact rotation is read from the quaternion if the file has one.
     const auto* xyz = optional<Vec3d>(kQuaternionXyz, "v3d");
     const auto* w = optional<double>(kQuaternionW, "double");
     if (xyz == nullptr || w == nullptr) return;
@@ -130,7 +131,8 @@ class CameraReader {
     camera.worldFromCamera.rotation = exact;
   }
 
-  // Throws InputError if the stated field does not fit the camera matrix: images are often scaled without their matrix.
+  // Throws InputError if the stated field of view (deg) does not fit the camera matrix, as happens if an image is
+  // scaled but its matrix is not.
   void checkField(const char* attribute, double field) const {
     const auto* claimed = optional<double>(attribute, "double");
     if (claimed == nullptr || std::abs(*claimed - field) < 1e-3) return;

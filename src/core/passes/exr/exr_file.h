@@ -1,6 +1,6 @@
 #pragma once
 
-// Images of named 32 bit planes with attributes, in OpenEXR files. OpenEXR's own types stay in exr_*.cpp.
+// Images of named 32-bit planes with attributes, in OpenEXR files. OpenEXR's own types are used only in exr_*.cpp.
 
 #include <array>
 #include <cstddef>
@@ -21,16 +21,17 @@ namespace scanmill {
 using ExrMatrix3 = std::array<double, 9>;  // row by row
 using ExrMatrix4 = std::array<double, 16>;
 using ExrMatrix4f = std::array<float, 16>;
-// std::monostate: an attribute of a type that is not read. Numbers and matrices of either precision are read as double.
+// The value of an attribute. std::monostate: the attribute has a type that is not read. Numbers and matrices of either
+// precision are read as double.
 using ExrValue = std::variant<std::monostate, std::string, double, Vec3d, ExrMatrix3, ExrMatrix4, ExrMatrix4f>;
 using ExrAttributes = std::map<std::string, ExrValue>;
 
 enum class ExrType { Uint32, Float16, Float32 };
-std::string_view exrTypeName(ExrType type);  // "UINT", "HALF", "FLOAT", as OpenEXR calls them
+std::string_view exrTypeName(ExrType type);  // OpenEXR's names: "UINT", "HALF", "FLOAT"
 
 enum class ExrCompression { None, Zip };
 
-// A plane to write: Uint32 or Float32 in memory, row by row from the top, `stride` bytes from pixel to pixel.
+// A plane to write: Uint32 or Float32 values in memory, row by row from the top. `stride`: bytes from pixel to pixel.
 struct ExrPlane {
   std::string channel;
   ExrType type = ExrType::Float32;
@@ -38,12 +39,12 @@ struct ExrPlane {
   std::size_t stride = 4;
 };
 
-// Writes scan lines, lossless, on the calling thread. The same image gives the same bytes. The file gets its final name
-// only when it is complete. Throws Error.
+// Writes a file of scan lines, lossless, on the calling thread. The same image always gives the same bytes. The file
+// gets its final name only when it is complete. Throws Error.
 void writeExr(const std::filesystem::path& path, std::uint32_t width, std::uint32_t height,
               const ExrAttributes& attributes, std::span<const ExrPlane> planes, ExrCompression compression);
 
-// A channel of a file. In a file of several parts its name starts with the name of its part.
+// A channel of a file. In a file of several parts, `name` starts with the name of the channel's part.
 struct ExrChannel {
   std::string name;
   ExrType type = ExrType::Float32;
@@ -51,27 +52,27 @@ struct ExrChannel {
   std::string nameInPart;
 };
 
-// The memory for a channel's pixels: uint32 for a Uint32 channel, else float.
+// The memory into which a channel's pixels are read: uint32 values for a Uint32 channel, otherwise float values.
 struct ExrTarget {
   const ExrChannel* channel = nullptr;
   void* pixels = nullptr;
   std::size_t stride = 4;  // bytes from pixel to pixel
 };
 
-// A file in memory, still encoded: scan lines or tiles, one part or several of the same size; deep parts are ignored.
-// All members throw InputError that names the file.
+// A file that is in memory, still encoded: with scan lines or tiles, and one part or several of the same size. Deep
+// parts are ignored. All members throw InputError that names the file.
 class ExrReader {
  public:
-  // Throws for files that are not EXR, damaged headers, sizes that the file is too short for, lossy compression, and
-  // data windows that differ from the display window: part of an image would be taken for the whole.
+  // Throws for files that are not EXR, damaged headers, sizes that the file is too short for, and lossy compression.
+  // Also throws if the data window differs from the display window: the file then has only a part of the image.
   explicit ExrReader(const std::filesystem::path& path);
 
-  const std::string& name() const { return name_; }  // of the file, for messages
+  const std::string& name() const { return name_; }  // name of the file, for messages
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }
   std::size_t pixels() const { return std::size_t{width_} * height_; }
-  const std::vector<ExrChannel>& channels() const { return channels_; }  // by part, then by name
-  // Returns the attribute of the first part that has it; null if there is none.
+  const std::vector<ExrChannel>& channels() const { return channels_; }  // ordered by part, then by name
+  // Returns the attribute from the first part that has it; null if no part has it.
   const ExrValue* attribute(const std::string& attributeName) const;
 
   // Decodes channels into their targets, on all cores.
@@ -82,7 +83,7 @@ class ExrReader {
   std::string bytes_;
   std::uint32_t width_ = 0;
   std::uint32_t height_ = 0;
-  std::uint32_t bandRows_ = 32;  // rows that are decoded together
+  std::uint32_t bandRows_ = 32;  // number of rows that are decoded together
   std::vector<ExrChannel> channels_;
   ExrAttributes attributes_;
 };

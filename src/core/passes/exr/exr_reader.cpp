@@ -30,14 +30,15 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::int64_t kMostAcross = 65536;  // pixels
+constexpr std::int64_t kMostAcross = 65536;  // pixels, largest width and height of an image
 constexpr std::uint64_t kMostPixels = std::uint64_t{1} << 28;
 constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
-// The highest compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2 bits.
+// Upper bound of the compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2
+// bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // the least work that is worth a task
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // bytes of pixels that a task decodes at least
 
-// A stream of encoded bytes for OpenEXR; several streams may share the bytes.
+// A stream of encoded bytes for OpenEXR. Several streams may read the same bytes.
 class MemoryInput : public Imf::IStream {
  public:
   MemoryInput(const char* name, std::string_view bytes) : Imf::IStream(name), bytes_(bytes) {}
@@ -60,7 +61,7 @@ class MemoryInput : public Imf::IStream {
   throw InputError({name}, fmt::format("is damaged or truncated ({}): write it again", what));
 }
 
-// Checks the headers before OpenEXR does, because OpenEXR allocates whatever size an attribute claims.
+// Checks a file's headers before OpenEXR reads them, because OpenEXR allocates as much memory as an attribute asks for.
 class HeaderCheck {
  public:
   HeaderCheck(const std::string& name, std::string_view bytes) : name_(name), rest_(bytes) {}
@@ -103,7 +104,7 @@ class HeaderCheck {
     return found;
   }
 
-  // Skips an attribute. False at the empty name that ends a header.
+  // Skips an attribute. Returns false if there is none: an empty name ends the header.
   bool attribute() {
     const std::string_view attributeName = text();
     if (attributeName.empty()) return false;
@@ -155,7 +156,7 @@ std::string windowText(const Imath::Box2i& box) {
   return fmt::format("({}, {}) to ({}, {})", box.min.x, box.min.y, box.max.x, box.max.y);
 }
 
-// Returns width and height. The corners are not checked yet and may be any 32 bit integers.
+// Returns width and height of a box in pixels, or throws InputError. The corners of the box may be any 32-bit integers.
 std::array<std::uint32_t, 2> sizeOf(const std::string& name, const Imath::Box2i& box) {
   const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
   const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
@@ -173,7 +174,7 @@ ExrType typeOf(Imf::PixelType type) {
   return type == Imf::HALF ? ExrType::Float16 : ExrType::Float32;
 }
 
-// Reads rows [first, end) of the targets, which are all of this part.
+// Reads rows [first, end) of the targets, all of which belong to part `part`.
 void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imath::Box2i window = file.header(part).dataWindow();
@@ -189,7 +190,8 @@ void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
 }
 
-// True if a part's pixels are stored in the file as in memory: line by line, channel by channel, 4 bytes each.
+// Returns true if a part's pixels are stored uncompressed as 4 bytes each, line by line and within a line channel by
+// channel.
 bool isPlain(const Imf::Header& header) {
   if (header.hasTileDescription() || header.compression() != Imf::NO_COMPRESSION) return false;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
@@ -198,14 +200,14 @@ bool isPlain(const Imf::Header& header) {
   return std::endian::native == std::endian::little;
 }
 
-// Does what readRows() does, for a part of which isPlain() is true: OpenEXR decodes pixel by pixel, which would take a
-// third of the time of making scans from hits.
+// Does the same as readRows(), but only for a part for which isPlain() is true. OpenEXR decodes pixel by pixel, which
+// would be a third of the time of making scans from stored hits.
 void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imf::Header& header = file.header(part);
   const Imath::Box2i window = header.dataWindow();
   const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
-  std::vector<std::string> names;  // in their order within a line
+  std::vector<std::string> names;  // in the order of the channels within a line
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     names.emplace_back(channel.name());
   }
@@ -228,7 +230,7 @@ void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   }
 }
 
-// Runs the work and turns everything that OpenEXR throws into an InputError that names the file.
+// Calls `work` and turns all exceptions of OpenEXR into an InputError that names the file.
 template <class Work>
 void guarded(const std::string& name, Work&& work) {
   try {
@@ -310,7 +312,7 @@ const ExrValue* ExrReader::attribute(const std::string& attributeName) const {
 }
 
 void ExrReader::read(std::span<const ExrTarget> targets) const {
-  // Each thread decodes rows of its own, from a reader of its own.
+  // Each thread decodes different rows, with a reader of its own.
   const std::size_t bands = (height_ - 1) / bandRows_ + 1;
   parallelFor(bands, 1, [&](std::size_t firstBand, std::size_t endBand) {
     guarded(name_, [&] {

@@ -19,7 +19,7 @@ constexpr ExrType kTypeOf = ExrType::Uint32;
 template <>
 constexpr ExrType kTypeOf<float> = ExrType::Float32;
 
-// Calls use(channel's name, column) for each column with one number per beam.
+// Calls use(name of the channel in the file, array of `hits`) for each channel with one number per beam.
 template <class AnyHits, class Use>
 void forColumns(AnyHits& hits, const Use& use) {
   forEachChannel([&](const ChannelRow& row, auto member) {
@@ -128,7 +128,7 @@ class HitsReader {
 
   ExrReader file_;
   Hits& hits_;
-  std::map<std::string, std::vector<std::uint32_t>> wide_;  // OpenEXR has no narrower integers
+  std::map<std::string, std::vector<std::uint32_t>> wide_;  // OpenEXR has no integers narrower than 32 bits
   std::vector<ExrTarget> targets_;
 };
 

@@ -1,12 +1,13 @@
 #pragma once
 
-// Hits as an OpenEXR file: an image of columns x rings (width = columns, height = rings, row = ring). It is
-// uncompressed, because stored hits must be read faster than they are traced. 131,072 beams of nine channels take 0.7
-// ms to read and 4.7 MB; ZIP, which can be read as well, takes 7.6 ms and 0.9 MB.
+// Hits as an OpenEXR file: an image of columns x rings (width = columns, height = rings, row = ring). The file is
+// uncompressed, because reading stored hits must be faster than tracing. 131,072 beams with nine channels take 0.7 ms
+// to read and 4.7 MB; with ZIP compression, which can also be read, they take 7.6 ms and 0.9 MB.
 //
-// Channels, as far as the hits have them: range (float32, m; infinite for a miss), N.X N.Y N.Z, instance, semantic,
-// material, primitive (uint32), reflectance, incidence, and roughness, metallic, retroreflectance. The channel
-// unresolved (uint32; 1 for a beam that the method gave up) exists if there are such beams. Attributes: units, writer.
+// A file has those of these channels that the hits have: range (float32, m; infinite for a miss), N.X N.Y N.Z,
+// instance, semantic, material, primitive (uint32), reflectance, incidence, and roughness, metallic, retroreflectance.
+// The channel unresolved (uint32; 1 for a beam that the method could not trace) exists if the hits have such beams.
+// Attributes: units, writer.
 
 #include <filesystem>
 
@@ -20,10 +21,10 @@ void writeHits(const std::filesystem::path& path, const Hits& hits);
 // Returns the channels that a file of hits has. Throws InputError if it is not EXR.
 Channels channelsIn(const std::filesystem::path& path);
 
-// Reads the requested channels (and the surface parameters and the unresolved beams if the file has them), bit for bit
-// as they were written. Throws InputError that names the file and the channel if the file is not EXR or truncated, a
-// channel is absent or of the wrong type, a range is NaN or negative, a class or material is above 65535, or an
-// unresolved beam has a range.
+// Reads the requested channels, and also the surface parameters and the unresolved beams if the file has them, bit for
+// bit as they were written. Throws InputError that names the file and the channel, if the file is not EXR or truncated,
+// if a channel is absent or of the wrong type, if a range is NaN or negative, if a class or material is above 65535, or
+// if an unresolved beam has a range.
 void readHits(const std::filesystem::path& path, Channels asked, Hits& hits);
 
 }  // namespace scanmill

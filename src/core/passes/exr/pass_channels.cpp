@@ -12,7 +12,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns the channel of this name, or else the only one of this name in a layer; null if there is none.
+// Returns the channel called `name`, or otherwise the only channel of a layer with that name ("<layer>.<name>"); null
+// if the file has neither.
 const ExrChannel* findName(const ExrReader& file, const std::string& name) {
   const ExrChannel* found = nullptr;
   for (const ExrChannel& channel : file.channels()) {
@@ -30,7 +31,8 @@ const ExrChannel* findName(const ExrReader& file, const std::string& name) {
   return found;
 }
 
-// Returns "<layer>.Z", unless it is the third component of a vector or has more levels (Blender's "<layer>.Mist.Z").
+// Returns a channel "<layer>.Z" that is a depth: not the third component of a vector, and without further levels
+// (unlike Blender's "<layer>.Mist.Z"). Null if there is none.
 const ExrChannel* findLayerZ(const ExrReader& file) {
   const auto& all = file.channels();
   const auto isDepth = [&](const ExrChannel& channel) {

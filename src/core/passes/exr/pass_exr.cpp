@@ -20,10 +20,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kWrittenNoDepth = 1e10f;    // m
-constexpr float kNothing = 1e9f;            // m; a depth of this or more means that nothing is seen
-constexpr float kFloatIds = 16777216;       // 2^24: from here on float32 rounds integers
-constexpr std::size_t kExrGrain = 1 << 16;  // pixels
+constexpr float kWrittenNoDepth = 1e10f;    // m, depth that is written for a pixel without a surface
+constexpr float kNothing = 1e9f;            // m; in files, a depth of at least this means a pixel without a surface
+constexpr float kFloatIds = 16777216;       // 2^24, from which float32 cannot represent every integer
+constexpr std::size_t kExrGrain = 1 << 16;  // pixels per task
 
 struct SurfaceParameter {
   const char* name;
@@ -34,7 +34,7 @@ constexpr SurfaceParameter kSurfaceParameters[] = {{"roughness", &PassPlanes::ro
                                                    {"metallic", &PassPlanes::metallic, 1},
                                                    {"retroreflectance", &PassPlanes::retroreflectance, 1e6f}};
 
-// Calls use(name of the pass, its channel, its plane) for each plane of ids.
+// Calls use(name of the pass, channel of the pass, plane) for each plane of integer ids.
 template <class Planes, class Use>
 void forIds(Planes& planes, const Use& use) {
   forEachPass([&](const ChannelRow& row, auto plane, auto) {
@@ -75,7 +75,7 @@ class PassReader {
   }
 
  private:
-  // Ids in the file's type, if that is not the type of their plane.
+  // A plane's ids as the file stores them, if the file's type differs from the plane's type.
   struct RawIds {
     std::string channel;
     std::vector<std::uint32_t> wide;
@@ -139,7 +139,8 @@ class PassReader {
     targets_.push_back({&channel, plane.data(), sizeof(float)});
   }
 
-  // Calls work(pixel) for all pixels. Returns the first pixel for which it is false, or the number of pixels.
+  // Calls work(pixel) for all pixels. Returns the first pixel for which `work` returns false, or the number of pixels
+  // if `work` returns true for all.
   template <class Work>
   std::size_t forPixels(const Work& work) const {
     std::atomic<std::size_t> bad = file_.pixels();
@@ -173,10 +174,10 @@ class PassReader {
     }
   }
 
-  // Checks that normals are unit vectors and turns them towards the camera. Normals from writePasses() stay as they
-  // are: their signs are right, except for edge-on surfaces, where float32 rounding may change them.
+  // Checks that normals are unit vectors, and flips normals that face away from the camera. Normals from writePasses()
+  // are not changed: their signs are right, except for edge-on surfaces, where float32 rounding may flip them.
   void finishNormal() {
-    constexpr double kEdgeOn = 1e-6;  // cosine
+    constexpr double kEdgeOn = 1e-6;  // cosine of the angle of incidence below which a surface counts as edge-on
     const Camera& camera = image_.camera;
     const Mat3 worldFromCamera = toMatrix(camera.worldFromCamera.rotation);
     Vec3f* const normal = planes_.normal.data();
@@ -210,8 +211,8 @@ class PassReader {
     if (away > 0) refuseMostAway(away);
   }
 
-  // Throws InputError if most normals faced away from the camera: wrong camera axes are then more likely than a scene
-  // whose surfaces are mostly modelled inside out.
+  // Throws InputError if most normals face away from the camera (`away`: their number). A file with wrong camera axes
+  // is then more likely than a scene whose surfaces are mostly modelled inside out.
   void refuseMostAway(std::size_t away) const {
     const auto& depth = planes_.depth;
     const auto pixels =
@@ -305,7 +306,7 @@ void writePasses(const std::filesystem::path& path, const PassImage& image) {
     constexpr const char* kAxes[] = {"N.X", "N.Y", "N.Z"};
     add(kAxes[axis], ExrType::Float32, from.normal, &from.normal.data()->x + axis, sizeof(Vec3f));
   }
-  std::vector<std::vector<std::uint32_t>> wide;  // OpenEXR has no narrower integers
+  std::vector<std::vector<std::uint32_t>> wide;  // OpenEXR has no integers narrower than 32 bits
   forIds(from, [&](const char* name, Channel, const auto& plane) {
     if constexpr (sizeof plane[0] == sizeof(std::uint32_t)) {
       add(name, ExrType::Uint32, plane, plane.data(), sizeof(std::uint32_t));

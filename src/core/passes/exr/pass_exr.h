@@ -2,11 +2,12 @@
 
 // Pass images as OpenEXR files.
 //
-// One file per camera, scan lines, lossless (ZIP), row 0 at the top. Channels, as far as the image has them:
+// Each file has the image of one camera, as scan lines, lossless (ZIP), row 0 at the top. It has those of these
+// channels that the image has:
 //
-//   Z                 float32  m, planar depth; 1e10 where nothing is seen (as Blender writes it)
-//   N.X N.Y N.Z       float32  unit normal, world axes, turned towards the camera; 0 where nothing is seen
-//   instance          uint32   0: stuff
+//   Z                 float32  m, planar depth; 1e10 if the pixel shows no surface (as Blender writes it)
+//   N.X N.Y N.Z       float32  unit normal, world axes, turned towards the camera; 0 if the pixel shows no surface
+//   instance          uint32   instance id; 0: the surface belongs to no thing
 //   semantic          uint32   class id
 //   material          uint32   index into the materials of the recording
 //   primitive         uint32   triangle index in its mesh
@@ -16,21 +17,21 @@
 //
 //   cameraMatrix        m33d    px, the rows fx 0 cx, 0 fy cy, 0 0 1
 //   worldFromCamera     m44d    for column vectors, row by row; camera axes x right, y down, z forward
-//   worldFromCameraXyz, worldFromCameraW (v3d, double)    the quaternion of its rotation, to the bit
+//   worldFromCameraXyz, worldFromCameraW (v3d, double)    its rotation as a quaternion, to the bit
 //   worldToCamera       m44f    OpenEXR's standard attribute, for row vectors; camera axes x right, y up, z forward
 //   horizontalFieldDeg, verticalFieldDeg (double)         between the outer edges of the image
 //   camera, units, writer (string)                        the camera's name, "m", the program
 //
-// Files of other programs are read too. They need Z, the other requested passes, cameraMatrix and worldFromCamera (m33f
-// and m44f are accepted); the other attributes must agree with these if they are present. They may have scan lines or
-// tiles, one part or several, and any lossless compression. The name of a layer may precede that of a channel
-// ("ViewLayer.Normal.X"), and these names are known:
+// Files of other programs can be read too. They need Z, the other requested passes, cameraMatrix and worldFromCamera
+// (m33f and m44f are accepted). The other attributes may be absent, but must not contradict these. Files may have scan
+// lines or tiles, one part or several, and any lossless compression. A layer's name may precede a channel's name
+// ("ViewLayer.Normal.X"), and these names are accepted:
 //
 //   Z: also Depth.Z and depth.Z     N.X ...: also Normal.X ...     single values: also with .X or .V at the end
 //   instance: also IndexOB          material: also IndexMA
 //
-// Many programs write ids as FLOAT: these are accepted if all of them are whole and below 2^24, so that none can be
-// rounded or blended. Normals and surface parameters may be HALF; depth and ids may not.
+// Many programs write ids as FLOAT. Such ids are accepted if all of them are integers below 2^24, so that no id can
+// have been rounded or blended. Normals and surface parameters may be HALF; depth and ids may not.
 
 #include <filesystem>
 #include <string>
@@ -42,16 +43,16 @@ namespace scanmill {
 // Writes an image. The file gets its final name only when it is complete (see AtomicFile). Throws Error.
 void writePasses(const std::filesystem::path& path, const PassImage& image);
 
-// Reads the requested passes, bit for bit as writePasses() wrote them. A depth that is infinite or at least 1e9 m means
-// that nothing is seen, whatever the other channels contain. Normals that face away from the camera are turned. Throws
+// Reads the requested passes, bit for bit as writePasses() wrote them. A pixel whose depth is infinite or at least 1e9
+// m shows no surface, whatever its other channels contain. Normals that face away from the camera are flipped. Throws
 // InputError that names the file, the channel or attribute, and what to do, for files that are not EXR or truncated; a
 // channel that is absent or of the wrong type; a depth that is NaN, negative or zero; a normal that is not a unit
-// vector; normals most of which face away (worldFromCamera then probably has the axes of OpenGL or Blender); an id that
-// is not whole or too large; a reflectance, roughness or metallic outside of 0 to 1; an attribute that is absent or
-// senseless; a data window that differs from the display window.
+// vector; normals of which most face away (worldFromCamera then probably has the axes of OpenGL or Blender); an id that
+// is not an integer or too large; a reflectance, roughness or metallic outside of 0 to 1; an attribute that is absent
+// or invalid; a data window that differs from the display window.
 PassImage readPasses(const std::filesystem::path& path, PassChoice asked);
 
-// Returns the passes that the file holds.
+// Returns the passes that a file contains.
 PassChoice passesIn(const std::filesystem::path& path);
 
 }  // namespace scanmill

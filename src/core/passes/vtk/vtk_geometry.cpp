@@ -16,19 +16,19 @@ namespace scanmill {
 
 namespace {
 
-// The most triangles in a chunk: a compromise between large chunks, of which more lies outside of the image, and small
-// ones, each of which costs a draw.
+// Largest number of triangles in a chunk. Of larger chunks a larger fraction is outside of the image; smaller chunks
+// need more draw calls.
 constexpr std::size_t kChunk = 1024;
 
-// Edges longer than this (m, world) are halved, unless they are shorter than kShare of the mesh's size: llvmpipe
-// interpolates depth in float32 across the whole triangle, even if its corners are clipped away. The relative error is
-// 1e-4 for a triangle of 20 km, 1e-5 below 1 km. This depth decides only what is seen; the reported depth is computed
-// in double (see DrawnView::seen).
+// Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kShare of the mesh's size. The
+// reason is that llvmpipe interpolates depth in float32 across the complete triangle, even if its corners are clipped
+// away: the relative error is 1e-4 for a triangle of 20 km, and 1e-5 below 1 km. This depth only decides which triangle
+// is visible; the depth that is returned is computed in double precision (see DrawnView::seen).
 constexpr double kLongestEdge = 256;
 constexpr double kShare = 1.0 / 256;
 
 struct Corner {
-  Vec3f position;  // relative to the mesh's origin
+  Vec3f position;  // m, relative to the mesh's origin
   Vec2f uv;
 };
 
@@ -46,22 +46,22 @@ struct MeshPieces {
   ViewBatch cut;
 };
 
-// Returns the largest factor by which an instance stretches one of its mesh's axes.
+// Returns the largest factor by which an instance stretches an axis of its mesh.
 double stretch(const Instance& instance) {
   const Mat3& m = instance.worldFromMesh.linear;
   return std::max({length(m.x), length(m.y), length(m.z)});
 }
 
-// Returns the origin that a mesh's positions are relative to, along one axis. Far from zero float32 steps are coarse,
-// so the origin is then in the middle of the mesh. Subtracting it is exact, because position and origin are within a
-// factor of two (Sterbenz).
+// Returns the origin along one axis that a mesh's positions are made relative to. Far from zero float32 steps are
+// coarse, so the origin is then the middle of the mesh. The subtraction is exact, because position and origin are
+// within a factor of two of each other (Sterbenz).
 double originOf(double low, double high) {
   const double middle = (low + high) / 2;
   return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
 }
 
 // Halves the longest edge until all edges are short. Triangles that share an edge split it at the same points, whatever
-// their other edges are: no gap opens between them.
+// their other edges are, so that no gap opens between the triangles.
 void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const auto squared = [&](std::size_t i) {
     const Vec3f edge = piece.corners[(i + 1) % 3].position - piece.corners[i].position;
@@ -110,7 +110,7 @@ void appendChunk(std::span<const Piece> pieces, bool cut, ViewBatch& batch) {
   batch.chunks.push_back(chunk);
 }
 
-// Halves the set of pieces at the median of their middles, along the longest axis of their extent, until each half fits
+// Halves a set of pieces at the median of their centres, along the longest axis of their bounds, until each half fits
 // into a chunk.
 void chop(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
   if (pieces.empty()) return;
@@ -134,7 +134,7 @@ void chop(std::span<Piece> pieces, bool cut, ViewBatch& batch) {
 
 constexpr std::uint32_t kSolid = 0xFFFFFFFFu;
 
-// `cutoutOf`: per material of the scene, index into the cut-outs or kSolid.
+// Returns a mesh cut into chunks. `cutoutOf`, by material of the scene: index of the material's cut-out, or kSolid.
 MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std::uint32_t>& cutoutOf) {
   MeshPieces made;
   const Box bounds = mesh.bounds();
@@ -167,8 +167,8 @@ MeshPieces cutMesh(const Mesh& mesh, double largestScale, const std::vector<std:
   return made;
 }
 
-// Adds the cut-out bits of all alpha-tested materials to the geometry. Returns, per material, its index into the
-// cut-outs, or kSolid.
+// Adds the bitmaps of all alpha-tested materials to `geometry`. Returns, by material, the index of its cut-out, or
+// kSolid if the material has none.
 std::vector<std::uint32_t> addCutouts(const Scene& scene, ViewGeometry& geometry) {
   std::vector<std::uint32_t> cutoutOf(scene.materials.size(), kSolid);
   for (std::size_t m = 0; m < scene.materials.size(); ++m) {

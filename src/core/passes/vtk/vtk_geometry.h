@@ -1,6 +1,7 @@
 #pragma once
 
-// A scene's triangles as a graphics card draws them: each mesh once, in chunks of triangles that are close together.
+// A scene's triangles in the form that is uploaded to the graphics card: each mesh once, in chunks of triangles that
+// are close together.
 
 #include <cstdint>
 #include <vector>
@@ -11,19 +12,19 @@
 
 namespace scanmill {
 
-// A run of triangles of one mesh, and their bounds (m, mesh axes, relative to ViewMesh::origin).
+// Consecutive triangles of one mesh, and their bounds (m, mesh axes, relative to ViewMesh::origin).
 struct ViewChunk {
-  std::uint32_t firstTriangle = 0;  // in its batch
+  std::uint32_t firstTriangle = 0;  // index within the chunk's batch
   std::uint32_t triangles = 0;
   Vec3f low;
   Vec3f high;
 };
 
-// Triangles as lists of corners, three per triangle. Large triangles are split into pieces.
+// Triangles without shared vertices: three corners per triangle. Large triangles are split into several.
 struct ViewBatch {
   std::vector<float> positions;         // 3 per corner: m, mesh axes, relative to ViewMesh::origin
   std::vector<float> uvs;               // 2 per corner; empty for solid triangles
-  std::vector<std::uint32_t> cutouts;   // 1 per corner; likewise
+  std::vector<std::uint32_t> cutouts;   // 1 per corner: index into ViewGeometry::cutouts; empty for solid triangles
   std::vector<std::uint32_t> original;  // per triangle: index into Mesh::triangles
   std::vector<ViewChunk> chunks;
 };
@@ -34,8 +35,8 @@ struct ChunkRange {
 };
 
 struct ViewMesh {
-  Vec3d origin;  // m, mesh axes: exact in float32, as is every position minus the origin
-  Vec3f low;     // lowest corner of all chunks
+  Vec3d origin;  // m, mesh axes; the origin, and every position minus the origin, are exact in float32
+  Vec3f low;     // m, bounds of all chunks, relative to `origin`
   Vec3f high;
   ChunkRange solid;
   ChunkRange cut;  // triangles with an alpha-tested material
@@ -44,12 +45,12 @@ struct ViewMesh {
 struct ViewGeometry {
   ViewBatch solid;
   ViewBatch cut;
-  std::vector<ViewMesh> meshes;  // as Scene::meshes; meshes without an instance are empty
+  std::vector<ViewMesh> meshes;  // in the order of Scene::meshes; meshes without an instance are empty
   std::vector<VtkCutout> cutouts;
   std::vector<std::uint32_t> cutoutWords;
 };
 
-// Throws Error if a batch holds more than `trianglesPerBatch`.
+// Converts a scene. Throws Error if a batch gets more than `trianglesPerBatch` triangles.
 ViewGeometry buildViewGeometry(const Scene& scene, std::uint64_t trianglesPerBatch);
 
 }  // namespace scanmill

@@ -1,6 +1,7 @@
 #pragma once
 
-// The interface of the plug-in libscanmill_passes.so, in which VTK draws images of triangle numbers (base/module.h).
+// The interface of the plug-in libscanmill_passes.so (see base/module.h), which uses VTK to render images whose pixels
+// are numbers of triangles.
 
 #include <cstdint>
 #include <memory>
@@ -11,22 +12,22 @@
 
 namespace scanmill {
 
-constexpr std::uint32_t kVtkImages = 8;  // images that are drawn and stored at once
+constexpr std::uint32_t kVtkImages = 8;  // number of images that can be rendered and stored at the same time
 
 struct VtkLimits {
-  std::uint32_t imageSize = 0;          // px, of an image's longer side
-  std::uint64_t trianglesPerBatch = 0;  // from which one call can draw
+  std::uint32_t imageSize = 0;          // px, largest width and height of an image
+  std::uint64_t trianglesPerBatch = 0;  // largest number of triangles in a batch, so that one call can draw it
 };
 
-// Triangles as lists of corners, three per triangle, without indices.
+// Triangles without shared vertices: three corners per triangle.
 struct VtkTriangles {
   std::span<const float> positions;        // 3 per corner: m, in the frame of their mesh
   std::span<const float> uvs;              // 2 per corner; empty for solid triangles
   std::span<const std::uint32_t> cutouts;  // 1 per corner: index into the cut-outs, the same for all three corners
 };
 
-// The texels of a texture that let the view pass: one bit per texel, set if it does. Texel (column, row) is bit 32 *
-// firstWord + row * width + column; row 0 is at v = 0. Shaders read this record as four unsigned integers.
+// The transparent texels of a texture: one bit per texel, set if the texel is transparent. Texel (column, row) is bit
+// 32 * firstWord + row * width + column; row 0 is at v = 0. Shaders read this record as four unsigned integers.
 struct VtkCutout {
   std::uint32_t firstWord;
   std::uint32_t width;
@@ -38,11 +39,11 @@ struct VtkScene {
   VtkTriangles solid;
   VtkTriangles cut;
   std::span<const VtkCutout> cutouts;
-  std::span<const std::uint32_t> words;  // the bits of the cut-outs
+  std::span<const std::uint32_t> words;  // bits of all cut-outs
 };
 
-// One placement of a run of triangles. In the image, the k-th triangle of the batch has the number firstNumber + k; 0
-// means that nothing is seen.
+// An instance of consecutive triangles. In the image, triangle k of the batch has the number firstNumber + k; the
+// number 0 means that a pixel shows no triangle.
 //
 //   (x, y, w) of clip space = rows * (position, 1); depth grows with nearest / w
 struct VtkPlacement {
@@ -50,7 +51,8 @@ struct VtkPlacement {
   std::uint32_t firstNumber;
 };
 
-// Draws the triangles [firstTriangle, firstTriangle + triangles) at `placements` placements, from firstPlacement on.
+// Draws the triangles [firstTriangle, firstTriangle + triangles) once for each of the placements [firstPlacement,
+// firstPlacement + placements).
 struct VtkDraw {
   std::uint32_t firstTriangle;
   std::uint32_t triangles;
@@ -61,19 +63,19 @@ struct VtkDraw {
 struct VtkImage {
   std::uint32_t width = 0;   // px
   std::uint32_t height = 0;  // px
-  float nearest = 0;         // m, of the clipping plane w = nearest
+  float nearest = 0;         // m, depth of the near clipping plane w = nearest
   std::span<const VtkPlacement> placements;
-  std::span<const VtkDraw> solid;  // drawn in this order: at equal depth the first triangle stays
+  std::span<const VtkDraw> solid;  // in drawing order: of triangles at equal depth, the first one is visible
   std::span<const VtkDraw> cut;
 };
 
-// The numbering of pixels: row by row, through the images of slots 0 to 7.
+// The addresses of pixels: row by row, through the images of slots 0 to 7.
 struct VtkPixels {
-  std::uint32_t firsts[kVtkImages + 1];  // each image's first pixel, and one past the last
+  std::uint32_t firsts[kVtkImages + 1];  // address of each image's first pixel; last entry: number of all pixels
   std::uint32_t widths[kVtkImages];      // px
 };
 
-// A device that draws a scene. Calls may come from any thread, but not at the same time. They throw std::bad_alloc if
+// A device that renders a scene. Calls may come from any thread, but only one at a time. They throw std::bad_alloc if
 // memory is exhausted, and std::runtime_error for other errors.
 class VtkDevice {
  public:
@@ -81,13 +83,14 @@ class VtkDevice {
   virtual std::string name() const = 0;  // "VTK 9.1 on llvmpipe (LLVM 15.0.6, 256 bits)"
   virtual VtkLimits limits() const = 0;
   virtual void upload(const VtkScene& scene) = 0;
-  // Draws an image into `slot` (0 to 7), in place of the one that is there. Row 0 is the top one.
+  // Renders an image into `slot` (0 to 7) and replaces the slot's previous image. Row 0 is the top row.
   virtual void draw(std::uint32_t slot, const VtkImage& image) = 0;
   // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Reads the numbers at these addresses, which belong to images that were drawn; an address beyond all images gives 0.
+  // Reads the triangle numbers at pixel addresses, which must belong to rendered images; an address beyond all images
+  // gives 0.
   virtual void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) = 0;
-  // Reads whole rows of one image.
+  // Reads the triangle numbers of complete rows of one image.
   virtual void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) = 0;
 };
 
@@ -96,8 +99,8 @@ class VtkModule {
   static constexpr ModuleFile kFile{"libscanmill_passes.so", "images cannot be drawn by VTK",
                                     "install VTK and EGL (on Debian the packages libvtk9-dev and libegl-dev)"};
   virtual ~VtkModule() = default;
-  // `device`: as namedDevice() returns it (gpu/device.h). Throws NoDevice, and std::invalid_argument if no device has
-  // that name.
+  // Opens a device. `device`: a name as namedDevice() returns it (gpu/device.h). Throws NoDevice, and
+  // std::invalid_argument if no device has that name.
   virtual std::unique_ptr<VtkDevice> open(const std::string& device) const = 0;
 };
 

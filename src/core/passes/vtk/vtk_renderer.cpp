@@ -1,7 +1,7 @@
 // The VTK renderer: cameras become views, the plug-in draws them, and requested pixels become passes.
 //
-// An image holds one number per pixel, that of the triangle seen, and stays on the device. Everything else, including
-// the depth, is computed exactly from the number and the scene, and only for the pixels that are fetched.
+// An image has one number per pixel, the number of the visible triangle, and stays on the device. All other values,
+// including the depth, are computed exactly from the number and the scene, and only for the pixels that are fetched.
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ namespace scanmill {
 
 namespace {
 
-// Runs work of the plug-in, and rethrows its errors as Error in this renderer's words.
+// Calls `work`, which uses the plug-in, and rethrows its exceptions as Error with a message about this renderer.
 template <class Work>
 decltype(auto) told(const Work& work) {
   try {
@@ -54,7 +54,7 @@ void check(const Camera& camera, const VtkLimits& limits) {
   }
 }
 
-// The plug-in's device with the uploaded scene.
+// The plug-in's device, to which the scene is uploaded.
 class Device {
  public:
   explicit Device(const Scene& scene) : resolver(scene) {
@@ -68,7 +68,7 @@ class Device {
   Resolver resolver;
   VtkLimits limits;
   std::string name;
-  ViewGeometry geometry;  // without its vertices, which the device has
+  ViewGeometry geometry;  // without the vertices, which are on the device
   StageClock clock{"upload", "render", "read_back"};
 
   void draw(std::uint32_t slot, const DrawnView& view) {
@@ -108,8 +108,8 @@ class Device {
   std::unique_ptr<VtkDevice> device_;
 };
 
-// Locks the renderer until its images are destroyed. A semaphore, not a mutex: another thread than the one that locked
-// may destroy the images.
+// Locks the renderer until its images are destroyed. This is a semaphore and not a mutex, because the images may be
+// destroyed by another thread than the one that locked.
 class RendererLock {
  public:
   explicit RendererLock(std::binary_semaphore& free) : free_(free) { free_.acquire(); }
@@ -167,7 +167,7 @@ class VtkSource : public PixelSource {
     return k;
   }
 
-  // Reads one number per address into numbers_.
+  // Reads one triangle number per address into numbers_.
   void readNumbers(std::span<const PixelAddress> addresses) {
     numbers_.assign(addresses.size(), 0);
     if (addresses.empty() || cameras_.empty()) return;
@@ -182,7 +182,7 @@ class VtkSource : public PixelSource {
     }
   }
 
-  // Fills numbers_ from consecutive pixels of an image.
+  // Fills numbers_ from consecutive pixels of image k, from firstPixel on.
   void readRun(std::size_t k, std::uint32_t firstPixel) {
     const std::uint32_t width = cameras_[k].width;
     const std::uint32_t firstRow = firstPixel / width;
@@ -207,7 +207,7 @@ class VtkSource : public PixelSource {
   Device& device_;
   std::vector<Camera> cameras_;
   std::vector<DrawnView> views_;
-  std::vector<std::size_t> firsts_{0};  // address of each image's first pixel, and one past the last
+  std::vector<std::size_t> firsts_{0};  // address of each image's first pixel; last entry: number of all pixels
   std::vector<std::uint32_t> numbers_;
   std::vector<std::uint32_t> rows_;
 };

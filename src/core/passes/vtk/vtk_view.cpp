@@ -12,9 +12,9 @@
 
 namespace scanmill {
 
-// A chunk that may be seen.
+// A chunk that may be visible.
 struct DrawnView::Candidate {
-  int distance;  // steps of a quarter of an octave
+  int distance;  // from the camera, in quarters of an octave (factors of 2^(1/4)) of 1 m + distance
   std::uint32_t chunk;
   std::uint32_t frame;
 
@@ -25,7 +25,7 @@ struct DrawnView::Candidate {
 
 namespace {
 
-// A half-space: inside where normal . p + offset >= 0.
+// A half-space. A point p is inside if normal . p + offset >= 0.
 struct HalfSpace {
   Vec3d normal;
   double offset;
@@ -41,7 +41,7 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
     const double middle = dot(space.normal, center) + space.offset;
     const double reach =
         std::abs(space.normal.x) * half.x + std::abs(space.normal.y) * half.y + std::abs(space.normal.z) * half.z;
-    const double slack = 1e-6 * (std::abs(middle) + reach);  // rounding must not drop boxes that touch the edge
+    const double slack = 1e-6 * (std::abs(middle) + reach);  // keeps boxes that touch the edge in spite of rounding
     if (middle + reach < -slack) return Side::Outside;
     if (middle - reach < slack) side = Side::Across;
   }
@@ -57,8 +57,8 @@ int distanceStep(double distance) {
   return static_cast<int>(4 * std::log2(1 + distance));
 }
 
-// Returns a lower bound of the distance from the camera to the box (m): the distance to a larger box around it, which
-// has the camera's axes.
+// Returns a lower bound of the distance (m) from the camera to a box: the distance to an enclosing box that is aligned
+// with the camera's axes.
 double leastDistance(const Mat3& linear, const Vec3d& translation, const Vec3f& low, const Vec3f& high) {
   const Vec3d middle = linear * ((Vec3d(low) + Vec3d(high)) * 0.5) + translation;
   const Vec3d half = (Vec3d(high) - Vec3d(low)) * 0.5;
@@ -87,8 +87,8 @@ DrawnView::DrawnView(const Scene& scene, const ViewGeometry& geometry, const Cam
   rowsOfFrame_ = {};
 }
 
-// Everything is computed in double, from the instance's position relative to the camera, so that the numbers are the
-// same far from the world's origin.
+// Adds an instance if it may be visible. Everything is computed in double precision, from the instance's position
+// relative to the camera, so that the results are the same far from the world's origin.
 void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std::vector<Candidate>& cut) {
   const Instance& instance = scene_.instances[index];
   const ViewMesh& mesh = geometry_.meshes[instance.mesh];
@@ -96,7 +96,7 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
   const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
   const Vec3d translation = cameraFromWorld_ * offset + linear * mesh.origin;
-  const Mat3 rows = transposed(linear);  // the rows of cameraFromMesh as columns
+  const Mat3 rows = transposed(linear);  // the columns are the rows of cameraFromMesh
   const auto combine = [&](double x, double y, double z) {
     return HalfSpace{rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
   };
@@ -147,8 +147,8 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   rowsOfFrame_.push_back(placement);
 }
 
-// Near chunks come first, so that they hide what comes later. Instances of the same chunk at the same distance are
-// drawn together.
+// Turns the visible chunks into draw calls. Near chunks are drawn first, so that they hide later ones. Instances of the
+// same chunk at the same distance step are drawn by one call.
 void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<VtkDraw>& draws) {
   std::sort(candidates.begin(), candidates.end());
   const Candidate* before = nullptr;
@@ -161,8 +161,8 @@ void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vect
     }
     before = &candidate;
     VtkPlacement placement = rowsOfFrame_[candidate.frame];
-    // The shader adds a triangle's index in the batch, and the chunk's triangles are to get the numbers from
-    // nextNumber_ on. The difference may wrap around.
+    // The shader adds a triangle's index in the batch to firstNumber, and the chunk's first triangle must get
+    // nextNumber_. The difference may wrap around.
     placement.firstNumber = static_cast<std::uint32_t>(nextNumber_) - chunk.firstTriangle;
     placements_.push_back(placement);
     runs_.push_back({chunk.firstTriangle, candidate.frame, cut});
@@ -207,8 +207,8 @@ SeenTriangle DrawnView::seen(std::uint32_t pixel, std::uint32_t number) const {
   const std::uint32_t row = pixel / camera_.width;
   const Vec3d ray = camera_.ray(column + 0.5, row + 0.5);
   const double depth = dot(normal, a - frame.cameraInMesh) / dot(normal, frame.meshFromCamera * ray);
-  // For a triangle seen edge-on, the line of sight may intersect the plane outside of the triangle, or nowhere: keep
-  // the depth between those of the corners.
+  // If a triangle is seen edge-on, the line of sight may intersect its plane outside of the triangle, or not at all.
+  // Clamp the depth to the depths of the corners.
   const auto depthOf = [&](const Vec3d& p) { return dot(frame.depthAxis, p) + frame.depthOffset; };
   const auto [low, high] = std::minmax({depthOf(a), depthOf(b), depthOf(c)});
   const double nearest = std::max(low, limits_.nearest);

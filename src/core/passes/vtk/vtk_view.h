@@ -1,7 +1,7 @@
 #pragma once
 
-// One camera's view of a scene: which chunks of which instances are drawn, and which triangles the numbers in the image
-// stand for.
+// One camera's view of a scene: which chunks of which instances are drawn, and which triangle each number in the image
+// means.
 
 #include <cstdint>
 #include <vector>
@@ -14,19 +14,19 @@
 
 namespace scanmill {
 
-// The view of an image whose pixels hold numbers of drawn triangles. The scene and the geometry must outlive it.
+// The view of an image whose pixels are numbers of drawn triangles. The scene and the geometry must outlive the view.
 class DrawnView {
  public:
   DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
 
-  // Returns the image to draw; it holds pointers into this view.
+  // Returns the image to draw, which has pointers into this view.
   VtkImage image() const;
-  // Returns the triangle that a pixel sees if the image holds `number` there. Its depth is that of the triangle's plane
-  // at the pixel's centre, computed in double.
+  // Returns the triangle that the image shows at `pixel` if its value there is `number`. The depth is the depth of the
+  // triangle's plane at the pixel's centre, computed in double precision.
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
 
  private:
-  // A visible instance.
+  // A visible instance of the scene, with its transform from the camera.
   struct Frame {
     std::uint32_t instance;
     Mat3 meshFromCamera;
@@ -35,7 +35,7 @@ class DrawnView {
     double depthOffset;
   };
   struct Run {
-    std::uint32_t firstTriangle;  // in its batch
+    std::uint32_t firstTriangle;  // index within its batch
     std::uint32_t frame;
     bool cut;
   };
@@ -55,7 +55,7 @@ class DrawnView {
   std::vector<VtkDraw> solid_;
   std::vector<VtkDraw> cut_;
   std::vector<Run> runs_;
-  std::vector<std::uint32_t> firstNumbers_;  // per run, ascending
+  std::vector<std::uint32_t> firstNumbers_;  // by run, ascending: number of the run's first triangle in the image
   std::uint64_t nextNumber_ = 1;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// The render pass that draws an image of triangle numbers: each pixel gets the number of the triangle that it sees.
+// The render pass that renders an image of triangle numbers: each pixel gets the number of the triangle that is visible
+// there.
 
 #include <vtkNew.h>
 #include <vtkOpenGLFramebufferObject.h>
@@ -21,7 +22,7 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
  public:
   static ImagePass* New();
 
-  // Sets what the next Render() draws, and into which slot.
+  // Sets the triangles and the image that the next Render() draws, and the slot that it draws into.
   void next(TriangleStore* triangles, const VtkImage* image, std::uint32_t slot);
   void Render(const vtkRenderState* state) override;
 
@@ -39,7 +40,7 @@ class ImagePass : public vtkRenderPass {  // NOLINT(cppcoreguidelines-virtual-cl
   TriangleStore* triangles_ = nullptr;
   const VtkImage* image_ = nullptr;
   std::uint32_t slot_ = 0;
-  bool zeroToOne_ = false;  // depths in clip space are from 0 to 1
+  bool zeroToOne_ = false;  // true if depths in clip space are from 0 to 1
 
   std::unique_ptr<GlProgram> solid_;
   std::unique_ptr<GlProgram> cut_;

@@ -1,5 +1,4 @@
-// The plug-in libscanmill_passes.so: VTK on an OpenGL context of its own, behind the interface of
-// passes/vtk/vtk_interface.h.
+// The plug-in libscanmill_passes.so: VTK with its own OpenGL context, behind the interface of vtk/vtk_interface.h.
 
 #include <vtkAutoInit.h>
 #include <vtkNew.h>
@@ -26,7 +25,7 @@ namespace scanmill {
 
 namespace {
 
-// A context and what renders in it, created and used while it is current.
+// An OpenGL context and the objects that render in it. They are created and used while the context is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
     window->start(8, 8);  // nothing is drawn to the window itself
@@ -59,7 +58,7 @@ class GlDevice final : public VtkDevice {
       auto made = std::make_unique<ContextState>(device);
       GLint size = 0;
       glGetIntegerv(GL_MAX_TEXTURE_SIZE, &size);
-      limits_ = {static_cast<std::uint32_t>(size), 0x7FFFFFFFu / 3};  // a vertex's index is signed
+      limits_ = {static_cast<std::uint32_t>(size), 0x7FFFFFFFu / 3};  // OpenGL's vertex indices are signed
       name_ = describeGl();
       state_ = std::move(made);
     });
@@ -108,7 +107,7 @@ class GlDevice final : public VtkDevice {
   }
 
  private:
-  // Runs the work on the OpenGL thread, with the context current and VTK quiet.
+  // Calls `work` on the OpenGL thread, with the context current and without VTK's messages.
   template <class Work>
   void withContext(const Work& work) {
     thread_->run([&] {

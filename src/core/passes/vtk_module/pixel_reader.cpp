@@ -10,9 +10,11 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint32_t kGroup = 64;
-constexpr std::size_t kMostAtOnce = std::size_t{kGroup} * 65535;  // 65535 groups are what OpenGL guarantees
+constexpr std::size_t kMostAtOnce = std::size_t{kGroup} * 65535;  // addresses per dispatch; OpenGL guarantees 65535
+                                                                  // groups
 
-// Loops over the images, because the index of a sampler must be the same for all invocations.
+// Reads pixels from several images. The shader loops over all images, because the index of a sampler must be the same
+// for all invocations.
 constexpr const char* kGather = R"(#version 430 core
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Addresses { uint addresses[]; };

@@ -1,6 +1,7 @@
 #pragma once
 
-// Reads pixels back: single ones, which a compute shader gathers so that only they are transferred, or whole rows.
+// Reads pixels back from the card: single pixels, which a compute shader gathers so that only these are transferred, or
+// complete rows.
 
 #include <vtkTextureObject.h>
 
@@ -20,7 +21,7 @@ class GlPixelReader {
   GlPixelReader(const GlPixelReader&) = delete;
   GlPixelReader& operator=(const GlPixelReader&) = delete;
 
-  // See VtkDevice::gather() and read().
+  // Implement VtkDevice::gather() and VtkDevice::read().
   void gather(const std::array<vtkTextureObject*, kVtkImages>& images, const VtkPixels& pixels,
               std::span<const std::uint32_t> addresses, std::uint32_t* numbers);
   void read(vtkTextureObject* image, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The scene's triangles in OpenGL's buffers.
+// The scene's triangles in buffers of OpenGL.
 
 #include <span>
 
@@ -9,16 +9,16 @@
 
 namespace scanmill {
 
-// Locations of the vertex attributes, in the shaders too.
+// Locations of the vertex attributes; the shaders have the same numbers.
 enum VertexAttribute : GLuint { kPosition = 0, kRows = 1, kFirstNumber = 4, kUv = 5, kCutout = 6 };
-// Bindings of the storage buffers.
+// Bindings of the shaders' storage buffers.
 enum StorageBinding : GLuint { kCutouts = 0, kWords = 1 };
 
 class TriangleStore {
  public:
   explicit TriangleStore(const VtkScene& scene);
 
-  // Uploads the placements to which the following draws refer.
+  // Uploads the placements that the following calls of draw() use.
   void place(std::span<const VtkPlacement> placements);
   void draw(bool cut, std::span<const VtkDraw> draws);
 

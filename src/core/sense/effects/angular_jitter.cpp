@@ -1,11 +1,12 @@
-// angular_jitter: a beam does not point exactly where the sensor believes it does. The point is reported at the right
-// range, in a wrong direction.
+// angular_jitter: a beam does not point exactly in the direction that the sensor assumes. The point is reported with
+// the right range, but in a wrong direction.
 //
 //   angular_jitter: {sigma_deg: 0.01}
 //   angular_jitter: {azimuth_sigma_deg: 0.02, elevation_sigma_deg: 0.005}
 //
-// Azimuth errors turn the beam about the sensor's z axis (an encoder's error: they move a steep beam less), elevation
-// errors tilt it. Both are Gaussian and independent from beam to beam. The effect runs last, on the reported range.
+// Azimuth errors rotate the beam about the sensor's z axis, as errors of the encoder do, and therefore change the
+// direction of a steep beam less; elevation errors tilt the beam. Both are Gaussian and independent from beam to beam.
+// The effect runs last, on the reported range.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
@@ -46,7 +47,7 @@ class AngularJitter : public Effect {
         const double x = direction[i].x;
         const double y = direction[i].y;
         const double z = direction[i].z;
-        // A vertical beam tilts towards x.
+        // A vertical beam is tilted towards x.
         const double level = std::sqrt(x * x + y * y);
         const double inverseLevel = 1 / (level > 0 ? level : 1.0);
         const double forwardX = level > 0 ? x * inverseLevel : 1.0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Batches of neighbouring rows of the table of returns: their random numbers, the same as from randomBlock() row by
-// row, and the values of their beams and hits.
+// Batches of neighbouring rows of the table of returns: their random numbers, which are the same as from calling
+// randomBlock() for each row, and the values of their beams and hits.
 
 #include <algorithm>
 #include <array>
@@ -23,7 +23,7 @@ constexpr std::size_t kBatch = 128;  // rows; the working set of a batch stays i
 template <class T>
 using Batch = std::array<T, kBatch>;
 
-// Calls body(first, count) for every batch of rows that holds at least one return.
+// Calls body(first, count) for every batch of rows that has at least one return.
 template <class Body>
 void forBatches(std::span<const float> range, Body body) {
   for (std::size_t first = 0; first < range.size(); first += kBatch) {
@@ -53,7 +53,7 @@ void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::
   for (std::size_t i = 0; i < count; ++i) draw(i, returns.beam(first + i), returns.number(first + i));
 }
 
-// Sets `words` to the first two random words of rows first, first + 1, ...
+// Sets `words` to the first two random words of each of the rows first, first + 1, ...
 inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first,
                       RandomWords& words) {
   drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {
@@ -62,8 +62,8 @@ inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns,
   });
 }
 
-// Returns the values of the hits of rows first, first + 1, ...: a pointer into `values` if they are in that order
-// there, else `buffer`, filled with them. Rows without a hit have the value `none`.
+// Returns the values of the hits of rows first, first + 1, ...: as a pointer into `values` if the values have this
+// order there, otherwise copied to `buffer`. Rows without a hit have the value `none`.
 template <class T>
 const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer,
                       T none = {}) {
@@ -76,7 +76,7 @@ const T* valuesOfHits(const Returns& returns, const std::vector<T>& values, std:
   return buffer.data();
 }
 
-// Does the same for the values of the rows' beams.
+// Returns the values of the beams of rows first, first + 1, ..., as valuesOfHits() does for hits.
 template <class T>
 const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std::size_t first, Batch<T>& buffer) {
   if (returns.onePerBeam()) return values.data() + first;
@@ -85,8 +85,8 @@ const T* valuesOfBeams(const Returns& returns, const std::vector<T>& values, std
   return buffer.data();
 }
 
-// Two independent standard normal numbers from two words: Box and Muller, "A note on the generation of random normal
-// deviates", 1958. The largest is sqrt(-2 log(2^-33)) = 6.76.
+// Two independent standard normal numbers, computed from two words: Box and Muller, "A note on the generation of random
+// normal deviates", 1958. Their largest absolute value is sqrt(-2 log(2^-33)) = 6.76.
 struct NormalPair {
   double first;
   double second;

@@ -2,18 +2,19 @@
 //
 //   blooming: {share: 0.001, angle_deg: 0.5}
 //
-// A small part of the light is scattered in the optics and leaves outside the beam's core. A retroreflector, hundreds
-// of times as bright as a white target, returns enough of it to be detected: beams that point beside the retroreflector
-// report a return at its range. Here a beam at the angle t to a beam that hits a retroreflector gets one more echo, of
-// the strength
+// A small part of the light is scattered in the optics and leaves outside of the beam's core. A retroreflector,
+// hundreds of times as bright as a white target, returns enough of this light to be detected: beams that point beside
+// the retroreflector report a return at its range. In this model, a beam at the angle t to a beam that hits a
+// retroreflector gets one more echo, with the strength
 //
 //   retroreflectance cos(incidence) share exp(-2 t^2 / angle^2)
 //
-// in units of a white target at the same range, with cause 7. If several retroreflectors are near, the strongest of
-// these echoes counts. Materials with a retroreflectance of at least `above` bloom. An added echo within a pulse length
-// of one of the beam's own would merge with it, and is left out.
+// in units of a white target at the same range, with cause 7. If several retroreflectors are near, only the strongest
+// of these echoes is added. Materials with a retroreflectance of at least `above` bloom. An echo within a pulse length
+// of another return of the beam would merge with that return, and is therefore not added.
 //
-// The shape and the figures of the halo differ from unit to unit, and manufacturers state none: the user gives all.
+// The shape and the strength of the halo differ from unit to unit, and manufacturers do not publish them: the user must
+// give all values.
 
 #include <algorithm>
 #include <cmath>
@@ -34,7 +35,7 @@ struct BloomingOptions {
 };
 
 struct Stray {
-  float echo = 0;  // in units of a white target at this range
+  float echo = 0;  // relative to a white target at the same range
   float range = 0;
 };
 
@@ -71,11 +72,12 @@ class Blooming : public Effect {
     return hits.material[hit] < materials.size() ? materials[hits.material[hit]].retroreflectance : 0.0f;
   }
 
-  // Returns the strongest stray echo of each beam; echo 0: there is none.
+  // Returns the strongest stray echo of each beam; an echo of 0 means that the beam gets none.
   std::vector<Stray> straysOf(const BeamTable& beams, const std::vector<Source>& sources) const {
     std::vector<Stray> strays(beams.size());
-    const double leastCosine = std::cos(2 * o_.angle);  // the halo has 3 / 10,000 of its peak there
-    // Columns to search on either side, for neighbours in any ring; spill() then compares the directions.
+    const double leastCosine = std::cos(2 * o_.angle);  // at this angle the halo has 3 / 10,000 of its peak
+    // Number of columns to search on each side, enough for neighbours in any ring; spill() then compares the
+    // directions.
     const double step = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;
     const auto reach = static_cast<std::int64_t>(std::ceil((2 * o_.angle + widestOffset(beams)) / step)) + 1;
     for (const Source& source : sources) {
@@ -106,7 +108,7 @@ class Blooming : public Effect {
   void spill(const BeamTable& beams, const Source& source, std::uint32_t to, double leastCosine, Stray& stray) const {
     const double cosine = dot(beams.direction[source.beam], beams.direction[to]);
     if (cosine < leastCosine) return;
-    const double square = 2 * (1 - std::min(1.0, cosine));  // square of the angle, which is small
+    const double square = 2 * (1 - std::min(1.0, cosine));  // square of the angle (rad^2), for small angles
     const double spilled = double{source.echo} * o_.share * exponential(-2 * square / (o_.angle * o_.angle));
     const auto echo = static_cast<float>(spilled);
     if (echo > stray.echo || (echo == stray.echo && source.range < stray.range)) stray = {echo, source.range};

@@ -1,34 +1,38 @@
-// detection: which echoes the receiver finds in its noise, and which of those it reports.
+// detection: which echoes the receiver detects in its noise, and which of the detected echoes it reports.
 //
 //   detection: {returns: strongest}                 # or first, last, dual (strongest and last), all, or a number
 //   detection: {returns: dual, noise: 0.0008, threshold: 4.8, min_separation_m: 1}
 //
-// `noise` is the standard deviation of the receiver's noise, in the unit of the effect intensity's power: 1 is a white
-// target at the reference range. An echo of power P is measured as P + noise * n, with n a standard normal number, and
-// found if this is at least threshold * noise. So the probability of detection is
+// `noise` is the standard deviation of the receiver's noise, in the unit of the power that the effect `intensity`
+// computes: 1 is a white target at the reference range. An echo of power P is measured as P + noise * n, with a
+// standard normal number n, and detected if the measured power is at least threshold * noise. The probability of
+// detection is
 //
 //   Pd = Q(threshold - P / noise),    Q(x) = erfc(x / sqrt 2) / 2
 //
-// (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal in Gaussian noise whose phase is known, as
-// for pulses without a carrier). The receiver resolves (farthest - nearest) / (c pulse / 2) intervals of range; in
-// each, noise alone passes the threshold with the probability Q(threshold). These false positives have a uniformly
-// random range, cause 2, no class and intensity 0. With noise 0 every echo is found, and there are no false positives.
+// (Skolnik, "Introduction to Radar Systems", 1981, section 2.5, for a signal of known phase in Gaussian noise, which
+// applies to pulses without a carrier). The receiver resolves (farthest - nearest) / (c pulse / 2) intervals of range;
+// in each interval, noise alone exceeds the threshold with the probability Q(threshold). These false positives have a
+// uniformly random range, cause 2, no class and intensity 0. With noise 0 every echo is detected, and there are no
+// false positives.
 //
-// sun: {azimuth_deg, elevation_deg, noise}: daylight that a surface reflects adds to the noise. sun.noise is the noise
-// that a white surface facing the sun adds, in the same unit. The shot noise of light grows with the square root of its
-// power, so for a surface of reflectance R and normal n, and the direction s to the sun,
+// sun: {azimuth_deg, elevation_deg, noise}: daylight that a surface reflects increases the noise. sun.noise is the
+// noise that a white surface facing the sun adds, in the same unit. The shot noise of light is proportional to the
+// square root of the light's power. For a surface of reflectance R and normal n, and the direction s to the sun,
+// therefore
 //
 //   noise^2 + sun.noise^2 R max(0, n . s)
 //
-// replaces noise^2. The threshold rises with the noise: bright sunlit surfaces are lost earlier. Azimuth and elevation
-// are in the world's frame. Shadows are not traced, and beams that point at the sun get no special treatment.
+// replaces noise^2. The threshold rises with the noise, so that echoes of bright sunlit surfaces are lost first.
+// Azimuth and elevation are in the world's frame. Shadows are not traced, and beams that point at the sun are not
+// treated differently.
 //
 // interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7, a
 // uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.
 //
-// Of the echoes found, those nearer than min_separation_m to a stronger echo of the same beam are not reported; then
-// `returns` chooses. dual: the strongest and the last; if these are the same, also the second strongest (as Velodyne's
-// sensors do). A number: that many of the strongest.
+// A detected echo that is nearer than min_separation_m to a stronger echo of the same beam is not reported. `returns`
+// selects from the other detected echoes: dual reports the strongest and the last, and also the second strongest if
+// these are the same (as Velodyne's sensors do); a number reports that many of the strongest.
 
 #include <algorithm>
 #include <cmath>
@@ -46,12 +50,12 @@ enum class Report { Strongest, First, Last, Dual };
 
 struct DetectionOptions {
   Report report = Report::Strongest;
-  std::uint32_t most = 1;  // echoes that Report::Strongest reports
+  std::uint32_t most = 1;  // number of echoes that Report::Strongest reports
   double noise = 0;
   double threshold = 4.8;
-  float separation = 0;  // m
+  float separation = 0;  // m, least distance between reported echoes
   bool sun = false;
-  Vec3d towardsSun;  // unit, world axes
+  Vec3d towardsSun;  // unit vector, world axes
   double sunNoise = 0;
   double interference = 0;
 };
@@ -67,7 +71,7 @@ class Detection : public Effect {
   Channels reads() const override {
     return o_.sun ? Channel::Range | Channel::Normal | Channels(Channel::Reflectance) : Channels(Channel::Range);
   }
-  // Reporting the first or the last echo needs no intensity.
+  // Reporting only the first or the last echo does not need the intensity.
   bool needsIntensity() const override {
     return o_.noise > 0 || o_.separation > 0 || o_.report == Report::Dual ||
            (o_.report == Report::Strongest && o_.most < kMostReturns);
@@ -102,7 +106,7 @@ class Detection : public Effect {
   }
 
  private:
-  // Returns the noise of each row.
+  // Returns the standard deviation of the noise of each row.
   std::vector<float> noiseInDaylight(const Hits& hits, const Returns& returns) const {
     std::vector<float> noise(returns.size(), static_cast<float>(o_.noise));
     for (std::size_t row = 0; row < returns.size(); ++row) {
@@ -114,8 +118,8 @@ class Detection : public Effect {
     return noise;
   }
 
-  // Removes rows that are not found, and sets the snr and measured power of all. `daylight`: the noise of each row;
-  // empty: the noise is the same for all.
+  // Removes the rows of echoes that are not detected, and sets the signal to noise ratio and the measured power of all
+  // rows. `daylight`: the noise of each row; if it is empty, all rows have the same noise.
   SCANMILL_BEST_INSTRUCTIONS void findInNoise(const Shot& shot, const std::vector<float>& daylight, Returns& returns,
                                               std::vector<float>& measured) const {
     returns.snr.assign(returns.size(), 0);
@@ -142,8 +146,8 @@ class Detection : public Effect {
     });
   }
 
-  // Adds at most one false positive per beam. The excess of its power over the threshold follows the tail of the
-  // normal distribution, which is nearly exponential there.
+  // Adds at most one false positive per beam. The amount by which its power exceeds the threshold follows the tail of
+  // the normal distribution, which is nearly exponential there.
   void addFalsePositives(const Hits& hits, const Shot& shot, Returns& returns, std::vector<float>& measured) const {
     const BeamTable& beams = *shot.beams;
     const double length = beams.maxRange - beams.minRange;
@@ -201,7 +205,7 @@ class Detection : public Effect {
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
-    // Sort by beam, then the strongest first, of equally strong ones the nearest first.
+    // Sort by beam; within a beam by descending power, and at equal power by ascending range.
     const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
       if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);
@@ -217,7 +221,7 @@ class Detection : public Effect {
     }
   }
 
-  // Removes the rows of one beam that are not reported. `rows`: the strongest first.
+  // Removes the rows of one beam that are not reported. `rows`: rows of the beam by descending power.
   void chooseOf(std::span<std::uint32_t> rows, Returns& returns) const {
     std::size_t count = 1;
     for (std::size_t i = 1; i < rows.size(); ++i) {

@@ -6,7 +6,7 @@
 //   dropout: {probability: 0.8, things: true}     # only returns of object instances: dark or shiny paint
 //   dropout: {rings: 0.25}           # a random quarter of a sensor's rings, the same in all frames, reports nothing
 //
-// All may be given together. A threshold needs the intensity effect.
+// All keys may be given together. A threshold needs the intensity effect.
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +63,8 @@ class DropOut : public Effect {
     }
   }
 
-  // Removes the returns of the share `rings_` of the rings, rounded: the rings with the smallest random numbers.
+  // Removes the returns of the fraction `rings_` of the rings, rounded to complete rings. These are the rings with the
+  // smallest random numbers.
   void loseRings(const Shot& shot, Returns& returns) const {
     const std::uint32_t rings = shot.beams->rings;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> ranks;
@@ -108,7 +109,7 @@ std::unique_ptr<Effect> makeDropOut(Fields& options) {
   const double probability = options.number("probability", {0, 1}, 0);
   const bool things = options.boolean("things", false);
   const double rings = options.number("rings", {0, 1}, 0);
-  options.finish();  // first: if a key is missing, it is probably misspelt
+  options.finish();  // report unknown keys first: a missing key is probably misspelt
   if (!options.has("threshold") && !options.has("probability") && !options.has("rings")) {
     throw InputError(options.where(), "effect dropout: give at least one of threshold, probability and rings");
   }

@@ -1,8 +1,9 @@
 #pragma once
 
 // Elementary functions that use only additions, multiplications, divisions and bit operations, without branches. They
-// return the same bytes on every machine, while mathematical libraries differ in the last bit. With -fno-math-errno and
-// -fno-trapping-math, loops over beams that call them are vectorised: three to six times as fast, the same bytes.
+// return the same bits on every machine, whereas mathematical libraries differ in the last bit. With -fno-math-errno
+// and -fno-trapping-math, loops that call them are vectorised, which makes them three to six times as fast with the
+// same results.
 
 #include <bit>
 #include <cstdint>
@@ -16,7 +17,8 @@ struct SinCos {
   double cos;
 };
 
-// `a` is in rad, from -pi / 4 to pi / 4. Taylor series to the 15th and 16th power: errors under 3e-16.
+// Returns sine and cosine of `a`, which must be from -pi / 4 to pi / 4 (rad). Taylor series to the 15th and 16th power;
+// errors are below 3e-16.
 inline SinCos sinCosSmall(double a) {
   const double z = a * a;
   const double sinTail =
@@ -33,21 +35,22 @@ inline SinCos sinCosSmall(double a) {
   return {a + a * sinTail, 1.0 + cosTail};
 }
 
-// Converts exactly: the bits become the mantissa of a number between 2^52 and 2^53.
+// Returns `bits` as a double, exactly: the bits become the mantissa of a number between 2^52 and 2^53.
 inline double toDouble(std::uint32_t bits) {
   return std::bit_cast<double>(0x4330000000000000u | bits) - 0x1p52;
 }
 
 // Returns sine and cosine of a random angle of the full circle, from 32 random bits. They are computed for a quarter of
-// the angle, which is then doubled twice: this needs no case for each quadrant.
+// the angle, which is then doubled twice; this avoids a case for each quadrant.
 inline SinCos sinCosRandom(std::uint32_t bits) {
   const SinCos quarter = sinCosSmall((toDouble(bits) + (0.5 - 0x1p31)) * (kPi * 0x1p-33));
   const SinCos half{2 * quarter.sin * quarter.cos, 1 - 2 * quarter.sin * quarter.sin};
   return {2 * half.sin * half.cos, 1 - 2 * half.sin * half.sin};
 }
 
-// `x` must be a positive normal number. x = 2^k m with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh((m - 1) / (m + 1))
-// by its series (Abramowitz and Stegun, 4.1.27) to the 19th power: relative errors under 1e-14.
+// Returns the natural logarithm of `x`, which must be a positive normal number. With x = 2^k m and m in [sqrt(1/2),
+// sqrt(2)), log m = 2 artanh((m - 1) / (m + 1)), by the series of Abramowitz and Stegun, 4.1.27, to the 19th power;
+// relative errors are below 1e-14.
 inline double naturalLog(double x) {
   constexpr std::uint64_t kSqrtHalf = 0x3FE6A09E667F3BCDu;  // bits of sqrt(1/2)
   constexpr std::uint64_t kBias = 1023;
@@ -65,8 +68,8 @@ inline double naturalLog(double x) {
   return k * 0.693147180559945309417 + 2 * (s + s * tail);
 }
 
-// `x` is clamped to -700 to 700. exp(x) = 2^k exp(f), |f| <= log(2) / 2, by the Taylor series to the 12th power:
-// relative errors under 1e-13.
+// Returns exp(x), with `x` clamped to -700 to 700. exp(x) = 2^k exp(f) with |f| <= log(2) / 2, by the Taylor series to
+// the 12th power; relative errors are below 1e-13.
 inline double exponential(double x) {
   constexpr double kLog2High = 0x1.62e42feep-1;  // the product with an integer k is exact
   constexpr double kLog2Low = 1.90821492927058770002e-10;

@@ -2,10 +2,10 @@
 //
 //   footprint: {rays: 19}      # 7, 19, 37, 61, 91 or 127
 //
-// The sensor's file says how wide the beam is (divergence_mrad, exit_width_mm, beam_shape) and how long the pulse is
-// (pulse_ns). Rays whose hits lie at most c * pulse / 2 apart form one echo, with a range between theirs: the mixed
-// pixels at edges. Other rays form echoes of their own; the effect `detection` reports the strongest echo or more. All
-// of this is implemented in sensors/footprint.h and sense/echoes.h; apply() has nothing left to do.
+// The sensor file gives the width of the beam (divergence_mrad, exit_width_mm, beam_shape) and the length of the pulse
+// (pulse_ns). Rays whose ranges differ by at most c * pulse / 2 form one echo, whose range is between theirs: these are
+// the mixed pixels at edges. Other rays form separate echoes; the effect `detection` decides how many of the echoes are
+// reported. All of this is implemented in sensors/footprint.h and sense/echoes.h; apply() does nothing.
 
 #include "sensors/footprint.h"
 

@@ -9,9 +9,9 @@
 //   power = (cos t * (diffuse + retroreflectance) + specular(t)) * (reference / max(r, near))^2 * exp(-2 sigma r)
 //
 // the lidar equation for a target wider than the beam (Hoefle and Pfeifer, "Correction of laser scanning intensity
-// data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways).
-// near_range_m models the overlap of emitter and receiver: at smaller ranges the power grows no further. `falloff:
-// none` leaves the square out, like sensors that correct for range.
+// data", ISPRS Journal 62, 2007), with sigma the extinction of the air (Beer and Lambert, both ways). near_range_m
+// models the overlap of emitter and receiver: at smaller ranges the power does not increase further. `falloff: none`
+// leaves out the factor with the square, as sensors do that correct for range.
 //
 // specular(t) is the reflection of a microfacet surface (Torrance and Sparrow 1967) back along the beam, so the half
 // vector is the beam itself. It is pi cos t times D F G / (4 cos^2 t) (Walter et al., "Microfacet models for refraction
@@ -25,17 +25,18 @@
 // A = 1 - 0.5 s^2 / (s^2 + 0.33), B = 0.45 s^2 / (s^2 + 0.09)). s is the angle whose tangent is alpha / sqrt(2), the
 // root-mean-square slope of a Beckmann surface of the same alpha (GGX's slopes have no variance).
 //
-// Effects that run earlier may set Returns::gain, by which the power is multiplied.
+// Effects that run earlier may set Returns::gain, a factor on the power.
 //
-// The response: v = min(gain * power, saturation) ^ gamma for output float; 255 * (min(gain * power, saturation) /
-// saturation) ^ gamma, rounded, for output u8, with a saturation of 1 unless one is given. A miss gets 0.
+// The response to the power is, for output float, v = min(gain * power, saturation) ^ gamma; for output u8 it is 255 *
+// (min(gain * power, saturation) / saturation) ^ gamma, rounded, with a default saturation of 1. The intensity of a
+// miss is 0.
 //
-// `model: reflectivity` reports the power that the surface would have sent back from the reference range through clear
-// air, like sensors calibrated against targets of known reflectance: 1 is a white diffuse target at normal incidence,
-// whatever its range. Effects that read the power still get the received power. With retro_full_scale the byte is 100 v
-// for v <= 1 and 100 + 155 log(v) / log(retro_full_scale) beyond. This is the scale of manuals: 0 to 100 for diffuse
+// `model: reflectivity` reports the power that the surface would reflect from the reference range through clear air, as
+// sensors do that are calibrated against targets of known reflectance: 1 is a white diffuse target at normal incidence,
+// at any range. Effects that read the power still get the received power. With retro_full_scale the byte is 100 v for v
+// <= 1 and 100 + 155 log(v) / log(retro_full_scale) for larger v. This is the scale of manuals: 0 to 100 for diffuse
 // targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1;
-// Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not say how bright a target of 255 is.
+// Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not state the brightness of a target of 255.
 
 #include <algorithm>
 #include <cfloat>
@@ -48,9 +49,9 @@
 namespace scanmill {
 namespace {
 
-// A specular lobe is never narrower than the beam: 4 mrad is wide for a beam.
+// Smallest alpha of GGX, because a specular lobe is not narrower than the beam: 4 mrad is the width of a wide beam.
 constexpr float kSmallestAlpha = 0.004f;
-constexpr float kDielectricF0 = 0.04f;  // refractive index 1.5, as glTF
+constexpr float kDielectricF0 = 0.04f;  // for the refractive index 1.5, as in glTF
 
 struct IntensityOptions {
   float referenceRange = 10;  // m
@@ -61,12 +62,13 @@ struct IntensityOptions {
   float saturation = FLT_MAX;
   double gamma = 1;
   bool bytes = false;
-  bool reflectivity = false;  // report the power as from the reference range
+  bool reflectivity = false;  // report the power as from the reference range in clear air
   bool orenNayar = false;
-  double retroFullScale = 0;  // 0: bytes are linear
+  double retroFullScale = 0;  // `retro_full_scale`; 0: bytes are proportional to the response
 };
 
-// How a material reflects light back along the beam: diffuse = matt * reflectance, F0 = glossy + metal * reflectance.
+// How a material reflects light back along the beam: the diffuse reflectance is matt * reflectance, and F0 (reflectance
+// of facets at normal incidence) is glossy + metal * reflectance.
 struct Lobes {
   float matt = 1;
   float metal = 0;
@@ -79,8 +81,8 @@ struct Lobes {
 
 constexpr double kHalfRoot = 0.70710678118654752440;
 
-// Returns the arc tangent of t, from 0 to kHalfRoot. It uses only operations that give the same result on all machines:
-// atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and a series for the latter; errors under 1e-9.
+// Returns the arc tangent (rad) of t, which must be from 0 to kHalfRoot. Uses only operations that give the same result
+// on all machines: atan(t) = 2 atan(t / (1 + sqrt(1 + t^2))), and a series for the right side; errors are below 1e-9.
 double angleOfSlope(double t) {
   const double half = t / (1 + std::sqrt(1 + t * t));
   const double z = half * half;
@@ -91,8 +93,9 @@ double angleOfSlope(double t) {
 Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance, bool orenNayar) {
   const float roughness = std::clamp(givenRoughness, 0.0f, 1.0f);
   const float metallic = std::clamp(givenMetallic, 0.0f, 1.0f);
-  // glTF's roughness is the root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A dielectric of
-  // roughness 1 is matt: it reflects only diffusely; otherwise the glossy part is taken from the diffuse part.
+  // glTF's roughness is the square root of GGX's alpha (Burley, "Physically based shading at Disney", 2012). A
+  // dielectric of roughness 1 reflects only diffusely; at lower roughness the glossy reflection reduces the diffuse
+  // one.
   const float alpha = roughness * roughness;
   const float glossy = kDielectricF0 * (1 - alpha);
   const float width = std::max(alpha, kSmallestAlpha);
@@ -106,13 +109,14 @@ Lobes lobesOf(float givenRoughness, float givenMetallic, float retroreflectance,
   return lobes;
 }
 
-// Returns the light that a surface reflects back along the beam at the cosine c of the angle of incidence, in units of
-// a white matt surface at normal incidence.
+// Returns the light that a surface reflects back along the beam, relative to a white matt surface at normal incidence.
+// `c`: cosine of the angle of incidence.
 float reflected(const Lobes& lobe, float c, float reflectance) {
   const float sin2 = (1 - c) * (1 + c);
   const float width = lobe.alpha2 * c * c + sin2;
   const float f0 = lobe.glossy + lobe.metal * reflectance;
-  // pi D F0 G / (4 cos t), with cos t taken into G = 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2 t)).
+  // This is pi D F0 G / (4 cos t), where cos t is combined with G to 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2
+  // t)).
   const float masking = c + std::sqrt(c * c + lobe.alpha2 * sin2);
   const float specular = f0 * lobe.alpha2 / (2 * width * width * masking);
   const float diffuse = lobe.matt * reflectance;
@@ -139,8 +143,8 @@ class Intensity : public Effect {
   }
 
  private:
-  // Returns the lobes of each material, and at the end those of surfaces without a material, which are matt. `glass`:
-  // rays continue behind glass, and clean panes scatter nothing.
+  // Returns the lobes of each material and, as the last element, the lobes of surfaces without a material, which are
+  // matt. `glass`: true if rays continue behind glass; panes then scatter nothing.
   std::vector<Lobes> lobesOfAll(std::span<const Material> materials, bool glass) const {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);
@@ -198,7 +202,7 @@ class Intensity : public Effect {
     });
   }
 
-  // Sets the power of rows that come from no hit. They were added with the power as from the reference range.
+  // Sets the power of rows that come from no hit. `given`: their power as if they were at the reference range.
   void takeAdded(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given, float* power,
                  float* sent) const {
     for (std::size_t i = 0; i < count; ++i) {
@@ -209,7 +213,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Makes the power finite, and 0 for rows without a return.
+  // Limits the power to finite values, and sets it to 0 for rows without a return.
   static void settle(const float* range, std::size_t count, float* power) {
     for (std::size_t i = 0; i < count; ++i) {
       const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;
@@ -217,7 +221,7 @@ class Intensity : public Effect {
     }
   }
 
-  // How the surfaces of neighbouring rays or rows reflect. A null pointer: the values of their materials apply.
+  // Properties of the surfaces of neighbouring rays or rows. If a pointer is null, the material's value is used.
   struct Surfaces {
     const std::uint16_t* material;
     const float* reflectance;
@@ -268,7 +272,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Computes the power that echoes would have from the reference range through clear air.
+  // Computes the power that the echoes would have if they came from the reference range through clear air.
   void sentFor(const float* range, std::size_t count, const float* power, float* sent) const {
     Batch<float> lost;
     lost.fill(1);

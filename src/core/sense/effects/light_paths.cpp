@@ -4,10 +4,10 @@
 //   light_paths: {bounces: 2, mirrored: unlabeled, least: 0.0001}
 //
 // Materials with a `transmission` let light through (both ways, by Fresnel's equations and the absorption of the
-// glass); materials with a roughness of at most 0.1 act as mirrors. Each hit of a continued ray is an echo of its own.
+// glass); materials with a roughness of at most 0.1 reflect as mirrors. Each hit of a continued ray is a separate echo.
 // Returns behind glass have cause 3 and the class of the surface that they hit. Mirror images have cause 4 and are
-// placed where the sensor believes them to be: along the beam, at the length of the light's path. All of this is
-// implemented in methods/interface/light_paths.h; apply() has nothing left to do.
+// placed where the sensor assumes them: along the beam, at the length of the light's path. All of this is implemented
+// in methods/interface/light_paths.h; apply() does nothing.
 
 #include "methods/interface/light_paths.h"
 
@@ -22,9 +22,9 @@ class LightPathsEffect : public Effect {
  public:
   explicit LightPathsEffect(const LightPaths& paths) : paths_(paths) {}
 
-  Channels reads() const override { return Channel::Range; }  // followLight() reads more
+  Channels reads() const override { return Channel::Range; }  // followLight() reads further channels
   const LightPaths* lightPaths() const override { return &paths_; }
-  // Counts one return more per ray for each pane, and two for each bounce; kMostReturns at most.
+  // Each pane may add one return per ray, each bounce two; the total is at most kMostReturns.
   std::uint32_t mostReturns(std::uint32_t before) const override {
     return std::min(before * (1 + paths_.panes + 2 * paths_.bounces), kMostReturns);
   }

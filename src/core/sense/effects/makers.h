@@ -1,6 +1,6 @@
 #pragma once
 
-// The functions that create the effects in the rows of effects(), one per file.
+// The functions that create the effects, for the rows of effects(); one function per file.
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-// quantize: the sensor reports ranges in whole steps.
+// quantize: the sensor reports ranges as multiples of a step.
 //
 //   quantize: {step_m: 0.008}
 //

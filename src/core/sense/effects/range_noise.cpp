@@ -5,14 +5,14 @@
 //
 //   range_noise: {sigma_m: 0.005, over_snr_m: 0.3}              # sigma^2 = 0.005^2 + (0.3 s / snr)^2
 //
-// over_snr_m makes faint echoes noisy: snr is the signal to noise ratio that the effect detection has found. The error
-// is that of a timing discriminator, the noise over the slope of the pulse (Skolnik, "Introduction to Radar Systems",
-// 1981, section 11.3: the rise time over the signal to noise ratio). s is the length of the echo over that of the
-// pulse, sqrt(1 + (d / p)^2), with d the spread of the footprint's ranges and p the standard deviation of the pulse,
-// c t / 2 / 2.355: noise grows at grazing incidence.
+// over_snr_m makes the ranges of faint echoes noisy: snr is the signal to noise ratio that the effect `detection`
+// computes. The error is that of a timing discriminator: the noise divided by the slope of the pulse (Skolnik,
+// "Introduction to Radar Systems", 1981, section 11.3: the rise time over the signal to noise ratio). s is the length
+// of the echo divided by the length of the pulse, sqrt(1 + (d / p)^2), where d is the spread of the footprint's ranges
+// and p the standard deviation of the pulse, c t / 2 / 2.355: the noise therefore increases at grazing incidence.
 //
-// A noisy range is at least 1 mm (or the true range, if that is less), so no point passes behind the sensor. It may
-// exceed the sensor's maximum range. A sigma of zero everywhere leaves every bit of the ranges as it was.
+// A noisy range is at least 1 mm (or the true range, if that is less), so that no point is behind the sensor. It may
+// exceed the sensor's maximum range. If sigma is zero everywhere, no bit of the ranges changes.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
@@ -22,9 +22,9 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearest = 0.001;  // m
+constexpr double kNearest = 0.001;  // m, least range that is reported
 
-// Sigma rises by slope per metre from `start` on, for at most `length` metres.
+// Sigma rises by `slope` per metre, from `start` (m) on, for at most `length` (m).
 struct Ramp {
   double start;
   double length;
@@ -32,10 +32,10 @@ struct Ramp {
 };
 
 struct Sigma {
-  double base = 0;    // m
-  double growth = 0;  // m per m
+  double base = 0;    // m, standard deviation at range 0
+  double growth = 0;  // m per m of range
   std::vector<Ramp> ramps;
-  double overSnr = 0;  // m
+  double overSnr = 0;  // m, `over_snr_m`
 
   bool zero() const { return base == 0 && growth == 0 && ramps.empty() && overSnr == 0; }
 };
@@ -140,7 +140,7 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
   sigma.base += options.number("sigma_m", {0, 100}, 0);
   sigma.growth = options.number("sigma_per_m", {0, 1}, 0);
   sigma.overSnr = options.number("over_snr_m", {0, 100}, 0);
-  options.finish();  // first: if a key is missing, it is probably misspelt
+  options.finish();  // report unknown keys first: a missing key is probably misspelt
   if (!constant && !options.has("table") && !options.has("over_snr_m")) {
     throw InputError(options.where(), "effect range_noise: give sigma_m, sigma_per_m, over_snr_m or a table");
   }

@@ -1,10 +1,10 @@
-// range_walk: strong returns seem nearer.
+// range_walk: strong returns are measured too near.
 //
 //   range_walk: {per_decade_m: 0.02, above: 1}
 //
-// The stronger a pulse is, the earlier it crosses the receiver's threshold. A return of power P seems nearer by
-// per_decade_m log10(P / above) if P exceeds `above`, but is never moved below the sensor's minimum range. Sensors
-// correct most of this error; manufacturers state no figures.
+// The stronger a pulse is, the earlier it exceeds the receiver's threshold. If the power P of a return exceeds `above`,
+// the range is reduced by per_decade_m log10(P / above), but not below the sensor's minimum range. Sensors correct most
+// of this error, and manufacturers do not publish the remaining error.
 
 #include <cmath>
 

@@ -4,13 +4,14 @@
 //   reflectance_variation: {}                # as much as the table of materials says
 //   reflectance_variation: {strength: 0.5}   # half as much
 //
-// The reflectance at a place is that of the material times exp(sum of c_k n_k - c_k^2 / 2). Each of the material's
-// `variations` has a contrast c_k and a size, and n_k is a Gaussian field of variance 1 over cubes of that size
-// (spatial_noise.h). This is a log-normal distribution whose mean is the material's reflectance. The fields depend only
-// on the place in the world and the pipeline's seed: every frame, sensor and method finds the same patches.
+// The reflectance at a point is the reflectance of the material times exp(sum of c_k n_k - c_k^2 / 2). Each of the
+// material's `variations` has a contrast c_k and a size, and n_k is a Gaussian field of variance 1 over cubes of that
+// size (spatial_noise.h). The result is a log-normal distribution whose mean is the material's reflectance. The fields
+// depend only on the point in the world and the pipeline's seed, so that every frame, sensor and method finds the same
+// patches.
 //
-// A beam averages over its own width: if the sensor's file gives the width, the variance c_k^2 is divided by
-// 1 + area of the beam / size^2, as for the mean of this number of independent patches.
+// A beam averages over its width: if the sensor file gives the width, the variance c_k^2 is divided by 1 + area of the
+// beam / size^2, as for the mean of this many independent patches.
 
 #include <algorithm>
 #include <cmath>
@@ -66,7 +67,8 @@ class ReflectanceVariation : public Effect {
   }
 
  private:
-  // Returns the variation k of the row's material; contrast 0: the row has no hit, or the material no such variation.
+  // Returns variation k of the material of a row's hit. The contrast is 0 if the row has no hit, or the material has no
+  // variation k.
   static Variation variationOf(const Hits& hits, std::span<const Material> materials, const Returns& returns,
                                std::size_t row, std::uint32_t k) {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return {};

@@ -1,20 +1,20 @@
-// relief: surfaces such as grass, gravel, leaf litter, stonework and bark are rough. A height field over the mesh
-// models this, and a beam ends where it first hits the height field.
+// relief: surfaces such as grass, gravel, leaf litter, stonework and bark are rough. This effect models them as a
+// height field over the mesh; a beam ends where it first hits the height field.
 //
 //   relief: {}                # as rough as the table of materials says
 //   relief: {strength: 0.5}   # half as high
 //
 // The height over the mesh is the sum of height_k n_k over the entries of the material's `relief`. Each entry has a
 // height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The field
-// depends only on the place in the world and the pipeline's seed: every frame, sensor and method hits the same tufts.
-// The beam is followed from kDeviations standard deviations of the height before the mesh, in steps shorter than the
-// smallest size (unless this takes more than kMostSteps), to the first step below the height field. Two linear
-// interpolations between this step and the one before it then find the hit (relief mapping: Policarpo, Oliveira and
-// Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). So a grazing beam hits the tips and
-// jumps from tuft to tuft, and a beam from above hits heights of mean 0.
+// depends only on the point in the world and the pipeline's seed, so that every frame, sensor and method hits the same
+// tufts. The search begins kDeviations standard deviations of the height before the mesh and follows the beam, in steps
+// shorter than the smallest size (unless this takes more than kMostSteps), to the first step below the height field.
+// Two linear interpolations between this step and the previous one then find the hit (relief mapping: Policarpo,
+// Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). A grazing beam therefore
+// hits the tips and jumps from tuft to tuft, and a beam from above hits heights whose mean is 0.
 //
-// A beam averages over its own width: as in reflectance_variation, the variance is divided by 1 + area / size^2, here
-// with the area that the beam lights on the slanted surface.
+// A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2, where the
+// area is the illuminated area on the slanted surface.
 
 #include <algorithm>
 #include <cmath>
@@ -27,24 +27,27 @@
 namespace scanmill {
 namespace {
 
-constexpr double kDeviations = 2.5;  // standard deviations of the height; only 0.6 % of heights are higher
+constexpr double kDeviations = 2.5;  // standard deviations of the height at which the search begins; only 0.6 % of
+                                     // heights are higher
 constexpr double kLeastCosine = 0.05;
-constexpr double kStep = 0.75;  // length of a step relative to the smallest size
+constexpr double kStep = 0.75;  // length of a step, as a fraction of the smallest size
 constexpr int kMostSteps = 24;
 
-// A beam that ends on a rough surface.
+// A beam that hits a rough surface.
 struct RoughHit {
   std::size_t row = 0;
-  Vec3d place, along;                         // hit on the mesh (m), direction of the beam; world axes
+  Vec3d place, along;                         // hit on the mesh (m) and direction of the beam (unit vector), in world
+                                              // axes
   std::array<double, kMostReliefs> height{};  // m, averaged over the beam's width
-  std::array<double, kMostReliefs> cubes{};   // per metre
+  std::array<double, kMostReliefs> cubes{};   // cubes per metre, by entry of the relief
   double cosine = 1;                          // cosine of the angle of incidence
-  double reach = 0;                           // m along the beam that are searched before the mesh, and behind it
-  double step = 0;                            // m along the beam
+  double reach = 0;                           // m along the beam that are searched before the mesh and behind it
+  double step = 0;                            // m along the beam, length of a step
   int steps = 0;
 };
 
-// Follows many beams at once, each in a slot. As soon as a beam has hit the height field, the next one takes its slot.
+// Follows many beams at once, each in one slot. As soon as a beam has hit the height field, the next beam takes its
+// slot.
 class March {
  public:
   March(std::uint64_t seed, std::span<const RoughHit> hits, Returns& returns)
@@ -83,7 +86,7 @@ class March {
     look(slot, -hit.reach);
   }
 
-  // Moves the slot's position along its beam to `at` (m behind the mesh).
+  // Moves the slot's position along its beam to `at` (m, counted from the mesh).
   void look(std::size_t slot, double at) {
     const RoughHit& hit = *hit_[slot];
     at_[slot] = at;
@@ -96,7 +99,8 @@ class March {
     const RoughHit& hit = *hit_[slot];
     const double at = at_[slot];
     const double over = -at * hit.cosine - height;
-    if (below_[slot] < 0) {  // after the first interpolation: the second one, between here and one of the steps
+    if (below_[slot] < 0) {  // after the first interpolation: interpolate again, between this position and a step on
+                             // the other side of the field
       const double first = step_[slot] * hit.step - hit.reach;
       end(slot, over > 0 ? at + (first + hit.step - at) * over / (over - below_[slot])
                          : first + (at - first) * above_[slot] / (above_[slot] - over));
@@ -126,10 +130,10 @@ class March {
   std::size_t running_ = 0;
   std::size_t levels_ = 0;
   Batch<const RoughHit*> hit_{};
-  Batch<int> step_{};      // the current step; once below_ is known, the last step above the height field
-  Batch<double> at_{};     // m along the beam, behind the mesh
-  Batch<double> above_{};  // m from the height field up to the beam, at the last step above it
-  Batch<double> below_{};  // the same at the first step below it (negative); 0: not known yet
+  Batch<int> step_{};      // the current step; after below_ is set, the last step above the height field
+  Batch<double> at_{};     // m along the beam, counted from the mesh
+  Batch<double> above_{};  // m, height of the beam over the height field at the last step above it
+  Batch<double> below_{};  // m, height (negative) at the first step below the height field; 0: not found yet
   Places places_{};
   std::array<Batch<double>, kMostReliefs> height_{}, cubes_{};
 };
@@ -141,7 +145,7 @@ class ReliefEffect : public Effect {
   Channels reads() const override { return Channel::Range | Channel::Incidence | Channel::Material; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
-    constexpr std::size_t kTogether = 64 * kBatch;  // rows whose beams share the slots
+    constexpr std::size_t kTogether = 64 * kBatch;  // rows whose beams take turns in the slots
     const PlacesOfHits hitPlaces(hits, shot, returns);
     Places places;
     Places along;
@@ -165,7 +169,7 @@ class ReliefEffect : public Effect {
   }
 
  private:
-  // Appends the row to `rough` if its material has a relief; the caller sets place and direction.
+  // Appends the row to `rough` if its material has a relief; the caller sets position and direction.
   void prepare(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
                std::size_t row, std::vector<RoughHit>& rough) const {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return;

@@ -1,13 +1,13 @@
-// ring_bias: the errors of each laser that remain after a sensor's calibration: in its range, its elevation and its
-// gain. They are the same for all beams of a ring and all frames of a dataset.
+// ring_bias: the errors of each laser that remain after the calibration of a sensor: errors of its range, its elevation
+// and its gain. They are the same for all beams of a ring and all frames of a dataset.
 //
 //   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
 //   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one figure per ring
 //
-// An offset is the reported minus the true value; elevation is positive upwards. The keys with `sigma` are standard
-// deviations of Gaussian numbers, sampled once per sensor and ring from the pipeline's seed; the gain is
-// exp(gain_sigma * number). Each of the three errors is given either by its sigma or as a list. A range that would fall
-// below 1 mm is reported as 1 mm.
+// Each error is the reported minus the true value; elevation is positive upwards. The keys with `sigma` are standard
+// deviations of Gaussian numbers, sampled once per sensor and ring from the pipeline's seed; the gain is exp(gain_sigma
+// * number). Each of the three errors is given either by its sigma or as a list. A range below 1 mm is reported as 1
+// mm.
 
 #include <cmath>
 
@@ -18,9 +18,9 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearestRange = 0.001;  // m
+constexpr double kNearestRange = 0.001;  // m, least range that is reported
 
-// One kind of error: either a list with a value per ring, or the standard deviation to sample them with.
+// One kind of error: either a list with a value per ring, or the standard deviation for sampling them.
 struct PerRing {
   double sigma = 0;
   std::vector<double> list;
@@ -81,7 +81,7 @@ class RingBias : public Effect {
     return errors;
   }
 
-  // Applies the errors of one ring to neighbouring rows of that ring.
+  // Applies the errors of one ring to consecutive rows of the ring.
   SCANMILL_BEST_INSTRUCTIONS void change(const Errors& errors, const Shot& shot, std::size_t firstRow,
                                          std::size_t count, Returns& returns) const {
     float* const range = returns.range.data() + firstRow;
@@ -131,7 +131,7 @@ std::unique_ptr<Effect> makeRingBias(Fields& options) {
   PerRing range = readFigure(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
   PerRing elevation = readFigure(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
   PerRing gain = readFigure(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
-  options.finish();  // first: if a key is missing, it is probably misspelt
+  options.finish();  // report unknown keys first: a missing key is probably misspelt
   bool given = false;
   for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {
     given |= options.has(key);

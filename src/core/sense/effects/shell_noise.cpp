@@ -1,9 +1,10 @@
-// shell: adds a random unit vector times a scale to each point. Points end on a sphere around the true point and leave
-// their beam. No sensor has this error, but published datasets do; the effect exists for comparison with them.
+// shell: adds a random unit vector times a scale to each point. Each point is moved to a sphere around the true point,
+// and therefore off its beam. No sensor has this error, but published datasets do; the effect exists for comparisons
+// with them.
 //
 //   shell: {scale_m: 0.0, growth_per_m: 0.01}     # scale(r) = scale_m + growth_per_m * r; 1 cm per metre
 //
-// The scale is at most half the range: no point passes behind the sensor.
+// The scale is at most half the range, so that no point is behind the sensor.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
@@ -35,7 +36,7 @@ class ShellNoise : public Effect {
         const double r = range[i] < kMiss ? range[i] : 0.0;
         const double wanted = scale_ + growth_ * r;
         const double scale = wanted < 0.5 * r ? wanted : 0.5 * r;
-        // Zones of a sphere that have equal heights have equal areas (Archimedes): z is uniform.
+        // Zones of a sphere with equal heights have equal areas (Archimedes), so z is uniformly distributed.
         const double z = (toDouble(words.a[i]) + 0.5) * 0x1p-31 - 1;
         const double level = std::sqrt(1 - z * z);
         const SinCos angle = sinCosRandom(words.b[i]);
@@ -47,7 +48,7 @@ class ShellNoise : public Effect {
   }
 
   double scale_;   // m
-  double growth_;  // m per m
+  double growth_;  // m per m of range
 };
 
 }  // namespace
@@ -55,7 +56,7 @@ class ShellNoise : public Effect {
 std::unique_ptr<Effect> makeShellNoise(Fields& options) {
   const double scale = options.number("scale_m", {0, 100}, 0);
   const double growth = options.number("growth_per_m", {0, 0.5}, 0);
-  options.finish();  // first: if a key is missing, it is probably misspelt
+  options.finish();  // report unknown keys first: a missing key is probably misspelt
   if (!options.has("scale_m") && !options.has("growth_per_m")) {
     throw InputError(options.where(), "effect shell: give scale_m, growth_per_m or both");
   }

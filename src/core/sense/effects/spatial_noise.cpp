@@ -9,15 +9,15 @@ namespace scanmill {
 
 namespace {
 
-// A coordinate on the lattice, from -2^51 to 2^51, between two corners.
+// A coordinate from -2^51 to 2^51, as a position between two neighbouring corners of the lattice.
 struct Cell {
-  std::uint32_t corner;  // the lower one, modulo 2^32
-  double lower;          // weights of the two corners
+  std::uint32_t corner;  // index of the lower corner, modulo 2^32
+  double lower;          // weight of the lower corner
   double upper;
 };
 
 Cell cellOf(double at) {
-  const double shifted = at + 0x1.8p52;  // rounds to the nearest integer, in the last bits
+  const double shifted = at + 0x1.8p52;  // rounds to the nearest integer, which is in the last bits
   const double off = at - (shifted - 0x1.8p52);
   const bool below = off < 0;
   const double t = below ? off + 1 : off;
@@ -25,8 +25,8 @@ Cell cellOf(double at) {
   return {static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(shifted)) - (below ? 1u : 0u), 1 - upper, upper};
 }
 
-// Returns the sum of four uniform numbers, scaled to variance 1: close to the normal distribution within two standard
-// deviations and never beyond 3.5.
+// Returns the sum of four uniform numbers, scaled to mean 0 and variance 1. The distribution is close to normal within
+// two standard deviations, and never exceeds 3.5.
 double standard(const RandomBlock& words) {
   const double sum = toDouble(words[0]) + toDouble(words[1]) + toDouble(words[2]) + toDouble(words[3]);
   return (sum * 0x1p-32 - 2) * 1.7320508075688772;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random fields in space: values that differ from place to place in the world, and are the same for all sensors and at
+// Random fields in space: values that vary from point to point in the world, and are the same for all sensors and at
 // all times.
 
 #include <cstdint>
@@ -14,41 +14,41 @@
 
 namespace scanmill {
 
-// The positions of a batch of rows in the world (m).
+// The world positions of a batch of rows (m).
 struct Places {
   Batch<double> x;
   Batch<double> y;
   Batch<double> z;
 };
 
-// Finds the noise-free positions of the hits of rows, along their beams. A mirror image is where the sensor believes it
-// to be, not at the surface.
+// Computes the noise-free positions of rows' hits, along their beams. A mirror image is placed where the sensor assumes
+// it, not at the surface.
 class PlacesOfHits {
  public:
   PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
-  // Finds the positions of rows first, first + 1, ...; rows that come from no hit or were removed get the origin.
-  // `along`, unless null, gets the beams' directions (unit vectors in the world), 0 for such rows.
+  // Computes the positions of rows first, first + 1, ...; a row that was removed or has no hit gets the origin.
+  // `along`, if not null, gets the directions of the beams (unit vectors in the world frame), and 0 for such rows.
   void find(std::size_t first, Places& places, Places* along = nullptr) const;
 
  private:
   const Hits& hits_;
   const Shot& shot_;
   const Returns& returns_;
-  std::vector<Mat3> rotation_;  // world from sensor, per step
+  std::vector<Mat3> rotation_;  // world from sensor, by step of the revolution
 };
 
-// A Gaussian field with mean 0 and variance 1 at every place. It is lattice noise: each corner of a lattice of cubes
+// A Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of cubes
 // has a random number of mean 0 and variance 1, which depends on the corner and on the field's seed, purpose and
-// number. The value at a place is a weighted sum over the corners of its cube (weights of Perlin, "Improving noise",
-// SIGGRAPH 2002), scaled so that the squares of the weights add up to 1. Fields of different number or purpose are
-// independent, and so are the values at places that lie two cubes or more apart along an axis.
+// number. The value at a point is a weighted sum over the corners of the point's cube (weights of Perlin, "Improving
+// noise", SIGGRAPH 2002), scaled so that the squares of the weights add up to 1. Fields with different number or
+// purpose are independent, and so are the values at points that are two cubes or more apart along an axis.
 struct SpatialField {
   std::uint64_t seed = 0;
   Purpose purpose = Purpose::Test;
-  std::uint32_t number = 0;  // below 4096
+  std::uint32_t number = 0;  // number of the field, below 4096; fields of different number are independent
 };
 
-// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: the number of cubes per metre, for each row.
+// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: number of cubes per metre, by row.
 void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes, const Batch<double>& factor,
               Batch<double>& values);
 

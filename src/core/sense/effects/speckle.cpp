@@ -4,10 +4,10 @@
 //   speckle: {looks: 12}
 //
 // Light that a rough surface scatters interferes with itself. Averaged over `looks` independent patterns, the relative
-// power at the detector follows the gamma distribution of mean 1 and variance 1 / looks, which is the exponential
-// distribution for one look (Goodman, "Statistical properties of laser speckle patterns", in Laser Speckle and Related
+// power at the detector follows the gamma distribution with mean 1 and variance 1 / looks, which for one look is the
+// exponential distribution (Goodman, "Statistical properties of laser speckle patterns", in Laser Speckle and Related
 // Phenomena, 1975). The factor is sampled exactly: the sum of `looks` exponential numbers is minus the logarithm of the
-// product of as many uniform ones. Factors are independent from return to return.
+// product of `looks` uniform numbers. Factors are independent from return to return.
 
 #include "base/instruction_sets.h"
 #include "sense/effects/batches.h"
@@ -16,7 +16,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kMostLooks = 30;  // the product of 30 numbers of at least 2^-33 is still a normal double
+constexpr int kMostLooks = 30;  // the product of 30 numbers that are at least 2^-33 is still a normal double
 
 class Speckle : public Effect {
  public:
@@ -37,7 +37,7 @@ class Speckle : public Effect {
       product.fill(1.0);
       for (int drawn = 0; drawn < looks_; drawn += 4) {
         const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
-        // A block has four words; those beyond `looks_` count as 1.
+        // A block has four words. Words beyond the number of looks are replaced by 1.
         const int left = looks_ - drawn;
         const double keep[] = {1, left > 1 ? 1.0 : 0.0, left > 2 ? 1.0 : 0.0, left > 3 ? 1.0 : 0.0};
         drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {

@@ -5,30 +5,31 @@
 //   weather: {kind: fog, visibility_m: 80}
 //
 // The power of all returns is multiplied by exp(-2 extinction r), the air's transmission both ways, before detection.
-// Particles add returns of their own, with cause 6, in front of the nearest surface that the beam hits; they are
-// unlabelled, or have the class id that `label` gives. The physics is in sense/weather.h.
+// Particles in the air add returns with cause 6, in front of the nearest surface that the beam hits. These returns have
+// no class, or the class id given by `label`. The physics is in sense/weather.h.
 //
-// Raindrops and snowflakes are sparse: the number of drops in a beam that are bright enough follows the Poisson
+// Raindrops and snowflakes are sparse: the number of sufficiently bright drops in a beam follows the Poisson
 // distribution with the mean
 //
 //   integral of A(r) N(D > D_least(r)) dr,    D_least^2 = least A(r) (r / 10 m)^2 exp(2 extinction r) / dropEcho
 //
-// from the sensor to the surface. A(r) is the area that the beam lights (beamArea() in sensors/footprint.h), N the
+// from the sensor to the surface. A(r) is the area that the beam illuminates (beamArea() in sensors/footprint.h), N the
 // number of drops per volume, and `least` the power, in units of a white target at 10 m, below which drops are ignored.
-// Ranges are sampled from the integrand, diameters from the distribution beyond D_least: the result is distributed
-// exactly as if all drops in the beam had been sampled. The area counts as evenly lit, and a drop as wholly inside or
-// outside.
+// Ranges are sampled from the integrand, and diameters from the size distribution above D_least: the result has exactly
+// the distribution that sampling all drops in the beam would give. The area is treated as evenly lit, and each drop as
+// completely inside or outside.
 //
 // Fog and dust are dense. A beam is divided into intervals of a pulse length. The echo of an interval is pi backscatter
-// length exp(-2 extinction r), in units of a white target at the same range, times a random number of the exponential
-// distribution, since the light of very many particles interferes (Goodman 1975, one look). If its power is at least
-// `least`, it becomes a return at a random range within the interval.
+// length exp(-2 extinction r), in units of a white target at the same range, times a random number with the exponential
+// distribution, because the light of very many particles interferes (Goodman 1975, one look). If the power of the echo
+// is at least `least`, it becomes a return at a random range within the interval.
 //
-// A beam gets at most eight returns from particles, the strongest.
+// A beam gets at most eight returns from particles: the strongest.
 //
-// wet: surfaces that face up (within 60 degrees of the vertical) have soaked up water and are darker. The share `wet`
-// of them is also under a film of standing water, in patches of about a metre, which reflects grazing light away like a
-// mirror. Mirror images in the film are not modelled, nor are drops on the sensor, spray behind wheels and lying snow.
+// wet: surfaces that face up (within 60 degrees of the vertical) are soaked with water and therefore darker. A fraction
+// `wet` of these surfaces is also covered by a film of standing water, in patches of about a metre, which reflects
+// grazing light away like a mirror. Not modelled are mirror images in the film, drops on the sensor, spray behind
+// wheels, and lying snow.
 
 #include "sense/weather.h"
 
@@ -47,12 +48,12 @@
 namespace scanmill {
 namespace {
 
-constexpr double kReferenceRange = 10;      // m, where a white target has power 1
-constexpr double kNearRange = 1;            // m; at smaller ranges the power grows no further, as for surfaces
-constexpr std::size_t kMostOfBeam = 8;      // drops or intervals of a beam that become returns
-constexpr std::size_t kMostStretches = 32;  // intervals per beam: there are 16 random blocks, each for two
+constexpr double kReferenceRange = 10;      // m, range at which a white target has power 1
+constexpr double kNearRange = 1;            // m; at smaller ranges the power does not increase further, as for surfaces
+constexpr std::size_t kMostOfBeam = 8;      // largest number of a beam's drops or intervals that become returns
+constexpr std::size_t kMostStretches = 32;  // intervals per beam: 16 random blocks, each for two intervals
 constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
-constexpr double kPuddle = 1.2;             // m, size
+constexpr double kPuddle = 1.2;             // m, size of the patches of standing water
 
 struct WeatherOptions {
   Weather weather;
@@ -61,7 +62,7 @@ struct WeatherOptions {
   std::uint16_t label = 0;
 };
 
-// The integral of the density of drops that are bright enough, as a table over the range.
+// A table, over the range, of the expected number of sufficiently bright drops between the sensor and a range.
 class DropTable {
  public:
   DropTable(const WeatherOptions& options, const BeamTable& beams) : o_(options), beams_(beams) {
@@ -74,14 +75,14 @@ class DropTable {
     }
   }
 
-  // Returns the expected number of drops up to a range.
+  // Returns the expected number of drops between the sensor and a range (m).
   double upTo(double range) const {
     const double at = std::clamp((range - beams_.minRange) / step_, 0.0, double{kSteps});
     const auto i = std::min(static_cast<std::size_t>(at), kSteps - 1);
     return sum_[i] + (at - static_cast<double>(i)) * (sum_[i + 1] - sum_[i]);
   }
 
-  // Returns the range up to which this number of drops is expected.
+  // Returns the range (m) up to which `expected` drops are expected.
   double rangeOf(double expected) const {
     const auto next = std::upper_bound(sum_.begin() + 1, sum_.end() - 1, expected);
     const double before = *(next - 1);
@@ -89,7 +90,7 @@ class DropTable {
     return beams_.minRange + (static_cast<double>(next - sum_.begin()) - 1 + part) * step_;
   }
 
-  // Returns the diameter of the smallest drop that is bright enough (mm).
+  // Returns the diameter (mm) of the smallest drop that is bright enough at a range (m).
   double leastDiameter(double range) const {
     const double way = std::max(range, kNearRange) / kReferenceRange;
     const double area = beamArea(beams_, range);
@@ -108,14 +109,14 @@ class DropTable {
   std::array<double, kSteps + 1> sum_{};
 };
 
-// Returns the range of the nearest surface in each beam, or the sensor's maximum range (m).
+// Returns for each beam the range (m) of the nearest surface, or the sensor's maximum range if the beam hits none.
 std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
   std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
   for (std::size_t row = 0; row < returns.size(); ++row) {
     float& range = open[returns.beam(row)];
     if (returns.returned(row)) range = std::min(range, returns.range[row]);
   }
-  // The own vehicle may block a beam below the sensor's minimum range.
+  // A beam that the own vehicle blocks has the range 0, even if the vehicle is nearer than the sensor's minimum range.
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
     if (hits.pathOfRay[ray] != RayPath::OwnVehicle || hits.hit(ray)) continue;
     open[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]] = 0;
@@ -125,8 +126,8 @@ std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Re
 
 struct Particle {
   float range;
-  float echo;      // in units of a white target at the same range, after the loss in the air
-  float strength;  // power in units of a white target at the reference range
+  float echo;      // relative to a white target at the same range, after the loss in the air
+  float strength;  // power relative to a white target at the reference range
 };
 
 class WeatherEffect : public Effect {
@@ -191,7 +192,7 @@ class WeatherEffect : public Effect {
     });
   }
 
-  // Returns the number below which the standard normal distribution has this share, by bisection.
+  // Returns, by bisection, the number that a standard normal number is below with the probability `share`.
   static double quantileOfNormal(double share) {
     double low = -8;
     double high = 8;
@@ -213,7 +214,7 @@ class WeatherEffect : public Effect {
     for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
       const double expected = table.upTo(double{open[beam]});
       if (expected <= 0) continue;
-      // The random block 15 gives the number of drops, the blocks before it one drop each.
+      // Random block 15 gives the number of drops; each of the blocks before it gives one drop.
       double left = uniform(draw(shot, beam, 15, Purpose::Weather)[0]);
       double probability = exponential(-expected);
       drops.clear();
@@ -245,7 +246,8 @@ class WeatherEffect : public Effect {
       for (std::uint32_t k = 0; k < kMostStretches; ++k) {
         const double start = beams.minRange + k * whole;
         const double length = std::min(whole, double{open[beam]} - start);
-        if (length <= 0 || mean[k] * 23 < o_.least) break;  // factor < 23: the smallest uniform number is 2^-33
+        // The random factor is below 23, because the smallest uniform number is 2^-33.
+        if (length <= 0 || mean[k] * 23 < o_.least) break;
         if (k % 2 == 0) words = draw(shot, beam, k / 2, Purpose::Fog);
         const double range = start + length * uniform(words[2 * (k % 2) + 1]);
         const double factor = -naturalLog(uniform(words[2 * (k % 2)]));
@@ -284,7 +286,7 @@ class WeatherEffect : public Effect {
   Location where_;
 };
 
-// A rate (mm/h of water) or visibility (m), and the share of the ground under standing water.
+// `amount`: the rate (mm/h of water) or the visibility (m). `wet`: fraction of the ground under standing water.
 struct Severity {
   double amount;
   double wet;
@@ -298,9 +300,9 @@ struct Kind {
   std::array<Severity, 3> ladder;  // light, moderate, heavy
 };
 
-// Severities have the bounds that observers use: for rain by rate (2.5 and 7.6 mm/h, glossary of the American
-// Meteorological Society), for snow and fog by visibility (1000 and 500 m, 1000 and 200 m). The figures chosen within
-// these bounds, and the shares under water, are estimates.
+// The severities follow the bounds that observers use: for rain the rate (2.5 and 7.6 mm/h, glossary of the American
+// Meteorological Society), for snow and fog the visibility (1000 and 500 m; 1000 and 200 m). The values within these
+// bounds, and the fractions under water, are estimates.
 constexpr std::array<Kind, 4> kKinds{{
     {"rain", rainOf, true, 200, {{{1.5, 0.1}, {5, 0.3}, {25, 0.6}}}},
     {"snow", snowOf, true, 50, {{{0.5, 0}, {1.5, 0}, {4, 0}}}},
