@@ -90,7 +90,7 @@ TEST_F(CompareCommand, WrongUseIsToldAndNothingIsLost) {
   expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--sensor", "nosuch"}),
                 "neither set has a sensor of this name");
   folder_.write("none/notes.txt", "none");
-  expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is no dataset");
+  expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is not a dataset");
   folder_.write("damaged/velodyne/000000.bin", "abc");
   expectRefused(scanmill({"compare", at("damaged"), at("noisy"), "-o", at("out")}), "no whole records of 4 float32");
   folder_.write("filled/mine.txt", "mine");

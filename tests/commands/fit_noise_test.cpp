@@ -89,7 +89,8 @@ TEST_F(FitNoiseCommand, AFolderOfFramesStandsForThem) {
   ASSERT_EQ(folder.code, 0) << folder.error;
   EXPECT_EQ(readFile(at("a.yaml")), readFile(at("b.yaml")));
   std::filesystem::create_directory(at("empty"));
-  expectRefused(scanmill({"fit-noise", at("empty"), "--sensor", at("wall.yaml"), "-o", at("c.yaml")}), "is no dataset");
+  expectRefused(scanmill({"fit-noise", at("empty"), "--sensor", at("wall.yaml"), "-o", at("c.yaml")}),
+                "is not a dataset");
 }
 
 TEST_F(FitNoiseCommand, NamesAnAbsentSensorOnce) {

@@ -455,7 +455,7 @@ TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
     return outcome.error;
   };
   EXPECT_THAT(message({"--shards", "0", "--workers", "2"}), HasSubstr("give one of them"));
-  EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("as in 0-9,12"));
+  EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("such as 0-9,12"));
   EXPECT_THAT(message({"--worker", "1"}), HasSubstr("give both --worker I and --workers N"));
   EXPECT_THAT(message({"--workers", "3"}), HasSubstr("give both --worker I and --workers N"));
   EXPECT_THAT(message({"--worker", "3", "--workers", "3"}), HasSubstr("numbered from 0"));

@@ -190,7 +190,7 @@ TEST(StudyJson, SaysWhereATruncatedFileEnds) {
     const std::string cut = text.substr(0, i * (text.size() - 2) / 50);
     const auto lines = std::count(cut.begin(), cut.end(), '\n');
     const std::string message = messageOf<InputError>([&] { parseStudy(cut, "t.json"); });
-    EXPECT_THAT(message, HasSubstr("is no whole JSON")) << cut.size();
+    EXPECT_THAT(message, HasSubstr("is not complete JSON")) << cut.size();
     EXPECT_THAT(message, HasSubstr("t.json:" + std::to_string(lines + 1) + ":")) << cut.size();
   }
 }
