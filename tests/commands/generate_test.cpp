@@ -120,7 +120,7 @@ TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
 
   const std::string impossible = "method={auto: {min_rate: 1e15, settings: [ray_tracing]}}";
   const Outcome refused = scanmill({"generate", pipeline_, "-q", "-o", at("none"), "--set", impossible});
-  expectRefused(refused, "none of the 1 settings is good enough; the nearest is ray_tracing (min_rate ");
+  expectRefused(refused, "none of the 1 settings keeps the limits; the nearest is ray_tracing (min_rate ");
   EXPECT_TRUE(filesEndingIn("", at("none")).empty());
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("auto"), "--set", automatic}), "--overwrite");
   expectRefused(scanmill({"render", pipeline_, "-o", at("passes"), "--set", automatic}), "take `method: depth_camera`");
