@@ -278,7 +278,7 @@ std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const
 }
 
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits) {
-  if (candidates.empty()) throw Error("the list of settings to choose from is empty");
+  if (candidates.empty()) throw Error("there is no setting to choose from");
   // If two are equally near, the cheaper one is taken.
   std::size_t best = 0;
   double least = largestExcess(candidates[0], limits);

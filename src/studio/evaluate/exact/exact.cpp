@@ -205,7 +205,7 @@ class ExactTracer::Impl {
         device_(makeDevice()),
         shared_(buildSharedMeshes(device_.get(), scene, std::vector<bool>(scene.meshes.size(), true), kUnfiltered)),
         materials_(compactMaterials(scene)) {
-    if (scene.moves()) throw Error("the exact reference cannot trace moving objects");
+    if (scene.moves()) throw Error("the exact reference takes scenes whose objects stand still");
     shared_.scenes.clear();  // only the triangles are needed
     if (materials_.empty()) materials_.emplace_back();
   }
