@@ -79,7 +79,7 @@ TEST_F(ReportCommand, WithoutANameThePageLiesInTheWorkingFolder) {
 TEST_F(ReportCommand, WrongUsageIsRefused) {
   folder_.write("there.html", "mine");
   expectRefused(scanmill({"report"}), "DATASET is missing");
-  expectRefused(scanmill({"report", at("absent")}), "manifest.json is not there");
+  expectRefused(scanmill({"report", at("absent")}), "manifest.json does not exist");
   expectRefused(scanmill({"report", pipeline_}), "not a file");
   expectRefused(scanmill({"report", at("small"), "-o", at("there.html")}), "--overwrite");
   EXPECT_EQ(readFile(at("there.html")), "mine");
