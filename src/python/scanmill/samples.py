@@ -45,7 +45,7 @@ class SampleReader:
         as augment.Compose does.
         """
         if isinstance(columns, str) or isinstance(boxes, str):
-            raise InputError("columns and boxes are lists of names")
+            raise InputError("columns and boxes must be lists of names")
         self.sensor = sensor
         self.columns = None if columns is None else list(columns)
         self.train_ids = train_ids
@@ -72,7 +72,7 @@ class SampleReader:
     def _boxes(self, sample: Sample) -> dict[str, Any]:
         objects = sample.objects(self.sensor)
         if objects is None:
-            raise InputError(f"{sample.dataset.path} lists no objects: make it with `output: {{objects: true}}`")
+            raise InputError(f"{sample.dataset.path} lists no objects: generate it with `output: {{objects: true}}`")
         wanted = objects.points >= self.min_points
         labels = None
         if not isinstance(self.boxes, bool):
@@ -95,7 +95,7 @@ class SampleReader:
 def _indices_of(names: Sequence[str], ontology: Ontology | None) -> NDArray[np.int64]:
     """A table (65536,) from class ids to indices into a list of names; -1 for others."""
     if ontology is None:
-        raise InputError("no manifest tells the classes")
+        raise InputError("the classes are unknown, since there is no manifest")
     table = np.full(65536, -1, np.int64)
     for index, name in enumerate(names):
         table[ontology.id_of(name)] = index

@@ -142,9 +142,9 @@ class Scene:
     ) -> str:
         """The text of a pipeline, in JSON, which is YAML: a key of the simulator that it makes, too."""
         if not sensors:
-            raise InputError("there is no sensor to scan with")
+            raise InputError("the list of sensors is empty")
         if isinstance(columns, str):
-            raise InputError(f"columns are a list of names, not '{columns}'")
+            raise InputError(f"columns must be a list of names, not '{columns}'")
         output: dict[str, Any] = {"layout": "organised" if organised else "dense", "formats": ["pcd"]}
         if columns is not None:
             output["columns"] = list(columns)
@@ -163,7 +163,7 @@ class Scene:
         try:
             return json.dumps(pipeline, ensure_ascii=False, allow_nan=False, default=_plain)
         except (TypeError, ValueError) as e:
-            raise InputError(f"a description is made of texts, finite numbers, lists and maps: {e}") from None
+            raise InputError(f"a description may contain only texts, finite numbers, lists and maps: {e}") from None
 
     def _simulator(self, pipeline: str) -> Simulator:
         # Others wait while one is loaded, lest two load the same.

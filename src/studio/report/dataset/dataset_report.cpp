@@ -50,8 +50,7 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const S
       pictured.pictures.emplace_back(color.name(),
                                      encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));
     } catch (const Error& e) {
-      warn(std::string("the page has no pictures, since they cannot be drawn: ") +
-           e.what());  // such as: no OpenGL; the figures do not need it
+      warn(std::string("the page has no pictures: ") + e.what());  // such as: no OpenGL; the figures do not need it
     }
   }
   return pictured;
