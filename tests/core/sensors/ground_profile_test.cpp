@@ -101,8 +101,9 @@ TEST(GroundProfile, KeepsItsHeightOverGapsAndSaysHowMuchOfTheWayTheyAre) {
   for (double t = 0; t < 5; t += 0.1) EXPECT_NEAR(drive.pose(0, t).translation.z, 2, 1e-9) << t;
   EXPECT_NEAR(drive.bareShare(), 0.1, 0.005);
   const auto nothing = [](double, double) { return double{NAN}; };
-  EXPECT_THAT(messageOf([&] { on("waypoints: [[7, 0, 0], [50, 0, 0]], speed: 10, ground: drop", Hills(nothing)); }),
-              testing::AllOf(HasSubstr("trip.yaml:1"), HasSubstr("no part of the path"), HasSubstr("[7.00, 0.00, 0.00]")));
+  EXPECT_THAT(
+      messageOf([&] { on("waypoints: [[7, 0, 0], [50, 0, 0]], speed: 10, ground: drop", Hills(nothing)); }),
+      testing::AllOf(HasSubstr("trip.yaml:1"), HasSubstr("no part of the path"), HasSubstr("[7.00, 0.00, 0.00]")));
   EXPECT_THAT(messageOf([&] { on("poses: [{position: [7, 0, 0]}], ground: drop", Hills(nothing)); }),
               HasSubstr("has no ground above or below it"));
 }
