@@ -57,7 +57,8 @@ py::array_t<double> matricesOf(const std::vector<Pose>& poses) {
 py::object beamsOf(const ScanStore& store, const std::string& sensor, double time) {
   const std::shared_ptr<const BeamTable> table = store.beams(sensor, time);
   if (table == nullptr || table->direction.empty()) {
-    throw InputError({store.path().string()}, "no manifest tells the beams of the sensor '" + sensor + "'");
+    throw InputError({store.path().string()},
+                     "the beams of the sensor '" + sensor + "' are unknown, since there is no manifest");
   }
   const auto rings = static_cast<py::ssize_t>(table->rings);
   const auto columns = static_cast<py::ssize_t>(table->columns);
@@ -143,7 +144,7 @@ py::list simulate(const Simulator& simulator, const std::array<double, 4>& q, co
   {
     const py::gil_scoped_release released;
     const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    if (!(std::abs(norm - 1) < 1e-6)) throw InputError("rotation is no unit quaternion w, x, y, z");
+    if (!(std::abs(norm - 1) < 1e-6)) throw InputError("rotation must be a unit quaternion w, x, y, z");
     scans = simulator.scan({{q[0] / norm, q[1] / norm, q[2] / norm, q[3] / norm}, {t[0], t[1], t[2]}}, time, frame);
   }
   py::list all;

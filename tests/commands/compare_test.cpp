@@ -63,7 +63,8 @@ TEST_F(CompareCommand, SaysWhatToTryOfThePipeline) {
   generated("coarse", result["set"]);
   ASSERT_EQ(scanmill({"compare", at("fine"), at("coarse"), "-o", at("again"), "-q"}).code, 0);
   EXPECT_TRUE(nlohmann::json::parse(readFile(at("again/compare.json")))["advice"].empty());
-  EXPECT_THAT(readFile(at("again/index.html")), AllOf(Not(HasSubstr("What to try")), HasSubstr("nothing to try.")));
+  EXPECT_THAT(readFile(at("again/index.html")),
+              AllOf(Not(HasSubstr("What to try")), HasSubstr("there are no values to try.")));
 }
 
 TEST_F(CompareCommand, FoldersThatOthersReadAreRead) {
@@ -90,7 +91,7 @@ TEST_F(CompareCommand, WrongUseIsToldAndNothingIsLost) {
   expectRefused(scanmill({"compare", at("plain"), at("noisy"), "-o", at("out"), "--sensor", "nosuch"}),
                 "neither set has a sensor of this name");
   folder_.write("none/notes.txt", "none");
-  expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is no dataset");
+  expectRefused(scanmill({"compare", at("none"), at("noisy"), "-o", at("out")}), "is not a dataset");
   folder_.write("damaged/velodyne/000000.bin", "abc");
   expectRefused(scanmill({"compare", at("damaged"), at("noisy"), "-o", at("out")}), "no whole records of 4 float32");
   folder_.write("filled/mine.txt", "mine");

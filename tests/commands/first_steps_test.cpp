@@ -100,7 +100,7 @@ TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
   expectRefused(scanmill({"verify", pipeline_}), "verify takes the folder of a dataset, not a file");
   expectRefused(scanmill({"verify", at(".")}),
                 "verify takes the folder of a dataset, but the file " + at("./manifest.json"));
-  expectRefused(scanmill({"info", at(".")}), "is no dataset");
+  expectRefused(scanmill({"info", at(".")}), "is not a dataset");
   folder_.write("begun/.scanmill/plan", "{}");
   expectRefused(scanmill({"verify", at("begun")}),
                 "this one is unfinished: `scanmill generate PIPELINE -o " + at("begun"));
@@ -109,7 +109,7 @@ TEST_F(FirstSteps, FilesInTheWrongPlaceAreCalledByTheirName) {
 TEST_F(FirstSteps, OverwriteNeverTouchesFoldersOfOthers) {
   folder_.write("home/photo.jpg", "mine");
   folder_.write("home/letters/train-000000.tar", "mine");
-  expectRefused(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("home")}), "holds no dataset");
+  expectRefused(scanmill({"generate", pipeline_, "-q", "--overwrite", "-o", at("home")}), "has no dataset");
   EXPECT_EQ(filesEndingIn("", at("home")).size(), 2u);
 }
 

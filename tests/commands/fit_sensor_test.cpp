@@ -27,7 +27,8 @@ TEST_F(FitSensorCommand, SaysWhatItNeeds) {
   folder_.write("a.pcd",
                 "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA "
                 "ascii\n1 2 3\n");
-  expectRefused(scanmill({"fit-sensor", at("a.pcd"), "-o", at("x.yaml")}), "which beam a point belongs to");
+  expectRefused(scanmill({"fit-sensor", at("a.pcd"), "-o", at("x.yaml")}),
+                "the beams of the scans' points are unknown");
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ TEST_F(Generate, AutoTakesASettingAndSaysWhich) {
 
   const std::string impossible = "method={auto: {min_rate: 1e15, settings: [ray_tracing]}}";
   const Outcome refused = scanmill({"generate", pipeline_, "-q", "-o", at("none"), "--set", impossible});
-  expectRefused(refused, "none of the 1 settings is good enough; the nearest is ray_tracing (min_rate ");
+  expectRefused(refused, "none of the 1 settings keeps the limits; the nearest is ray_tracing (min_rate ");
   EXPECT_TRUE(filesEndingIn("", at("none")).empty());
   expectRefused(scanmill({"generate", pipeline_, "-q", "-o", at("auto"), "--set", automatic}), "--overwrite");
   expectRefused(scanmill({"render", pipeline_, "-o", at("passes"), "--set", automatic}), "take `method: depth_camera`");
@@ -455,7 +455,7 @@ TEST_F(Generate, PartsThatCannotBeMeantAreRefused) {
     return outcome.error;
   };
   EXPECT_THAT(message({"--shards", "0", "--workers", "2"}), HasSubstr("give only one of the two"));
-  EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("as in 0-9,12"));
+  EXPECT_THAT(message({"--shards", "1000"}), HasSubstr("such as 0-9,12"));
   EXPECT_THAT(message({"--worker", "1"}), HasSubstr("give both --worker I and --workers N"));
   EXPECT_THAT(message({"--workers", "3"}), HasSubstr("give both --worker I and --workers N"));
   EXPECT_THAT(message({"--worker", "3", "--workers", "3"}), HasSubstr("numbered from 0"));

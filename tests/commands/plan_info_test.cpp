@@ -128,7 +128,7 @@ TEST_F(Tell, PlanLeavesTheChoiceOfTheMethodOpen) {
                     "method={auto: {max_error: {p99: 1cm}, settings: [ray_tracing, depth_camera]}}"}),
               AllOf(HasSubstr("method: auto, one of 2 settings"), HasSubstr("4 frames x 512 beams"),
                     Not(HasSubstr("costs a frame"))));
-  expectRefused(scanmill({"plan", pipeline_, "--set", "method=auto"}), "say what is good enough");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "method=auto"}), "give limits, such as");
   expectRefused(scanmill({"plan", pipeline_, "--set", "method={auto: {max_error: {p90: 1cm}}}"}), "unknown key 'p90'");
 }
 

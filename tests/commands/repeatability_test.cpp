@@ -44,7 +44,7 @@ TEST_F(RepeatabilityCommand, SaysWhatWasMeasuredAndWhatSaysNothing) {
   ASSERT_EQ(o.code, 0) << o.error;
   EXPECT_THAT(o.out, AllOf(HasSubstr("car, seen by top"), HasSubstr("8 x 64 beams); 20"), HasSubstr("object"),
                            HasSubstr("frame"), HasSubstr("1 pose, 1 noise level: open"), Not(HasSubstr("0 +- "))));
-  EXPECT_THAT(o.error, HasSubstr("no effect of this noise moves points: intensity"));
+  EXPECT_THAT(o.error, HasSubstr("no effect of this noise moves points (intensity)"));
   const std::string page = readFile(at("out/index.html"));
   EXPECT_THAT(page, AllOf(HasSubstr("no effect of this noise moves points"), HasSubstr("<dt>object</dt><dd>car"),
                           HasSubstr("<dt>sensor</dt><dd>top")));

@@ -111,7 +111,7 @@ TEST_F(Tradeoff, TheFiguresAloneGiveTheSameReport) {
   EXPECT_THAT(filesIn(at("without")), Not(Contains(testing::Key("errors-1.png"))));
   EXPECT_TRUE(studyIn("without").pictures.empty());
   folder_.write("other.json", "{}");
-  expectRefused(scanmill({"tradeoff", at("other.json"), "-o", at("more")}), "no trade-off study");
+  expectRefused(scanmill({"tradeoff", at("other.json"), "-o", at("more")}), "not a trade-off study");
   EXPECT_FALSE(fs::exists(at("more")));
 }
 

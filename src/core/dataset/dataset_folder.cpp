@@ -56,7 +56,7 @@ void checkUse(const fs::path& folder, FolderUse use) {
   const fs::file_status hidden = fs::symlink_status(folder / kHiddenName);
   if (fs::exists(hidden) && !fs::is_directory(hidden)) {
     throw InputError({(folder / kHiddenName).string()},
-                     "is a link or a file, where a folder of this program would be: remove it");
+                     "must be a folder of this program, but is a link or a file: remove it");
   }
   const FolderContents contents = contentsOf(folder);
   if (use == FolderUse::Replace) return checkOwnership(folder, contents);
@@ -77,7 +77,7 @@ void checkUse(const fs::path& folder, FolderUse use) {
       contents.manifest         ? "add --overwrite to replace the dataset in it, or choose another output "
                                   "folder with -o"
       : contents.shards.empty() ? "choose another output folder with -o"
-                                : "there is no manifest of the shards in it, so choose another output folder with -o";
+                                : "its shards have no manifest, so choose another output folder with -o";
   throw InputError({folder.string()}, fmt::format("exists and is not empty: {}", remedy));
 }
 
@@ -148,7 +148,7 @@ void DatasetFolder::tidy(const fs::path& folder) {
 DatasetPlan DatasetFolder::planned(const fs::path& folder) {
   const fs::path file = folder / kHiddenName / kPlanName;
   if (!isUnfinished(folder)) {
-    throw InputError({folder.string()}, "holds no unfinished dataset: is it the folder that `generate -o` was given?");
+    throw InputError({folder.string()}, "has no unfinished dataset: give the folder that `generate -o` was given");
   }
   return parsePlan(readFile(file), file.string());
 }
@@ -215,7 +215,8 @@ void DatasetFolder::begin(FolderUse use) {
     turn = FolderLock::tryTake(folder_, staging_ / kTurnName, LockKind::Alone, holder);
     if (turn != nullptr) break;
     if (std::chrono::steady_clock::now() > end) {
-      throw InputError({folder_.string()}, "is being begun by " + holder + ": wait for it");
+      throw InputError({folder_.string()},
+                       "is in use by " + holder + ", which starts a dataset: wait until it has started");
     }
     std::this_thread::sleep_for(kPause);
   }
@@ -296,8 +297,8 @@ std::optional<DatasetPart> DatasetFolder::kept(const std::string& name, Check ch
   }
   if (part.plan != plan_.hash) {
     throw InputError({record.string()},
-                     "is of another pipeline, other files that it names, or another version of this program than the "
-                     "rest: remove it and its shard");
+                     "belongs to another pipeline, changed files that it names, or another version of this program "
+                     "than the other shards: remove this file and its shard");
   }
   const ShardRecord& stated = part.manifest.shards[0];
   std::error_code failure;
@@ -320,7 +321,8 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     checkPlace();
     for (const ShardRecord& shard : manifest.shards) {
       if (fs::file_size(placeOf(shard.file)) == shard.bytes) continue;
-      throw Error(fmt::format("{}: is not as it was written: --resume makes it again", placeOf(shard.file).string()));
+      throw Error(
+          fmt::format("{}: has changed since it was written: --resume makes it again", placeOf(shard.file).string()));
     }
     if (fs::exists(folder_ / kManifestName)) {
       // The manifest is moved first, and the move is flushed to the disk, so that a mixture of both datasets never
@@ -351,7 +353,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
     checkPlace();
     for (const ShardRecord& shard : manifest.shards) {
       if (isThere(folder_ / shard.file)) continue;
-      throw Error(fmt::format("{}: has vanished: --resume makes it again", (folder_ / shard.file).string()));
+      throw Error(fmt::format("{}: no longer exists: --resume makes it again", (folder_ / shard.file).string()));
     }
     file.commit();
     published_ = true;

@@ -87,7 +87,8 @@ std::vector<std::string> listedIn(const fs::path& file) {
     }
   } catch (const InputError& error) {
     throw InputError(
-        fmt::format("{}\nso what is in that folder cannot be told apart: remove it by hand, or choose "
+        fmt::format("{}\n"
+                    "so the files of that folder cannot be assigned to a dataset: remove them by hand, or choose "
                     "another output folder",
                     error.what()));
   }
@@ -123,15 +124,14 @@ void checkOwnership(const fs::path& folder, const FolderContents& contents) {
   const std::vector<std::string> own = ownShards(folder);
   for (const std::string& name : contents.shards) {
     if (std::binary_search(own.begin(), own.end(), name)) continue;
-    throw InputError(
-        {(folder / name).string()},
-        fmt::format("is in the way, and {}: move it, or choose another output folder",
-                    contents.manifest ? "the manifest there does not list it" : "there is no manifest that lists it"));
+    throw InputError({(folder / name).string()},
+                     fmt::format("exists, but {}: move it, or choose another output folder",
+                                 contents.manifest ? "the manifest does not list it" : "no manifest lists it"));
   }
   if (!contents.manifest && !contents.unfinished && !contents.foreign.empty()) {
     throw InputError({folder.string()},
-                     fmt::format("holds no dataset of this program, but files of others such as '{}': --overwrite "
-                                 "replaces datasets only; choose another output folder with -o",
+                     fmt::format("has no dataset of this program, but other files such as '{}': --overwrite replaces "
+                                 "only datasets; choose another output folder with -o",
                                  contents.foreign));
   }
 }

@@ -24,9 +24,9 @@ Json parseJson(const std::string& text, const std::string& file) {
     const std::size_t colon = what.find(": ");
     throw InputError(
         placeOfByte(text, error.byte, file),
-        fmt::format("is no whole JSON: {}", colon == std::string_view::npos ? what : what.substr(colon + 2)));
+        fmt::format("is not complete JSON: {}", colon == std::string_view::npos ? what : what.substr(colon + 2)));
   } catch (const Json::exception& error) {
-    throw InputError({file}, fmt::format("is no valid JSON: {}", error.what()));
+    throw InputError({file}, fmt::format("is not valid JSON: {}", error.what()));
   }
 }
 
@@ -35,7 +35,8 @@ Pose poseOf(const JsonNode& node) {
   const std::vector<double> q = node["rotation"].numbers(4);
   const std::vector<double> t = node["translation"].numbers(3);
   const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(std::abs(norm - 1) < 1e-6)) node["rotation"].fail(fmt::format("is no unit quaternion (its norm is {})", norm));
+  if (!(std::abs(norm - 1) < 1e-6))
+    node["rotation"].fail(fmt::format("is not a unit quaternion (its norm is {})", norm));
   return {{q[0], q[1], q[2], q[3]}, {t[0], t[1], t[2]}};
 }
 
@@ -54,8 +55,8 @@ Ontology ontologyOf(const JsonNode& node) {
     c.thing = item["thing"].boolean();
     if (item.has("aliases")) c.aliases = item["aliases"].texts();
     for (const SemanticClass& other : ontology.classes) {
-      if (other.id == c.id) item["id"].fail(fmt::format("{} is given to '{}' too", c.id, other.name));
-      if (other.name == c.name) item["name"].fail(fmt::format("'{}' is given to class {} too", c.name, other.id));
+      if (other.id == c.id) item["id"].fail(fmt::format("{} is also the id of '{}'", c.id, other.name));
+      if (other.name == c.name) item["name"].fail(fmt::format("'{}' is also the name of class {}", c.name, other.id));
     }
     ontology.classes.push_back(std::move(c));
   });

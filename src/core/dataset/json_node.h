@@ -89,7 +89,7 @@ class JsonNode {
   }
   template <class Integer>
   Integer integer(std::uint64_t low = 0, std::uint64_t high = std::numeric_limits<Integer>::max()) const {
-    expect(value_.is_number_unsigned(), "a whole number from 0");
+    expect(value_.is_number_unsigned(), "a whole number of at least 0");
     const std::uint64_t number = value_.get<std::uint64_t>();
     if (number < low || number > high) fail(fmt::format("{} is not within {} to {}", number, low, high));
     return static_cast<Integer>(number);
@@ -97,7 +97,7 @@ class JsonNode {
   std::string sha256() const {
     std::string hash = text();
     if (hash.size() != 64 || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
-      fail("is no SHA-256 (64 hexadecimal digits in lower case)");
+      fail("is not a SHA-256 (64 hexadecimal digits in lower case)");
     }
     return hash;
   }
@@ -109,13 +109,13 @@ class JsonNode {
   std::vector<double> numbers(std::size_t count) const {
     std::vector<double> list;
     forEach([&](const JsonNode& item) { list.push_back(item.number()); });
-    if (list.size() != count) fail(fmt::format("has {} numbers where {} belong", list.size(), count));
+    if (list.size() != count) fail(fmt::format("has {} numbers, but must have {}", list.size(), count));
     return list;
   }
 
  private:
   void expect(bool holds, std::string_view what) const {
-    if (!holds) fail(fmt::format("is {} where {} belongs", value_.type_name(), what));
+    if (!holds) fail(fmt::format("is {}, but must be {}", value_.type_name(), what));
   }
 
   const Json& value_;

@@ -66,7 +66,7 @@ std::string layOutList(const std::vector<std::string>& items, std::size_t indent
 }
 
 double finite(double value, std::string_view what) {
-  if (!std::isfinite(value)) throw Error(fmt::format("{} is {}: a manifest cannot hold it", what, value));
+  if (!std::isfinite(value)) throw Error(fmt::format("{} is {}, which a manifest cannot store", what, value));
   return value;
 }
 

@@ -257,12 +257,12 @@ std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std
 std::string digestProblem(std::string text) {
   constexpr std::string_view kKey = "\"digest\": \"";
   const std::size_t key = text.rfind(kKey);
-  if (key == std::string::npos) return "has no digest, by which changes of it could be found";
+  if (key == std::string::npos) return "has no digest, so that changes of it cannot be detected";
   const std::string stated = text.substr(key + kKey.size(), kNoDigest.size());
   text.replace(key + kKey.size(), stated.size(), kNoDigest);
   const std::string found = sha256(text);
   if (found == stated) return {};
-  return fmt::format("was changed since it was written: its digest is {}, and it states {}", found, stated);
+  return fmt::format("was changed since it was written: its digest is {}, but it states {}", found, stated);
 }
 
 std::string sampleJson(const SampleRecord& sample) {
@@ -272,7 +272,7 @@ std::string sampleJson(const SampleRecord& sample) {
 std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample) {
   if (text == sampleJson(sample)) return {};
   const OrderedJson found = OrderedJson::parse(text, nullptr, false);
-  if (found.is_discarded()) return "is no valid JSON";
+  if (found.is_discarded()) return "is not valid JSON";
   const OrderedJson expected = sampleObject(sample);
   const OrderedJson changes = OrderedJson::diff(expected, found);
   if (changes.empty()) return {};

@@ -79,7 +79,7 @@ ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
   std::uint64_t sum = 0;
   node.forEachEntry([&](const std::string& name, const JsonNode& count) {
     const ReasonEntry* known = findReason(name);
-    if (known == nullptr) count.fail(fmt::format("'{}' is no reason", name));
+    if (known == nullptr) count.fail(fmt::format("'{}' is not a reason", name));
     counts[static_cast<std::uint8_t>(known->reason)] = count.integer<std::uint64_t>(1, beams);
     sum += count.integer<std::uint64_t>();
   });
@@ -148,7 +148,8 @@ ShardRecord shardOf(const JsonNode& node) {
   // Overwriting a dataset removes the files that its manifest names, so no name may lead outside of the dataset's
   // folder.
   if (!isShardName(shard.file) || !shard.file.starts_with(shard.split + "/")) {
-    node["file"].fail(fmt::format("'{}' is no shard of split '{}' (SPLIT/SPLIT-000000.tar)", shard.file, shard.split));
+    node["file"].fail(
+        fmt::format("'{}' is not a shard of the split '{}' (SPLIT/SPLIT-000000.tar)", shard.file, shard.split));
   }
   shard.sha256 = node["sha256"].sha256();
   shard.bytes = node["bytes"].integer<std::uint64_t>();
@@ -162,15 +163,16 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
   SampleRecord sample;
   sample.key = node["key"].text();
   if (sample.key.empty() || sample.key.find_first_of("./") != std::string::npos) {
-    node["key"].fail(fmt::format("'{}' is no key (text without dots and slashes)", sample.key));
+    node["key"].fail(fmt::format("'{}' is not a key (text without dots and slashes)", sample.key));
   }
   sample.split = node["split"].text();
   sample.shard = node["shard"].integer<std::uint32_t>();
   if (sample.shard >= manifest.shards.size()) {
-    node["shard"].fail(fmt::format("{} is out of range: there are {} shards", sample.shard, manifest.shards.size()));
+    node["shard"].fail(
+        fmt::format("{} is out of range: the dataset has {} shards", sample.shard, manifest.shards.size()));
   }
   if (manifest.shards[sample.shard].split != sample.split) {
-    node["split"].fail(fmt::format("is '{}' but shard {} is of '{}'", sample.split, sample.shard,
+    node["split"].fail(fmt::format("is '{}', but shard {} belongs to '{}'", sample.split, sample.shard,
                                    manifest.shards[sample.shard].split));
   }
   node["members"].forEach([&](const JsonNode& item) {
@@ -185,7 +187,7 @@ SampleRecord sampleOf(const JsonNode& node, const Manifest& manifest) {
       sample.xxh3.push_back(item.text());
       if (sample.xxh3.back().size() != 16 ||
           sample.xxh3.back().find_first_not_of("0123456789abcdef") != std::string::npos) {
-        item.fail("is no XXH3 (16 hexadecimal digits in lower case)");
+        item.fail("is not an XXH3 (16 hexadecimal digits in lower case)");
       }
     });
     if (sample.xxh3.size() != sample.members.size()) {
@@ -213,7 +215,7 @@ void checkVersion(const JsonNode& root, const Json& json, const std::string& fil
     version.fail(fmt::format("{} is newer than this program, which reads up to {}: update scanmill", found,
                              Manifest::kSchemaVersion));
   }
-  if (found < 1) version.fail(fmt::format("{} is no version: the first is 1", found));
+  if (found < 1) version.fail(fmt::format("{} is not a version: the first version is 1", found));
 }
 
 Manifest manifestOf(const JsonNode& root) {
@@ -270,7 +272,7 @@ void readSamples(const std::filesystem::path& folder, std::uint32_t number, cons
   const std::string file = (folder / samplesFileOf(shard.file)).string();
   const std::string text = readFile(file);
   if (sha256(text) != shard.samplesSha256) {
-    throw InputError({file}, "was changed since it was written: its SHA-256 is not the one that the manifest states");
+    throw InputError({file}, "was changed since it was written: its SHA-256 differs from the manifest");
   }
   const Json json = parseJson(text, file);
   const JsonNode root(json, "", file);
@@ -285,7 +287,8 @@ void readSamples(const std::filesystem::path& folder, std::uint32_t number, cons
   root["samples"].forEach([&](const JsonNode& item) {
     SampleRecord sample = sampleOf(item, head);
     if (sample.shard != number) item["shard"].fail(fmt::format("is not {}, the number of {}", number, shard.file));
-    if (next >= numbers.size() || !samples[numbers[next]].key.empty()) item.fail("has no number of its own");
+    if (next >= numbers.size() || !samples[numbers[next]].key.empty())
+      item.fail("has no number, or the number of another sample");
     samples[numbers[next++]] = std::move(sample);
   });
   if (next != shard.samples) root["samples"].fail(fmt::format("has {} entries, not {}", next, shard.samples));
@@ -305,8 +308,8 @@ Manifest readManifest(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (std::filesystem::is_directory(folder, ignored) && !std::filesystem::exists(file, ignored)) {
     throw InputError({folder.string()},
-                     "has no manifest.json: it is no dataset, or the run that wrote it did not end: generate it with "
-                     "--resume, or anew with --overwrite");
+                     "has no manifest.json: it is not a dataset, or the run that wrote it did not end: continue it by "
+                     "generate --resume, or start again with --overwrite");
   }
   Manifest manifest = parseManifest(readFile(file), file.string());
   const auto inFile = [](const ShardRecord& shard) { return !shard.samplesSha256.empty(); };

@@ -35,10 +35,11 @@ Manifest mergeDataset(const std::filesystem::path& folder) {
   }
   if (!missing.empty()) {
     const std::string ranges = shardRanges(missing);
-    throw InputError({folder.string()},
-                     fmt::format("{} of {} shards are missing or damaged: {}; make them with `scanmill generate "
-                                 "PIPELINE -o {} --shards {}`",
-                                 missing.size(), names.size(), ranges, folder.string(), ranges));
+    throw InputError(
+        {folder.string()},
+        fmt::format(
+            "{} of {} shards are missing or damaged: {}; make them by `scanmill generate PIPELINE -o {} --shards {}`",
+            missing.size(), names.size(), ranges, folder.string(), ranges));
   }
   Manifest manifest = joinParts(plan, std::move(parts));
   opened.publish(manifest);

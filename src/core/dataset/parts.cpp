@@ -36,7 +36,7 @@ DatasetPlan parsePlan(const std::string& text, const std::string& file) {
   if (root.has("method_choice")) plan.chosen = choiceOf(root["method_choice"]);
   root["splits"].forEach([&](const JsonNode& item) {
     item.keys({"split", "shards"});
-    if (!isSplitName(item["split"].text())) item["split"].fail("is no name of a split");
+    if (!isSplitName(item["split"].text())) item["split"].fail("is not a name of a split");
     plan.shardsOfSplit.emplace_back(item["split"].text(), item["shards"].integer<std::uint64_t>());
   });
   return plan;
@@ -58,13 +58,13 @@ DatasetPart parsePart(const std::string& text, const std::string& file) {
   root["numbers"].forEach([&](const JsonNode& number) { part.numbers.push_back(number.integer<std::uint64_t>()); });
   if (const std::string problem = digestProblem(manifest); !problem.empty()) throw InputError({file}, problem);
   if (part.manifest.shards.size() != 1 || part.manifest.samples.size() != part.numbers.size()) {
-    throw InputError({file}, "does not hold one shard with all its samples");
+    throw InputError({file}, "must have exactly one shard with all its samples");
   }
   return part;
 }
 
 Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts) {
-  if (parts.empty()) throw Error("a dataset has at least one shard");
+  if (parts.empty()) throw Error("a dataset must have at least one shard");
   Manifest whole = parts.front().manifest;
   whole.shards.clear();
   whole.samples.assign(plan.samples, {});
@@ -75,7 +75,8 @@ Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts) {
     for (std::size_t i = 0; i < part.samples.size(); ++i) {
       const std::uint64_t number = parts[shard].numbers[i];
       if (number >= plan.samples) {
-        throw Error(fmt::format("{}: sample {} is not among the plan's {}", part.shards[0].file, number, plan.samples));
+        throw Error(fmt::format("{}: sample {} is out of range: the plan has {} samples", part.shards[0].file, number,
+                                plan.samples));
       }
       SampleRecord& sample = whole.samples[number];
       if (!sample.key.empty()) {

@@ -37,7 +37,9 @@ OrderedJson posesJson(const std::vector<Pose>& poses, const std::string& what) {
 Pose poseOfNumbers(const JsonNode& node) {
   const std::vector<double> n = node.numbers(7);
   const double norm = n[0] * n[0] + n[1] * n[1] + n[2] * n[2] + n[3] * n[3];
-  if (!(std::abs(norm - 1) < 1e-6)) node.fail("starts with no unit quaternion [w, x, y, z, then the position x, y, z]");
+  if (!(std::abs(norm - 1) < 1e-6))
+    node.fail(
+        "must be a unit quaternion w, x, y, z and then the position x, y, z, but the quaternion has another length");
   return {{n[0], n[1], n[2], n[3]}, {n[4], n[5], n[6]}};
 }
 
@@ -115,7 +117,7 @@ Material materialOf(const JsonNode& node) {
 std::string fileOf(const JsonNode& node) {
   std::string name = node.text();
   if (name.empty() || fs::path(name).filename() != name || name == "." || name == "..") {
-    node.fail(fmt::format("'{}' is no name of a file in this folder", name));
+    node.fail(fmt::format("'{}' must be the name of a file in this folder", name));
   }
   return name;
 }
@@ -129,7 +131,7 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
     node["scene"].fail(
         fmt::format("'{}' becomes part of file names: use lower-case letters, digits, '-' and '_'", s.scene));
   }
-  if (s.trajectory.empty()) node["trajectory"].fail("becomes part of file names: it is empty");
+  if (s.trajectory.empty()) node["trajectory"].fail("becomes part of file names, so it must not be empty");
   s.frames = node["frames"].integer<std::uint32_t>(1, 10'000'000);
   if (node.has("seed")) s.seed = node["seed"].integer<std::uint64_t>();
   if (node.has("materials")) s.materials = node["materials"].integer<std::uint32_t>();
@@ -137,7 +139,7 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
     node["without"].forEach([&](const JsonNode& item) { s.without.push_back(item.text()); });
   }
   if (s.materials >= std::max<std::size_t>(tables, 1))
-    node["materials"].fail(fmt::format("there are {} tables", tables));
+    node["materials"].fail(fmt::format("is out of range: the recording has {} tables of materials", tables));
   return s;
 }
 
@@ -161,21 +163,20 @@ bool isOurs(const std::string& name, const Recording& earlier) {
 void removeEarlier(const fs::path& folder) {
   const std::optional<RecordingKind> kind = recordingIn(folder);
   if (!kind) {
-    throw InputError(
-        {folder.string()},
-        "holds files but no finished recording: --overwrite replaces recordings only; remove them by hand, "
-        "or choose another folder");
+    throw InputError({folder.string()},
+                     "has files but no finished recording: --overwrite replaces only recordings; remove the files by "
+                     "hand, or choose another folder");
   }
   const Recording earlier = readRecording(folder, *kind);
   if (earlier.programVersion.empty()) {
-    throw InputError({folder.string()}, "holds a recording that another program made: choose another folder");
+    throw InputError({folder.string()}, "has a recording that another program made: choose another folder");
   }
   std::vector<fs::path> old;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file() || !isOurs(entry.path().filename().string(), earlier)) {
-      throw InputError(
-          {entry.path().string()},
-          "is no file of the recording there: --overwrite replaces recordings only; choose another folder");
+      throw InputError({entry.path().string()},
+                       "does not belong to the recording in this folder: --overwrite replaces only recordings; choose "
+                       "another folder");
     }
     old.push_back(entry.path());
   }
@@ -197,7 +198,7 @@ void prepareFolder(const fs::path& folder, bool overwrite) {
     }
     removeEarlier(folder);
   } catch (const fs::filesystem_error& error) {
-    throw InputError({folder.string()}, "cannot be used as folder of a recording: " + error.code().message());
+    throw InputError({folder.string()}, "cannot be used as the folder of a recording: " + error.code().message());
   }
 }
 
@@ -224,14 +225,14 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   std::error_code ignored;
   if (fs::is_directory(folder, ignored) && !fs::exists(file, ignored)) {
     throw InputError({folder.string()},
-                     "has no recording.json: it is no recording, or the run that wrote it did not end; make one with "
+                     "has no recording.json: it is not a recording, or the run that wrote it did not end; make one by "
                      "scanmill generate --keep-hits or --keep-passes");
   }
   const Json json = parseJson(readFile(file), file.string());
   const std::string name = file.string();
   const JsonNode root(json, "", name);
   if (!json.is_object() || json.value("what", Json()) != kWhat) {
-    throw InputError({name}, fmt::format("is no recording: /what must be '{}'", kWhat));
+    throw InputError({name}, fmt::format("is not a recording: /what must be '{}'", kWhat));
   }
   root.keys({"what", "schema_version", "kind", "sensors", "sequences"},
             {"program", "method", "ontology", "materials", "modelled"});
@@ -277,7 +278,7 @@ Recording readRecording(const fs::path& folder, RecordingKind kind) {
   root["sequences"].forEach([&](const JsonNode& item) {
     r.sequences.push_back(sequenceOf(item, tables));
     const RecordedSequence& s = r.sequences.back();
-    if (!known.insert(fmt::format("{} {} {}", s.scene, s.seed, s.trajectory)).second) item.fail("stands twice");
+    if (!known.insert(fmt::format("{} {} {}", s.scene, s.seed, s.trajectory)).second) item.fail("is listed twice");
   });
   if (r.sequences.empty()) root["sequences"].fail("is empty: nothing was recorded");
   return r;
@@ -316,7 +317,8 @@ RecordedShot Recording::shot(const std::string& sample, const std::string& senso
     step.firstColumn = static_cast<std::uint32_t>(std::clamp(columns[0], 0.0, 65536.0));
     step.endColumn = static_cast<std::uint32_t>(std::clamp(columns[1], 0.0, 65536.0));
     if (columns[0] != next || !(columns[1] > columns[0]) || step.endColumn != columns[1]) {
-      item["columns"].fail(fmt::format("must be [first, end] with first = {}: the steps follow each other", next));
+      item["columns"].fail(
+          fmt::format("must be [first, end] with first = {}, since steps must have consecutive columns", next));
     }
     next = step.endColumn;
     step.worldFromRig =
@@ -327,7 +329,7 @@ RecordedShot Recording::shot(const std::string& sample, const std::string& senso
   });
   const auto known = std::find_if(sensors.begin(), sensors.end(), [&](const auto& s) { return s.name == sensor; });
   if (known != sensors.end() && next != known->columns) {
-    root["steps"].fail(fmt::format("end at column {}, but '{}' has {}", next, sensor, known->columns));
+    root["steps"].fail(fmt::format("end at column {}, but '{}' has {} columns", next, sensor, known->columns));
   }
   return shot;
 }

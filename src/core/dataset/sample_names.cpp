@@ -63,7 +63,7 @@ std::string lowerCase(std::string text) {
 }
 
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where) {
-  if (keys.empty()) throw InputError({where}, "holds no sample");
+  if (keys.empty()) throw InputError({where}, "has no samples");
   if (wanted.empty()) return keys.size() / 2;
   const auto found = std::find(keys.begin(), keys.end(), wanted);
   if (found != keys.end()) return static_cast<std::size_t>(found - keys.begin());
@@ -79,8 +79,8 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& wan
   }
   if (holding.size() == 1) return holding.front();
   if (number) {
-    throw InputError({where}, fmt::format("has the samples 0 to {}, not {}: such an index or a key chooses one",
-                                          keys.size() - 1, wanted));
+    throw InputError(
+        {where}, fmt::format("has the samples 0 to {}, not {}: give such an index, or a key", keys.size() - 1, wanted));
   }
   if (!holding.empty()) {
     constexpr std::size_t kListed = 6;
@@ -88,10 +88,10 @@ std::size_t findKey(const std::vector<std::string>& keys, const std::string& wan
     for (std::size_t i = 0; i < std::min(kListed, holding.size()); ++i) some.push_back(keys[holding[i]]);
     const std::string more =
         holding.size() > kListed ? fmt::format(" and {} more", holding.size() - kListed) : std::string();
-    throw InputError({where}, fmt::format("'{}' is part of {} keys, name more of one: {}{}", wanted, holding.size(),
+    throw InputError({where}, fmt::format("'{}' is part of {} keys: give more of one key: {}{}", wanted, holding.size(),
                                           fmt::join(some, ", "), more));
   }
-  throw InputError({where}, fmt::format("has no sample '{}'; the nearest of {} keys: {}", wanted, keys.size(),
+  throw InputError({where}, fmt::format("has no sample '{}'; the most similar of {} keys are: {}", wanted, keys.size(),
                                         fmt::join(nearestKeys(wanted, keys), ", ")));
 }
 

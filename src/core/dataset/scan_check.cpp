@@ -99,10 +99,11 @@ class ScanCheck {
       return std::find(names.begin(), names.end(), name) != names.end();
     };
     for (const std::string& name : found) {
-      if (!has(manifest_.columns, name)) problem("column {}, of which the manifest says nothing", name);
+      if (!has(manifest_.columns, name)) problem("the scan has the column {}, but the manifest does not list it", name);
     }
     for (const std::string& name : manifest_.columns) {
-      if (!has(found, name) && name != kTime.row.name) problem("no column {}, but the manifest says so", name);
+      if (!has(found, name) && name != kTime.row.name)
+        problem("the scan has no column {}, but the manifest lists it", name);
     }
   }
 
@@ -115,7 +116,7 @@ class ScanCheck {
     const double reach = kNoiseReach * beams_->maxRange + std::hypot(beams_->originOffset, beams_->originHeight) +
                          std::hypot(most(beams_->originLeft), most(beams_->originUp)) + egoMotion(record_) + maxError_;
     Rule finite("not finite");
-    Rule near(fmt::format("farther than {:.6g} m, the sensor's reach", reach));
+    Rule near(fmt::format("farther than {:.6g} m, the sensor's greatest range", reach));
     std::uint64_t points = 0;
     for (std::size_t i = 0; i < scan_.size(); ++i) {
       if (isMiss(i)) continue;
@@ -144,14 +145,14 @@ class ScanCheck {
       rule.report(problems_);
     };
     const auto below = [&](std::uint32_t count) {
-      check(fmt::format("of a {} beyond {}", column.name, count - 1),
+      check(fmt::format("with a {} above {}", column.name, count - 1),
             [&](std::size_t, double value) { return value < count; });
     };
     switch (column.validity) {
       case ColumnValidity::Any:
         return;
       case ColumnValidity::Finite:
-        return check(fmt::format("of {} that is not finite", column.name),
+        return check(fmt::format("with {} not finite", column.name),
                      [](std::size_t, double value) { return std::isfinite(value); });
       case ColumnValidity::Rings:
         return below(beams_->rings);
@@ -159,7 +160,7 @@ class ScanCheck {
         return below(beams_->columns);
       case ColumnValidity::SensorRange: {
         const double slack = maxError_ + kRangeRounding * beams_->maxRange;
-        return check(fmt::format("of {} outside {:.6g} to {:.6g} m", column.name, beams_->minRange, beams_->maxRange),
+        return check(fmt::format("with {} outside {:.6g} to {:.6g} m", column.name, beams_->minRange, beams_->maxRange),
                      [&](std::size_t i, double value) {
                        return isMiss(i) || (std::isnan(value) && mayComeFromNothing(i)) ||
                               (value >= beams_->minRange - slack && value <= beams_->maxRange + slack);
@@ -169,7 +170,7 @@ class ScanCheck {
         // Twice the largest error that a lossy format may cause, and the rounding of a bound to float32.
         const double slack = 2 * column.lossBound + 1e-6 * std::max(std::abs(column.low), std::abs(column.high));
         return check(
-            fmt::format("of {} outside {:.6g} to {:.6g} {}", column.name, column.low, column.high, column.unit),
+            fmt::format("with {} outside {:.6g} to {:.6g} {}", column.name, column.low, column.high, column.unit),
             [&](std::size_t, double value) {
               return std::isnan(value) || (value >= column.low - slack && value <= column.high + slack);
             });
@@ -186,7 +187,7 @@ class ScanCheck {
     for (const auto& [id, points] : counts) {
       const SemanticClass* known = manifest_.ontology.find(id);
       if (known == nullptr) {
-        problem("{} points of class {}, which ontology '{}' lacks", points, id, manifest_.ontology.name);
+        problem("{} points of class {}, which is not in the ontology '{}'", points, id, manifest_.ontology.name);
         continue;
       }
       const auto listed = record_.pointsPerClass.find(id);

@@ -10,7 +10,8 @@ ScanSource findScan(const std::filesystem::path& path, const std::string& sample
   const ScanStore store(path);
   if (store.single()) {
     if (!sample.empty() || !sensor.empty()) {
-      throw InputError({path.string()}, "is a single scan: --sample and --sensor choose from a dataset or a shard");
+      throw InputError({path.string()},
+                       "is a single scan, so that --sample and --sensor have no effect: leave them out");
     }
     return {store.decode(0, {}), store.keys().front(), {}};
   }

@@ -31,12 +31,14 @@ void requireDataset(const fs::path& folder) {
   std::error_code ignored;
   if (fs::exists(folder / kManifestName, ignored)) return;
   if (recordingIn(folder)) {
-    throw InputError({folder.string()}, "is a recording, not a dataset: `scanmill generate` makes scans of it");
+    throw InputError(
+        {folder.string()},
+        "is a recording, not a dataset: `scanmill generate --from-hits` or `--from-passes` makes scans from it");
   }
   throw InputError({folder.string()},
-                   fmt::format("is no dataset: it holds no {}, which `scanmill generate` writes last; "
-                               "a shard, .tar, or a single scan opens without, and folders of recorded scans: "
-                               "SemanticKITTI's, KITTI's, nuScenes', or files {}",
+                   fmt::format("is not a dataset: it has no {}, which `scanmill generate` writes last. Without it, "
+                               "these can be opened: a shard (.tar), a single scan, and a folder of recorded scans of "
+                               "SemanticKITTI, KITTI or nuScenes, or with files {}",
                                kManifestName, scanSuffixes()));
 }
 
@@ -55,7 +57,7 @@ std::shared_ptr<const Manifest> manifestOf(const fs::path& shard, fs::path& fold
         return manifest;
       }
     } catch (const InputError& e) {
-      warn(fmt::format("the classes stay without names: {}", e.what()));
+      warn(fmt::format("classes are shown without names: {}", e.what()));
     }
   }
   return nullptr;
@@ -90,11 +92,11 @@ ScanStore::ScanStore(fs::path path, Digests digests) : digests_(digests), path_(
 void ScanStore::openSingle() {
   const std::string suffix = path_.extension().string();
   if (!isScan(path_)) {
-    throw InputError({path_.string()},
-                     fmt::format("is neither a dataset's folder nor one of .tar, {}{}", scanSuffixes(),
-                                 suffix == ".yaml" ? "; pictures of scenes are `scanmill view "
-                                                     "SCENE.yaml --screenshot FILE.png`"
-                                                   : ""));
+    throw InputError(
+        {path_.string()},
+        fmt::format(
+            "is neither the folder of a dataset nor a file of the kinds .tar, {}{}", scanSuffixes(),
+            suffix == ".yaml" ? "; for a picture of a scene: `scanmill view SCENE.yaml --screenshot FILE.png`" : ""));
   }
   single_ = formatBySuffix(suffix.substr(1)) != nullptr ? decodeMember(path_.string(), readFile(path_))
                                                         : readCloud(path_).scan;
@@ -220,7 +222,7 @@ std::vector<StoredScan> ScanStore::scans(std::size_t sample, const std::string& 
   }
   const std::string where = shards_[own.shard].file.string();
   if (all.empty()) {
-    throw InputError({where}, fmt::format("holds no scan of the sample '{}' in a known format", keys_[sample]));
+    throw InputError({where}, fmt::format("has no scan of the sample '{}' in a known format", keys_[sample]));
   }
   if (sensor.empty()) return all;
   std::vector<StoredScan> wanted;
@@ -263,7 +265,7 @@ std::optional<SampleObjects> ScanStore::objects(std::size_t sample) const {
   if (member == nullptr) {
     const SampleRecord* const record = samples_[sample].record;
     if (record == nullptr || !record->objects) return {};
-    throw InputError({index.file().string()}, fmt::format("lacks the member {} that the manifest lists", name));
+    throw InputError({index.file().string()}, fmt::format("has no member {}, but the manifest lists it", name));
   }
   const std::string bytes = index.read(*member);
   requireUnchanged(samples_[sample], name, bytes);
@@ -342,10 +344,10 @@ Scan ScanStore::decode(std::size_t sample, const StoredScan& scan) const {
     const auto fail = [&](const std::string& what) { failures += (failures.empty() ? "" : "; ") + what; };
     const ShardMember* member = index.find(name);
     if (member == nullptr && !index.damage().empty()) {
-      throw InputError(fmt::format("{}; {} lies behind that", index.damage(), name));
+      throw InputError(fmt::format("{}; {} comes after the damage", index.damage(), name));
     }
     if (member == nullptr) {
-      fail(fmt::format("lacks the member {} that the manifest lists", name));
+      fail(fmt::format("has no member {}, but the manifest lists it", name));
       continue;
     }
     const std::string bytes = index.read(*member);

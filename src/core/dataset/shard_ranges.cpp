@@ -24,15 +24,15 @@ std::string shardRanges(const std::vector<std::uint64_t>& numbers) {
 
 std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t count) {
   const auto fail = [&](const std::string& why) {
-    throw InputError(fmt::format("'{}': {}; shards are given as in 0-9,12", text, why));
+    throw InputError(fmt::format("'{}': {}; give shards such as 0-9,12", text, why));
   };
   std::set<std::uint64_t> numbers;
   const auto number = [&](std::string_view digits) {
     std::uint64_t value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || end != digits.data() + digits.size()) fail(fmt::format("'{}' is no number", digits));
+    if (error != std::errc() || end != digits.data() + digits.size()) fail(fmt::format("'{}' is not a number", digits));
     if (value >= count) {
-      fail(count == 1 ? "the plan has one shard, 0" : fmt::format("the plan has the shards 0 to {}", count - 1));
+      fail(count == 1 ? "the plan has only the shard 0" : fmt::format("the plan has the shards 0 to {}", count - 1));
     }
     return value;
   };
@@ -42,7 +42,7 @@ std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t
     const std::size_t dash = range.find('-');
     const std::uint64_t low = number(range.substr(0, dash));
     const std::uint64_t high = dash == std::string_view::npos ? low : number(range.substr(dash + 1));
-    if (high < low) fail(fmt::format("{} is above {}", low, high));
+    if (high < low) fail(fmt::format("{} is greater than {}", low, high));
     for (std::uint64_t n = low; n <= high; ++n) numbers.insert(n);
     first = comma + 1;
   }

@@ -29,17 +29,18 @@ void checkNames(const Sample& sample) {
   const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
   if (sample.key.empty() ||
       !std::all_of(sample.key.begin(), sample.key.end(), [&](char c) { return plain(c) && c != '.'; })) {
-    refuse(sample, "a key is printable ASCII without dots, slashes and spaces");
+    refuse(sample, "its key must be printable ASCII without dots, slashes and spaces");
   }
-  if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is no name of a split", sample.split));
+  if (!isSplitName(sample.split)) refuse(sample, fmt::format("'{}' is not a name of a split", sample.split));
   std::set<std::string_view> suffixes{kJsonSuffix};
   for (const Member& member : sample.members) {
     const std::string& suffix = member.suffix;
     if (suffix.empty() || suffix.front() == '.' ||
         !std::all_of(suffix.begin(), suffix.end(), [&](char c) { return plain(c) && !(c >= 'A' && c <= 'Z'); })) {
-      refuse(sample, fmt::format("suffix '{}' is not lower-case printable ASCII without slashes and spaces", suffix));
+      refuse(sample,
+             fmt::format("the suffix '{}' must be lower-case printable ASCII without slashes and spaces", suffix));
     }
-    if (!suffixes.insert(suffix).second) refuse(sample, fmt::format("suffix '{}' is there twice", suffix));
+    if (!suffixes.insert(suffix).second) refuse(sample, fmt::format("the suffix '{}' is used twice", suffix));
   }
 }
 
@@ -69,10 +70,10 @@ ShardWriter::ShardWriter(const std::filesystem::path& folder, const std::string&
     : part_{{name, split, {}, 0, 0}, {}}, file_(madeFolderOf(folder / name)) {}
 
 void ShardWriter::add(const Sample& sample) {
-  if (broken_) refuse(sample, "an earlier one failed");
+  if (broken_) refuse(sample, "an earlier sample of this shard failed");
   checkNames(sample);
   if (sample.split != part_.shard.split) {
-    refuse(sample, fmt::format("it is of the split {}, the shard of {}", sample.split, part_.shard.split));
+    refuse(sample, fmt::format("it belongs to the split {}, but the shard to {}", sample.split, part_.shard.split));
   }
   SampleRecord record = recordOf(sample);
   const std::string json = sampleJson(record);

@@ -18,8 +18,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
-constexpr const char* kAdvice = "; --set splits=null puts all into train";
-using Assignment = std::map<std::string, std::string>;  // by group: its split
+constexpr const char* kAdvice = "; --set splits=null puts all sequences into train";
+using Assignment = std::map<std::string, std::string>;  // the split of each group
 
 std::string groupOf(const SequenceName& sequence, bool bySeed) {
   return bySeed ? std::to_string(sequence.seed) : sequence.trajectory;
@@ -71,18 +71,19 @@ Assignment byShares(Fields& fields, const std::set<std::string>& groups, const s
     shares[i] = fields.number(kSplits[i], {0, 1}, 0);
     sum += shares[i];
   }
-  if (std::abs(sum - 1) > 1e-6) throw InputError(fields.where(), fmt::format("the shares sum to {}, not to 1", sum));
+  if (std::abs(sum - 1) > 1e-6)
+    throw InputError(fields.where(), fmt::format("the sum of the shares is {}, but must be 1", sum));
   const auto counts = apportion(shares, groups.size());
   const std::vector<std::string> order = shuffled(groups, seed);
   Assignment splits;
   std::size_t next = 0;
   for (std::size_t i = 0; i < kSplits.size(); ++i) {
     if (shares[i] > 0 && counts[i] == 0) {
-      throw InputError(fields.require(kSplits[i]).where,
-                       fmt::format("{}: a share of {} of {} {} is none at all: add {}, change the shares, or list each "
-                                   "split's {}",
-                                   kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by),
-                                   plural(by), plural(by)));
+      throw InputError(
+          fields.require(kSplits[i]).where,
+          fmt::format(
+              "{}: a share of {} of {} {} is less than one: add {}, change the shares, or list the {} of each split",
+              kSplits[i], shares[i], groups.size(), groups.size() == 1 ? by : plural(by), plural(by), plural(by)));
     }
     for (std::size_t n = 0; n < counts[i]; ++n) splits[order[next++]] = kSplits[i];
   }
@@ -110,7 +111,7 @@ Assignment byLists(Fields& fields, const std::set<std::string>& groups, const st
     if (list == nullptr) continue;
     for (const auto& [group, where] : listedGroups(*list, by)) {
       if (!groups.contains(group)) {
-        throw InputError(where, fmt::format("no sequence has the {} {} (there are: {}){}", by, group, known, kAdvice));
+        throw InputError(where, fmt::format("no sequence has the {} {} (known: {}){}", by, group, known, kAdvice));
       }
       const auto [entry, isNew] = splits.emplace(group, split);
       if (!isNew) throw InputError(where, fmt::format("{} {} is in '{}' already", by, group, entry->second));
@@ -132,7 +133,7 @@ bool usesLists(Fields& fields) {
     const Value* value = fields.find(split);
     if (value == nullptr) continue;
     const bool isList = value->kind == Value::Kind::Sequence;
-    if (any && isList != lists) throw InputError(value->where, "shares and lists cannot be mixed");
+    if (any && isList != lists) throw InputError(value->where, "splits must be either all shares or all lists");
     any = true;
     lists = isList;
   }

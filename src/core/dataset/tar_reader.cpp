@@ -34,15 +34,15 @@ bool TarReader::next() {
     checkEnd();
     return false;
   }
-  if (result < ARCHIVE_WARN) fail("is not a whole tar file");
+  if (result < ARCHIVE_WARN) fail("is not a complete tar file");
   const char* name = archive_entry_pathname(entry);
   if (name == nullptr) fail("has a member whose name cannot be read");
   name_ = name;
   if (name_.size() > kMostNameBytes) {
-    fail(fmt::format("has a member whose name has {} bytes: no more than {} are read", name_.size(), kMostNameBytes));
+    fail(fmt::format("has a member whose name has {} bytes, but at most {} can be read", name_.size(), kMostNameBytes));
   }
   if (archive_entry_filetype(entry) != AE_IFREG || archive_entry_sparse_count(entry) > 0) {
-    fail(fmt::format("has a member '{}' that is no plain file", name_));
+    fail(fmt::format("has a member '{}' that is not a plain file", name_));
   }
   begin_ = position();
   memberBytes_ = static_cast<std::uint64_t>(archive_entry_size(entry));

@@ -44,7 +44,7 @@ class ShardCheck {
 
   void run(Verification& result) {
     if (samples_ != record_.samples) {
-      problem(fmt::format("{} samples, but the manifest lists {}", record_.samples, samples_));
+      problem(fmt::format("its entry states {} samples, but the manifest lists {}", record_.samples, samples_));
     }
     std::error_code failure;
     if (!fs::is_regular_file(file_, failure)) {
@@ -179,9 +179,9 @@ class ShardCheck {
     try {
       auto objects = std::make_unique<SampleObjects>(parseObjects(bytes, name, manifest_.ontology));
       if (objects->key != sample.key) {
-        problem(fmt::format("{}: is of the sample '{}'", name, objects->key));
+        problem(fmt::format("{}: belongs to the sample '{}'", name, objects->key));
       } else if (objects->counts() != sample.objects) {
-        problem(fmt::format("{}: its objects are not those that the manifest counts", name));
+        problem(fmt::format("{}: its objects differ from the counts of the manifest", name));
       } else {
         objects_ = std::move(objects);
       }
@@ -210,7 +210,7 @@ class ShardCheck {
       if (points != found.end()) found.erase(points);
     }
     if (!found.empty()) {
-      problem(fmt::format("{}: has points of the object {}, which {} lacks", name, found.begin()->first,
+      problem(fmt::format("{}: has points of the object {}, which is not in {}", name, found.begin()->first,
                           objectsMember(objects_->key)));
     }
   }
@@ -225,7 +225,7 @@ class ShardCheck {
     }
     try {
       if (countReasons(decodeReasons(bytes, name).reasonOfBeam) == record->beamsPerReason) return;
-      problem(fmt::format("{}: its pixels do not add up to the manifest's reasons", name));
+      problem(fmt::format("{}: the numbers of its pixels differ from the reasons in the manifest", name));
     } catch (const InputError& error) {
       problem(error.what());
     }
@@ -236,7 +236,7 @@ class ShardCheck {
     const std::size_t before = problems_.size();
     std::set<std::string> seen;
     for (const std::string& name : found) {
-      if (!seen.insert(name).second) problem(fmt::format("{}: is there twice", name));
+      if (!seen.insert(name).second) problem(fmt::format("{}: is in the shard twice", name));
       if (!owner_.contains(name)) problem(fmt::format("{}: is not in the manifest", name));
     }
     for (const std::string& name : expected_) {
@@ -244,7 +244,7 @@ class ShardCheck {
     }
     if (problems_.size() > before) return;
     const auto first = std::mismatch(found.begin(), found.end(), expected_.begin());
-    problem(fmt::format("members out of order: '{}' where '{}' belongs", *first.first, *first.second));
+    problem(fmt::format("the members are out of order: '{}' is in the place of '{}'", *first.first, *first.second));
   }
 
   const Manifest& manifest_;
@@ -264,7 +264,7 @@ class ShardCheck {
 void checkManifest(const Manifest& manifest, std::vector<std::string>& problems) {
   const auto problem = [&](const std::string& text) { problems.push_back(std::string(kManifestName) + ": " + text); };
   if (sha256(manifest.pipelineText) != manifest.pipelineSha256) {
-    problem("the SHA-256 of the pipeline's text is not the one stated");
+    problem("the SHA-256 of the pipeline's text differs from the stated one");
   }
   std::map<std::string, std::string> splitOf;
   std::set<std::string> parted;
@@ -277,20 +277,21 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
     const bool listed =
         std::find(sample.members.begin(), sample.members.end(), objectsMember(sample.key)) != sample.members.end();
     if (sample.objects.has_value() != listed) {
-      problem(fmt::format("sample {}: one whose objects are counted has a member {}, others have none", sample.key,
-                          objectsMember(sample.key)));
+      problem(fmt::format("sample {}: must have either both counts of objects and the member {}, or neither",
+                          sample.key, objectsMember(sample.key)));
     }
     for (const ScanRecord& scan : sample.scans) {
       for (const FormatRecord& format : manifest.formats) {
         const std::string member = sample.key + "." + memberSuffix(scan, format.suffix);
         if (std::find(sample.members.begin(), sample.members.end(), member) == sample.members.end()) {
-          problem(fmt::format("sample {} lists no member {}", sample.key, member));
+          problem(fmt::format("sample {} does not list the member {}", sample.key, member));
         }
       }
       const std::string reasons = sample.key + "." + memberSuffix(scan, kReasonsSuffix);
       if (scan.beamsPerReason.empty() ==
           (std::find(sample.members.begin(), sample.members.end(), reasons) != sample.members.end())) {
-        problem(fmt::format("sample {}: a scan with reasons has a member {}, others have none", sample.key, reasons));
+        problem(fmt::format("sample {}: a scan must have either both reasons and the member {}, or neither", sample.key,
+                            reasons));
       }
     }
   }

@@ -31,7 +31,7 @@ class VoxelArrays {
     const auto found = std::find_if(arrays_.begin(), arrays_.end(), [&](const NpyArray& a) { return a.name == name; });
     if (found == arrays_.end()) fail(fmt::format("has no array `{}`", name));
     if (found->type != type || found->shape.size() != dimensions) {
-      fail(fmt::format("{} is of the type {} with {} dimensions, not {} with {}", name, found->type,
+      fail(fmt::format("{} has the type {} and {} dimensions, but must have {} and {}", name, found->type,
                        found->shape.size(), type, dimensions));
     }
     return *found;
@@ -40,10 +40,10 @@ class VoxelArrays {
   std::vector<double> numbers(std::string_view name, std::size_t dimensions, std::size_t count) const {
     const NpyArray& array = of(name, kFloat64, dimensions);
     std::vector<double> values(array.bytes.size() / sizeof(double));
-    if (values.size() != count) fail(fmt::format("{} has {} numbers, not {}", name, values.size(), count));
+    if (values.size() != count) fail(fmt::format("{} has {} numbers, but must have {}", name, values.size(), count));
     std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
     if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) {
-      fail(fmt::format("{} is not finite", name));
+      fail(fmt::format("{} has values that are not finite", name));
     }
     return values;
   }
@@ -51,7 +51,8 @@ class VoxelArrays {
   std::vector<std::uint8_t> flags(std::string_view name, const std::vector<std::size_t>& shape,
                                   std::size_t voxels) const {
     const NpyArray& array = of(name, kBool, shape.size());
-    if (array.shape != shape || array.bytes.size() != voxels) fail(fmt::format("{} is not as large as label", name));
+    if (array.shape != shape || array.bytes.size() != voxels)
+      fail(fmt::format("{} and label have different sizes", name));
     std::vector<std::uint8_t> flags(array.bytes.begin(), array.bytes.end());
     if (std::any_of(flags.begin(), flags.end(), [](std::uint8_t f) { return f > 1; })) {
       fail(fmt::format("{} has values besides 0 and 1", name));

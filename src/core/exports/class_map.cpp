@@ -34,7 +34,7 @@ ClassMap::ClassMap(const Ontology& from, Ontology to) : target_(std::move(to)) {
     if (found != nullptr) {
       of_[c.id] = found->id;
     } else if (c.id != 0) {
-      lost_.push_back(fmt::format("{} becomes unlabeled: {} has no such class", c.name, target_.name));
+      lost_.push_back(fmt::format("{} becomes unlabeled, since {} has no such class", c.name, target_.name));
     }
   }
 }

@@ -57,11 +57,11 @@ class Export {
         store_(options.dataset, ScanStore::Digests::Compared),
         folder_(options.folder) {
     if (store_.manifest() == nullptr || store_.folder() != options.dataset) {
-      throw InputError({options.dataset.string()}, "is no dataset's folder: export reads whole datasets");
+      throw InputError({options.dataset.string()}, "is not the folder of a dataset: export reads complete datasets");
     }
     const fs::path within = fs::weakly_canonical(options.folder).lexically_relative(fs::canonical(options.dataset));
     if (!within.empty() && *within.begin() != "..") {
-      throw InputError({options.folder.string()}, "lies in the dataset's own folder: name another with -o");
+      throw InputError({options.folder.string()}, "is within the dataset's folder: name another folder with -o");
     }
     plan_.dataset = options.dataset;
     plan_.manifest = *store_.manifest();
@@ -139,11 +139,10 @@ class Export {
       if (id != 0 && plan_.classes.of(id) == 0 && (c.thing || !options_.layout->boxesAlone)) lost.push_back(c.name);
     }
     if (lost.empty()) return;
-    summary_.warnings.push_back(
-        fmt::format("{} has no class for {}: their {} (--classes gives another ontology, whose aliases say which class "
-                    "becomes which)",
-                    plan_.classes.target().name, fmt::join(lost, ", "),
-                    options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
+    summary_.warnings.push_back(fmt::format(
+        "{} has no class for {}, so that their {} (--classes gives another ontology, whose aliases map classes)",
+        plan_.classes.target().name, fmt::join(lost, ", "),
+        options_.layout->boxesAlone ? "boxes are left out" : "points become unlabeled"));
   }
 
   void chooseSensors() {
@@ -165,12 +164,12 @@ class Export {
     }
     if (!options_.layout->oneSensor || plan_.sensors.size() < 2) return;
     if (!options_.sensors.empty()) {
-      throw InputError(fmt::format("{} holds the scans of one sensor: name one with --sensor", options_.layout->name));
+      throw InputError(
+          fmt::format("{} stores the scans of only one sensor: give --sensor once", options_.layout->name));
     }
     plan_.sensors.erase(plan_.sensors.begin() + 1, plan_.sensors.end());
     summary_.warnings.push_back(
-        fmt::format("{} holds the scans of one sensor: those of '{}' are written (--sensor "
-                    "chooses another)",
+        fmt::format("{} stores the scans of only one sensor: writes those of '{}' (--sensor selects another)",
                     options_.layout->name, plan_.sensors.front()->name));
   }
 
@@ -223,19 +222,20 @@ class Export {
     const fs::path& folder = folder_.path();
     std::error_code failure;
     if (!fs::exists(folder, failure)) return false;
-    if (!fs::is_directory(folder, failure)) throw InputError({folder.string()}, "is no folder: name another with -o");
+    if (!fs::is_directory(folder, failure))
+      throw InputError({folder.string()}, "is not a folder: name a folder with -o");
     if (fs::exists(folder / kRecord, failure)) {
       if (options_.resume && readFile(folder / kRecord) == record()) return true;
-      throw InputError({folder.string()}, "holds a whole export already: name another folder with -o");
+      throw InputError({folder.string()}, "has a complete export: name another folder with -o");
     }
     if (fs::exists(folder / kUnfinished, failure)) {
       if (!options_.resume) {
-        throw InputError({folder.string()}, "holds an unfinished export: --resume goes on with it");
+        throw InputError({folder.string()}, "has an unfinished export: --resume continues it");
       }
       if (readFile(folder / kUnfinished) == record()) return false;
       throw InputError({folder.string()},
-                       "holds an unfinished export of another dataset, with other options or by another version of "
-                       "this program: name another folder with -o");
+                       "has an unfinished export of another dataset, with other options or by another version of this "
+                       "program: name another folder with -o");
     }
     if (!fs::is_empty(folder, failure) || failure) {
       throw InputError({folder.string()}, "is not empty: name another folder with -o");
@@ -287,7 +287,7 @@ class Export {
     for (const Unit& unit : units) all += unit.frames;
     std::mutex mutex;
     const ReadSample readNext = [&](std::size_t sequence, std::size_t frame) {
-      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: --resume goes on with what was written");
+      if (options_.stop != nullptr && *options_.stop) throw Error("stopped: --resume continues the export");
       ExportSample sample = read(sequence, frame);
       const std::scoped_lock lock(mutex);
       done = std::min(done + 1, all);  // a layout may read a frame again

@@ -132,12 +132,15 @@ class Kitti : public Layout {
     std::size_t frames = 0;
     for (const ExportSequence& sequence : plan.sequences) frames += sequence.samples.size();
     if (frames > kMostFrames) {
-      throw InputError({plan.dataset.string()},
-                       fmt::format("has {} frames; KITTI's numbers have six digits: take fewer with --split", frames));
+      throw InputError(
+          {plan.dataset.string()},
+          fmt::format(
+              "has {} frames, but the numbers of KITTI's frames have six digits: take fewer frames with --split",
+              frames));
     }
     if (listsObjects(plan)) return;
     throw InputError({plan.dataset.string()},
-                     "lists no objects, and KITTI's labels are boxes: generate it with `output: {objects: true}`");
+                     "lists no objects, but KITTI's labels are boxes: generate it with `output: {objects: true}`");
   }
 
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
@@ -181,8 +184,8 @@ class Kitti : public Layout {
       folder.write(std::filesystem::path("ImageSets") / (split + ".txt"), frames);
     if (shown == all) return {};
     return {
-        fmt::format("{} of {} boxes with points are outside of the camera's image, which looks ahead, and KITTI lists "
-                    "what that shows; all points are there",
+        fmt::format("{} of {} boxes with points are left out, since KITTI lists only objects in the image of its "
+                    "camera, which looks ahead; all points are written",
                     all - shown, all)};
   }
 

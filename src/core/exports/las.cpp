@@ -179,8 +179,8 @@ class Las : public ScanFiles {
         const std::uint16_t own = plan.classes.of(id);
         if (!isExported || points == 0 || own <= kMostLasClass) continue;
         throw InputError({plan.dataset.string()},
-                         fmt::format("the sample {} has points of the class {}, whose id is {}; LAS holds ids up to "
-                                     "{}: give an ontology of smaller ids with --classes FILE",
+                         fmt::format("the sample {} has points of the class {} with the id {}, but LAS stores ids up "
+                                     "to {}: give an ontology of smaller ids with --classes FILE",
                                      sample.key, plan.classes.classOf(id).name, own, kMostLasClass));
       }
     }
@@ -194,8 +194,8 @@ class Las : public ScanFiles {
     for (const double along : {exact.x, exact.y, exact.z}) {
       if (!(std::fabs(along) < std::numeric_limits<std::int32_t>::max())) {
         throw InputError({plan.dataset.string()},
-                         fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away; steps of "
-                                     "{} m from the sensor do not reach it: look at the scan with scanmill verify",
+                         fmt::format("the sample {} has a point of the sensor '{}' more than 1000 km away, which LAS "
+                                     "cannot store in steps of {} m: check the dataset with scanmill verify",
                                      sample.record->key, given.sensor->name, kStep));
       }
       const auto steps = static_cast<std::int32_t>(std::lround(along));

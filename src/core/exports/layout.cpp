@@ -40,7 +40,7 @@ const LayoutEntry& requireLayout(std::string_view name) {
     if (entry.name == name) return entry;
     names.emplace_back(entry.name);
   }
-  throw InputError(fmt::format("no layout is called '{}'{}: there are {}", name, suggestion(std::string(name), names),
+  throw InputError(fmt::format("unknown layout '{}'{}: the layouts are {}", name, suggestion(std::string(name), names),
                                fmt::join(names, ", ")));
 }
 
@@ -107,8 +107,8 @@ const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample)
                                   [&](const ScanRecord& scan) { return scan.sensor == sensor; });
   if (found != sample.scans.end()) return *found;
   throw InputError({plan.dataset.string()},
-                   fmt::format("the sample {} has no scan of the sensor '{}': name another with --sensor, or leave its "
-                               "split out with --split",
+                   fmt::format("the sample {} has no scan of the sensor '{}': name another sensor with --sensor, or "
+                               "leave out the sample's split with --split",
                                sample.key, sensor));
 }
 

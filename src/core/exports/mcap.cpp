@@ -186,14 +186,14 @@ class Mcap : public Layout {
     for (const SensorRecord* sensor : plan.sensors) {
       if (sensor->name == kWorld || sensor->name == kVehicle) {
         throw InputError({plan.dataset.string()},
-                         fmt::format("the sensor '{0}' has the name of a frame that is none of a sensor: MCAP's files "
-                                     "call the world '{1}' and the vehicle '{2}'. Choose other sensors with --sensor",
+                         fmt::format("the sensor '{0}' has a reserved name: in MCAP files the frame of the world is "
+                                     "'{1}' and that of the vehicle '{2}'. Select other sensors with --sensor",
                                      sensor->name, kWorld, kVehicle));
       }
       const auto [known, isNew] = sensors.emplace(topicOf(*sensor), sensor->name);
       if (isNew) continue;
       throw InputError({plan.dataset.string()},
-                       fmt::format("the sensors '{}' and '{}' would share the topic {}: choose one with --sensor",
+                       fmt::format("the sensors '{}' and '{}' would share the topic {}: select one with --sensor",
                                    known->second, sensor->name, known->first));
     }
   }

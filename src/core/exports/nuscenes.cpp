@@ -83,8 +83,8 @@ class InstanceNumbers {
       throw InputError(
           {plan.dataset.string()},
           fmt::format(
-              "the sample {} is of a sequence with more than {} instances of {}, and nuScenes numbers those of a "
-              "scene up to that: generate shorter sequences or fewer things, or leave the column instance out",
+              "the sample {} belongs to a sequence with more than {} instances of {}, the most that nuScenes can "
+              "number in a scene: generate shorter sequences or fewer objects, or leave the column instance out",
               sample.record->key, kMostInstances, plan.classes.target().find(category)->name));
     }
   }
@@ -171,15 +171,16 @@ class NuScenes : public Layout {
         if (!(scan.time >= 0 && scan.time < kNuScenesDay)) {
           throw InputError(
               {plan.dataset.string()},
-              fmt::format("the sample {} is at {} s; scenes of nuScenes have a day each: split its sequence",
-                          sample.key, scan.time));
+              fmt::format(
+                  "the sample {} has the time {} s, but scenes of nuScenes last at most a day: split its sequence",
+                  sample.key, scan.time));
         }
         const std::int64_t time = nuScenesTime(s, scan);
         if (time <= last) {
           throw InputError(
               {plan.dataset.string()},
-              fmt::format("the sample {}, at {} s, is not a microsecond after the one before it; samples of "
-                          "nuScenes are known by their times: give the frames of its sequence times",
+              fmt::format("the sample {} at {} s is less than a microsecond after the sample before it, but nuScenes "
+                          "identifies samples by their times: give the frames of its sequence different times",
                           sample.key, scan.time));
         }
         last = time;
@@ -234,7 +235,8 @@ class NuScenes : public Layout {
                                   const ExportFolder& folder) const override {
     writeNuScenesTables(plan, read, folder);
     if (listsObjects(plan)) return {};
-    return {"the dataset lists no objects, so that there are no boxes: generate it with `output: {objects: true}`"};
+    return {
+        "the dataset lists no objects, so that the export has no boxes: generate it with `output: {objects: true}`"};
   }
 
  private:
@@ -248,8 +250,8 @@ class NuScenes : public Layout {
     for (const SemanticClass& c : target.classes) ids.insert(c.id);
     if (ids.size() <= kMostClasses && !ids.empty() && *ids.rbegin() == ids.size() - 1) return;
     throw InputError(
-        fmt::format("the classes of {} must be numbered from 0 on without gaps, {} at most, to be nuScenes' "
-                    "categories: leave --classes out, or take labels/nuscenes.yaml with aliases of your own",
+        fmt::format("the classes of {} must have the ids 0, 1, 2 and so on without gaps, at most {} classes, as the "
+                    "categories of nuScenes: leave --classes out, or copy labels/nuscenes.yaml and change its aliases",
                     target.name, kMostClasses));
   }
 

@@ -129,7 +129,7 @@ class Cdr {
   }
   Cdr& count(std::size_t count) {
     if (count > std::numeric_limits<std::uint32_t>::max()) {
-      throw Error(fmt::format("{} entries or bytes are more than a list in a message of ROS holds", count));
+      throw Error(fmt::format("a list in a ROS message cannot have {} entries or bytes", count));
     }
     return number(static_cast<std::uint32_t>(count));
   }

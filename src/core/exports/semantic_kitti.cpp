@@ -74,10 +74,10 @@ class SemanticKitti : public Layout {
  public:
   void check(const ExportPlan& plan) const override {
     if (plan.sequences.size() > kMostSequences) {
-      throw InputError({plan.dataset.string()},
-                       fmt::format("has {} sequences; SemanticKITTI's numbers have two digits, for {}: take fewer with "
-                                   "--split",
-                                   plan.sequences.size(), kMostSequences));
+      throw InputError(
+          {plan.dataset.string()},
+          fmt::format("has {} sequences, but SemanticKITTI's numbers of two digits allow {}: take fewer with --split",
+                      plan.sequences.size(), kMostSequences));
     }
   }
 
@@ -87,11 +87,10 @@ class SemanticKitti : public Layout {
     const std::vector<std::uint32_t>& ids = sample.scans.front().scan[kInstance];
     const auto most = std::max_element(ids.begin(), ids.end());
     if (most == ids.end() || *most <= kMostInstances) return;
-    throw InputError(
-        {plan.dataset.string()},
-        fmt::format("the sample {} has points of the instance {}; SemanticKITTI's labels hold ids up to {}: "
-                    "generate a scene of fewer things, or leave the column instance out",
-                    sample.record->key, *most, kMostInstances));
+    throw InputError({plan.dataset.string()},
+                     fmt::format("the sample {} has points of the instance {}, but SemanticKITTI's labels store ids up "
+                                 "to {}: generate a scene with fewer objects, or leave the column instance out",
+                                 sample.record->key, *most, kMostInstances));
   }
 
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
@@ -166,8 +165,8 @@ class SemanticKitti : public Layout {
     folder.write("semantic-kitti.yaml", configuration(plan));
     if (!hasColumn(plan, "label") || listsObjects(plan)) return {};
     return {
-        "the dataset lists no objects, so that what moves has the classes of what stands: generate it with "
-        "`output: {objects: true}` for those of what moves"};
+        "the dataset lists no objects, so that moving objects get the classes of static ones: generate it with "
+        "`output: {objects: true}` for the moving classes"};
   }
 
  private:

@@ -40,10 +40,10 @@ void readTable(const fs::path& file, const std::function<bool(const Json&)>& wan
   };
   try {
     const Json table = Json::parse(readFile(file), keep);
-    if (!table.is_array()) throw InputError({file.string()}, "is no table of nuScenes: a list belongs there");
+    if (!table.is_array()) throw InputError({file.string()}, "is not a table of nuScenes: it must be a list");
     for (const Json& row : table) visit(row);
   } catch (const Json::exception& e) {
-    throw InputError({file.string()}, std::string("is no table of nuScenes: ") + e.what());
+    throw InputError({file.string()}, std::string("is not a table of nuScenes: ") + e.what());
   }
 }
 
@@ -105,8 +105,8 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
                            labels == labelsOf.end() ? fs::path() : labels->second});
   });
   if (found.scans.empty()) {
-    throw InputError({root.string()}, absent == 0 ? "has tables of nuScenes that list no scan of a lidar"
-                                                  : "has tables of nuScenes, but none of the scans that they list");
+    throw InputError({root.string()}, absent == 0 ? "has tables of nuScenes, but they list no scan of a lidar"
+                                                  : "has tables of nuScenes, but the scans that they list are missing");
   }
   std::sort(found.scans.begin(), found.scans.end(),
             [](const FolderScan& a, const FolderScan& b) { return a.key < b.key; });

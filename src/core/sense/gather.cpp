@@ -347,7 +347,7 @@ class Gathering {
         return static_cast<float>(std::atan2(p.z, std::hypot(p.x, p.y)));
       });
     } else {
-      static_assert(Key::index >= kColumnCount, "add here what fills the column");
+      static_assert(Key::index >= kColumnCount, "say here what fills the column");
     }
   }
 

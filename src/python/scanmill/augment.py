@@ -92,7 +92,7 @@ class Scale:
     def __init__(self, low: float = 0.95, high: float = 1.05) -> None:
         self.low, self.high = _interval("Scale", low, high)
         if self.low <= 0:
-            raise InputError("Scale wants factors above 0")
+            raise InputError("the factors of Scale must be above 0")
 
     def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
         return _moved(sample, np.eye(3), rng.uniform(self.low, self.high))
@@ -106,7 +106,7 @@ class Jitter:
 
     def __init__(self, sigma: float = 0.01, clip: float = 0.05) -> None:
         if not (sigma >= 0 and clip >= 0):
-            raise InputError("Jitter wants sigma and clip of 0 or more")
+            raise InputError("sigma and clip of Jitter must be at least 0")
         self.sigma, self.clip = sigma, clip
 
     def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
@@ -137,7 +137,7 @@ class RingErrors:
 
     def __init__(self, range_sigma: float = 0.02, elevation_sigma: float = 0.0) -> None:
         if not (range_sigma >= 0 and elevation_sigma >= 0):
-            raise InputError("RingErrors wants standard deviations of 0 or more")
+            raise InputError("the standard deviations of RingErrors must be at least 0")
         self.range_sigma, self.elevation_sigma = range_sigma, elevation_sigma
 
     def __call__(self, sample: Sample, rng: np.random.Generator) -> Sample:
@@ -161,20 +161,20 @@ class RingErrors:
 
 def _share(name: str, value: float) -> float:
     if not 0 <= value <= 1:
-        raise InputError(f"{name} must be 0 to 1, not {value}")
+        raise InputError(f"{name} must be from 0 to 1, not {value}")
     return value
 
 
 def _interval(name: str, low: float, high: float) -> tuple[float, float]:
     if not low <= high:
-        raise InputError(f"{name} wants the lower figure first, not {low} and {high}")
+        raise InputError(f"{name} must have the lower value first, not {low} and {high}")
     return low, high
 
 
 def _xyz(sample: Sample) -> NDArray[Any]:
     xyz: NDArray[Any] = sample["xyz"]
     if xyz.ndim != 2:
-        raise InputError("augmentation wants dense points (N, 3): use scan.dense() before")
+        raise InputError("augmentation needs dense points (N, 3): use scan.dense() first")
     return xyz
 
 
@@ -183,7 +183,7 @@ def _of_points(name: str, values: Any, count: int) -> bool:
     if name.startswith("box") or name == "world_from_sensor" or not isinstance(values, np.ndarray) or values.ndim == 0:
         return False
     if len(values) != count:
-        raise InputError(f"'{name}' has {len(values)} entries, and there are {count} points")
+        raise InputError(f"'{name}' has {len(values)} entries, but the number of points is {count}")
     return True
 
 
@@ -208,7 +208,7 @@ def _moved(sample: Sample, rotation: NDArray[np.float64], scale: float = 1.0) ->
             vectors = np.stack([sample[axis] for axis in axes], axis=-1).astype(np.float64) @ matrix.T
             out.update({axis: vectors[:, i].astype(sample[axis].dtype) for i, axis in enumerate(axes)})
         elif any(there):
-            raise InputError(f"the columns {', '.join(axes)} are needed together")
+            raise InputError(f"give the columns {', '.join(axes)} together")
     if "azimuth" in sample:
         out["azimuth"] = _turned(sample["azimuth"], rotation)
     if "range_true" in sample:

@@ -19,10 +19,10 @@ def pad_batch(arrays: Sequence[NDArray[Any]], fill: float = 0) -> tuple[NDArray[
     their type or in other dimensions than their length.
     """
     if not len(arrays):
-        raise InputError("a batch has at least one array")
+        raise InputError("a batch must have at least one array")
     first = arrays[0]
     if any(a.shape[1:] != first.shape[1:] or a.dtype != first.dtype for a in arrays):
-        raise InputError("the arrays of a batch have the same type, and the same shape but for their length")
+        raise InputError("the arrays of a batch must have the same type, and the same shape except for their length")
     longest = max(len(a) for a in arrays)
     out = np.full((len(arrays), longest, *first.shape[1:]), fill, first.dtype)
     mask = np.zeros((len(arrays), longest), bool)

@@ -181,7 +181,7 @@ class Dataset(Sequence["Sample"]):
         number = operator.index(which)
         place = number + len(self) if number < 0 else number
         if not 0 <= place < len(self):
-            raise IndexError(f"{self.path} has {len(self)} samples, and no number {number}")
+            raise IndexError(f"{self.path} has {len(self)} samples, but no sample number {number}")
         return place
 
     def _starts_of_columns(self, sensor: str) -> NDArray[Any] | None:
@@ -254,7 +254,7 @@ class Sample:
         Raises InputError for an unknown sensor or column, and if the scan's bytes are damaged.
         """
         if isinstance(columns, str):
-            raise InputError(f"columns are a list of names, not '{columns}'")
+            raise InputError(f"columns must be a list of names, not '{columns}'")
         arrays = self.dataset.store.read(self._number, sensor or "", None if columns is None else list(columns))
         scans = self.dataset.store.scans(self._number)
         name, method = next((s for s in scans if s[0].lower() == (sensor or scans[0][0]).lower()), scans[0])

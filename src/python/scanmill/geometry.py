@@ -73,9 +73,9 @@ def pose_matrix(pose: Pose) -> NDArray[np.float64]:
     try:
         matrix = np.array(pose, np.float64)
     except (TypeError, ValueError):
-        raise InputError("a pose is a matrix of 4 x 4 numbers, or a map with position, yaw_deg and so on") from None
+        raise InputError("a pose must be a matrix of 4 x 4 numbers or a map with position, yaw_deg and so on") from None
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-        raise InputError(f"a pose is a matrix of 4 x 4 finite numbers, not an array of {matrix.shape}")
+        raise InputError(f"a pose must be a matrix of 4 x 4 finite numbers, not an array of {matrix.shape}")
     rotation = matrix[:3, :3]
     skew = np.abs(rotation @ rotation.T - np.eye(3)).max()
     if skew > ROTATION_TOLERANCE or np.linalg.det(rotation) < 0:
@@ -102,7 +102,7 @@ def _matrix_of_map(pose: Mapping[str, Any]) -> NDArray[np.float64]:
     position = _numbers(pose, "position", [0.0, 0.0, 0.0])
     if "rotation" in pose:
         if any(key in pose for key in TURNS):
-            raise InputError("pose: rotation and yaw_deg, pitch_deg or roll_deg exclude each other")
+            raise InputError("pose: rotation and yaw_deg, pitch_deg or roll_deg cannot be given together")
         rotation = _numbers(pose, "rotation", [1.0, 0.0, 0.0, 0.0])
         if not np.linalg.norm(rotation) > 0:
             raise InputError("pose: rotation must be a quaternion w, x, y, z of non-zero length")

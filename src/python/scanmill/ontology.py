@@ -72,7 +72,7 @@ class Ontology:
         """
         wanted = [name for name, i in zip(self.names, self.ids) if i != 0] if groups is None else list(groups)
         if not len(wanted) <= ignore < LABELS:
-            raise InputError(f"ignore must be {len(wanted)} to {LABELS - 1}: {len(wanted)} train ids count from 0")
+            raise InputError(f"ignore must be from {len(wanted)} to {LABELS - 1}, above all train ids")
         table = np.full(LABELS, ignore, np.uint8 if ignore < 256 else np.uint16)
         seen: set[int] = set()
         for train_id, group in enumerate(wanted):

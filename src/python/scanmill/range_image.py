@@ -27,7 +27,7 @@ def _dense_arrays(points: Points) -> dict[str, Any]:
     if isinstance(points, Scan):
         return points.dense().arrays()
     if points["xyz"].ndim != 2:
-        raise InputError("range images are made of dense points (N, 3) or of a Scan")
+        raise InputError("a range image needs dense points (N, 3) or a Scan")
     return dict(points)
 
 
@@ -89,9 +89,9 @@ def beam_projection(points: Points, rings: int = 0, columns: int = 0, return_: i
         rings, columns = rings or points.rings, columns or points.columns
     arrays = _dense_arrays(points)
     if rings < 1 or columns < 1:
-        raise InputError("how many rings and columns the sensor has is not known: say rings and columns")
+        raise InputError("the numbers of rings and columns of the sensor are unknown: give rings and columns")
     if "ring" not in arrays or "column" not in arrays:
-        raise InputError("the points have no columns ring and column: spherical_projection() needs none")
+        raise InputError("the points have no columns ring and column: use spherical_projection() without them")
     ring, column = arrays["ring"].astype(np.int64), arrays["column"].astype(np.int64)
     if ring.size and (ring.max() >= rings or column.max() >= columns):
         raise InputError(f"ring {ring.max()} or column {column.max()} is not in an image of {rings} x {columns}")
@@ -99,7 +99,7 @@ def beam_projection(points: Points, rings: int = 0, columns: int = 0, return_: i
     if "return" in arrays:
         pixel[arrays["return"] != return_] = -1
     elif return_ != 1:
-        raise InputError(f"which return is number {return_} is not known: the points have no column `return`")
+        raise InputError(f"return number {return_} cannot be selected: the points have no column `return`")
     return Projection(pixel, (rings, columns), np.arange(len(pixel)))
 
 
@@ -139,7 +139,7 @@ def range_image(
     the image() of a beam_projection() instead, which keeps their type.
     """
     if isinstance(channels, str):
-        raise InputError(f"channels are a list of names, not '{channels}'")
+        raise InputError(f"channels must be a list of names, not '{channels}'")
     if isinstance(points, Scan):
         rings, columns, points = rings or points.rings, columns or points.columns, points.dense()
     arrays = _dense_arrays(points)

@@ -46,7 +46,7 @@ class SampleReader:
         augment.Compose; transform(sample, key, epoch) returns the changed sample.
         """
         if isinstance(columns, str) or isinstance(boxes, str):
-            raise InputError("columns and boxes are lists of names")
+            raise InputError("columns and boxes must be lists of names")
         self.sensor = sensor
         self.columns = None if columns is None else list(columns)
         self.train_ids = train_ids
@@ -73,7 +73,7 @@ class SampleReader:
     def _boxes(self, sample: Sample) -> dict[str, Any]:
         objects = sample.objects(self.sensor)
         if objects is None:
-            raise InputError(f"{sample.dataset.path} lists no objects: make it with `output: {{objects: true}}`")
+            raise InputError(f"{sample.dataset.path} lists no objects: generate it with `output: {{objects: true}}`")
         wanted = objects.points >= self.min_points
         labels = None
         if not isinstance(self.boxes, bool):
@@ -96,7 +96,7 @@ class SampleReader:
 def _indices_of(names: Sequence[str], ontology: Ontology | None) -> NDArray[np.int64]:
     """Returns a table (65536,) from class ids to indices in a list of class names; -1 for other classes."""
     if ontology is None:
-        raise InputError("no manifest tells the classes")
+        raise InputError("the classes are unknown, since there is no manifest")
     table = np.full(65536, -1, np.int64)
     for index, name in enumerate(names):
         table[ontology.id_of(name)] = index

@@ -33,7 +33,7 @@ def channel(arrays: Mapping[str, Any], name: str) -> NDArray[Any]:
 def stacked(arrays: Mapping[str, Any], channels: Sequence[str]) -> NDArray[np.float32]:
     """Returns the values of several channels of each point, float32 (..., k); see channel()."""
     if isinstance(channels, str):
-        raise InputError(f"channels are a list of names, not '{channels}'")
+        raise InputError(f"channels must be a list of names, not '{channels}'")
     shape = arrays["xyz"].shape[:-1]
     out = np.empty((*shape, len(channels)), np.float32)
     for i, name in enumerate(channels):
@@ -184,11 +184,11 @@ class Scan:
         is then needed.
         """
         if self.poses is None:
-            raise InputError("where the sensor stood is not known: a single file has no pose")
+            raise InputError("the pose of the sensor is unknown: a single file has no pose")
         if len(self.poses) == 1 or self.deskewed or self.xyz.size == 0:
             return transformed(self.poses[0], self.xyz)
         if self.column_starts is None:
-            raise InputError("when the columns fired is not known: a moving sensor's points cannot be placed")
+            raise InputError("a moving sensor's points cannot be placed: the columns' firing times are unknown")
         starts = np.asarray(self.column_starts, np.float64)
         all_columns = starts[-1] - starts[0]
         if not all_columns > 0:
@@ -199,7 +199,7 @@ class Scan:
             column = np.arange(self.xyz.shape[1]) if self.organised else np.minimum(self["column"], len(starts) - 1)
             return transformed(matrices[column], self.xyz)
         if "time" not in self:
-            raise InputError("the sensor moves: points are placed in the world by the column `column` or `time`")
+            raise InputError("the sensor moves: placing its points in the world needs the column `column` or `time`")
         own = (self["time"].astype(np.float64) - starts[0]) / all_columns
         return transformed(between(self.poses[0], self.poses[-1], own), self.xyz)
 

@@ -56,10 +56,10 @@ class Shards:
             self._datasets = dict.fromkeys(self.files, source)
             return
         if split is not None:
-            raise InputError("a split is chosen of a dataset, not of a list of files")
+            raise InputError("a split can be selected only from a dataset, not from a list of files")
         self.files = [os.fspath(file) for file in source]
         if not self.files:
-            raise InputError("there are no shards")
+            raise InputError("the list of shards is empty")
 
     def __len__(self) -> int:
         return len(self.files)
@@ -147,7 +147,7 @@ def _keys_in(file: str) -> list[str]:
 def _files_of(dataset: Dataset, split: str | None) -> list[str]:
     """Returns the files of all shards that may contain samples of the dataset."""
     if dataset.manifest is None or not os.path.isdir(dataset.path):
-        raise InputError(f"{dataset.path} is no dataset's folder: give files of shards as a list")
+        raise InputError(f"{dataset.path} is not the folder of a dataset: give the files of shards as a list")
     listed = dataset.manifest["shards"]
     splits = {shard["split"] for shard in listed} if dataset.whole else set(dataset.splits)
     if split is not None:

@@ -144,9 +144,9 @@ class Scene:
         """Returns the text of a pipeline in JSON, which is also YAML. The text is the key of its simulator in the
         cache."""
         if not sensors:
-            raise InputError("there is no sensor to scan with")
+            raise InputError("the list of sensors is empty")
         if isinstance(columns, str):
-            raise InputError(f"columns are a list of names, not '{columns}'")
+            raise InputError(f"columns must be a list of names, not '{columns}'")
         output: dict[str, Any] = {"layout": "organised" if organised else "dense", "formats": ["pcd"]}
         if columns is not None:
             output["columns"] = list(columns)
@@ -165,7 +165,7 @@ class Scene:
         try:
             return json.dumps(pipeline, ensure_ascii=False, allow_nan=False, default=_plain)
         except (TypeError, ValueError) as e:
-            raise InputError(f"a description is made of texts, finite numbers, lists and maps: {e}") from None
+            raise InputError(f"a description may contain only texts, finite numbers, lists and maps: {e}") from None
 
     def _simulator(self, pipeline: str) -> Simulator:
         # Other threads wait while a simulator is loaded, so that none is loaded twice.

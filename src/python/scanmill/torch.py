@@ -99,7 +99,7 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
         there are no shards.
         """
         if shuffle < 0 or seed < 0:
-            raise InputError("shuffle and seed are 0 or more")
+            raise InputError("shuffle and seed must be at least 0")
         self.shards = Shards(source, split)
         self.shuffle, self.seed = shuffle, seed
         self.rank, self.world_size = _place_among_ranks(rank, world_size)
@@ -127,7 +127,7 @@ class ShardIterable(torch.utils.data.IterableDataset):  # type: ignore[type-arg]
 
 def _place_among_ranks(rank: int | None, world_size: int | None) -> tuple[int, int]:
     if (rank is None) != (world_size is None):
-        raise InputError("rank and world_size are given together")
+        raise InputError("give rank and world_size together")
     if rank is None or world_size is None:
         distributed = torch.distributed
         if distributed.is_available() and distributed.is_initialized():
@@ -141,7 +141,7 @@ def _place_among_ranks(rank: int | None, world_size: int | None) -> tuple[int, i
 def _shared_names(samples: Sequence[dict[str, Any]]) -> list[str]:
     names = list(samples[0])
     if any(set(sample) != set(names) for sample in samples):
-        raise InputError("the samples of a batch have different columns")
+        raise InputError("the samples of a batch must have the same columns")
     return names
 
 

@@ -111,8 +111,8 @@ bool fits(const FrameGuess& guess, double unit, double factor) {
 }
 
 std::string sizeWith(const FrameGuess& guess, double unit) {
-  return fmt::format("{} of {:.3g} units is {:.3g} m with it, usual are {:g} to {:g} m", nameOf(guess), guess.longest,
-                     guess.longest * unit, guess.what->size->low, guess.what->size->high);
+  return fmt::format("{} of {:.3g} units is {:.3g} m with this unit, and {:g} to {:g} m are usual", nameOf(guess),
+                     guess.longest, guess.longest * unit, guess.what->size->low, guess.what->size->high);
 }
 
 // Sets the unit of a file: metres if they result in a usual size of its concept, otherwise the common unit with which
@@ -130,7 +130,7 @@ void guessUnit(FrameGuess& guess) {
   }
   if (guess.unit != 1) return;
   guess.doubtfulUnit = true;
-  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit makes it {:g} to {:g} m", nameOf(guess),
+  guess.whyUnit = fmt::format("{} of {:.3g} m is unusual, but no common unit gives {:g} to {:g} m", nameOf(guess),
                               guess.longest, usual.low, usual.high);
 }
 
@@ -197,8 +197,8 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
   guess.up = y > z ? 'y' : 'z';
   guess.doubtfulUp = y == z;
   guess.whyUp =
-      y == z ? "nothing tells which axis is up"
-             : fmt::format("{} is {:.3g} x {:.3g} x {:.3g} units large, and begins at {:.3g} along {}", nameOf(guess),
+      y == z ? "the file does not show which axis is up"
+             : fmt::format("{} measures {:.3g} x {:.3g} x {:.3g} units, and starts at {:.3g} along {}", nameOf(guess),
                            extent[0], extent[1], extent[2], low[guess.up == 'y' ? 1 : 2], guess.up);
   return guess;
 }
@@ -227,9 +227,9 @@ bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff
     f->unit = shared;
     f->doubtfulUnit = known(f) && !fits(*f, shared, 1);
     if (known(f) && (shared != 1 || f->doubtfulUnit)) {
-      f->whyUnit = fmt::format("{}; most files like it fit their names with this unit", sizeWith(*f, shared));
+      f->whyUnit = fmt::format("{}; most similar files have plausible sizes with this unit", sizeWith(*f, shared));
     } else if (shared != 1) {
-      f->whyUnit = "as other files like it";
+      f->whyUnit = "as similar files";
     }
   }
   return true;
@@ -264,7 +264,7 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
   for (FrameGuess* f : files) {
     if (!f->doubtfulUp || axes.empty()) continue;
     f->up = axes['y'] > axes['z'] ? 'y' : 'z';
-    f->whyUp = "as other files of its folder";
+    f->whyUp = "as other files of the folder";
     f->doubtfulUp = axes['y'] + axes['z'] < 2 || (axes['y'] > 0 && axes['z'] > 0);
   }
   constexpr double kMost = 0.8;

@@ -166,7 +166,7 @@ class Writer {
     }
     for (const auto& [key, patterns] : single) writeAlternatives(kKeys[key.second], *key.first, patterns, yaml);
     if (someLeft && file != nullptr && file->kind != ConceptKind::Drop && !classFor(*file, ontology_).empty()) {
-      writeRest(*file, "   # of whatever no rule gives one: by the name of the file or its folder", yaml);
+      writeRest(*file, "   # for all triangles without a rule: by the name of the file or its folder", yaml);
     }
     writeUnknown(unknown, yaml);
   }
@@ -218,7 +218,8 @@ class Writer {
     std::vector<std::pair<std::string, std::uint64_t>> sorted(unknown.begin(), unknown.end());
     std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     yaml +=
-        "    # No word tells what these are; `color`, `box`, `height` and `size` may tell them apart (docs/keys.md):\n";
+        "    # No word shows the classes of these; rules by `color`, `box`, `height` and `size` may separate them "
+        "(docs/keys.md):\n";
     for (std::size_t i = 0; i < std::min(sorted.size(), kMost); ++i) {
       yaml += fmt::format("    #   {}: {} triangles\n", sorted[i].first, grouped(sorted[i].second));
     }

@@ -108,13 +108,14 @@ void checkSizes(const TrueShot& truth, const Hits& tested, std::span<const float
   }
   if (!fits(exact.instance.size()) || !fits(exact.semantic.size()) || !fits(exact.incidence.size()) ||
       !fits(tested.instance.size()) || !fits(tested.semantic.size())) {
-    throw Error("hits can be compared only where instance, semantic and, of the truth, incidence were traced");
+    throw Error(
+        "hits can be compared only with the channels instance and semantic, and the truth also needs incidence");
   }
   if (!fitsOrNone(truth.edges.size()) || !fitsOrNone(truth.intensity.size()) || !fitsOrNone(intensity.size())) {
-    throw Error(fmt::format("edges and intensities must be of the {} beams that are compared", beams));
+    throw Error(fmt::format("edges and intensities must have the {} beams that are compared", beams));
   }
   if (!fitsOrNone(nearestTo.size()) || !fitsOrNone(nearestFrom.size())) {
-    throw Error(fmt::format("distances to the nearest points must be of the {} beams that are compared", beams));
+    throw Error(fmt::format("distances to the nearest points must have the {} beams that are compared", beams));
   }
 }
 
@@ -172,7 +173,8 @@ class BeamErrorSum::Impl {
         incidences_[bandOf(kIncidenceEdges, degrees(std::acos(std::clamp(cosine, 0.0, 1.0))))].add(beam);
       }
       if (exact.instance[i] != 0) {
-        if (exact.instance[i] >= things_.size()) throw Error("the hits are of another scene: it has fewer things");
+        if (exact.instance[i] >= things_.size())
+          throw Error("the hits belong to another scene, which has more instances");
         Thing& thing = things_[exact.instance[i]];
         ++thing.beams;
         thing.found += beam.sameInstance ? 1 : 0;

@@ -39,7 +39,7 @@ Cloud finitePoints(std::span<const Vec3f> points) {
 
 std::vector<double> distancesToNearest(std::span<const Vec3f> from, std::span<const Vec3f> to) {
   const Cloud target = finitePoints(to);
-  if (target.points.empty()) throw Error("there is no point to measure the distance to");
+  if (target.points.empty()) throw Error("the distance cannot be measured to a cloud without points");
   const Tree tree(3, target);
   const std::vector<Vec3f> queries = finitePoints(from).points;
   std::vector<double> distances(queries.size());

@@ -11,8 +11,8 @@ namespace scanmill {
 
 void requireOneRay(const Hits& hits) {
   if (hits.beamOfRay.empty() && hits.rays() == hits.size()) return;
-  throw Error(fmt::format("{} rays of {} beams: methods are compared beam by beam, where every beam fires one ray",
-                          hits.rays(), hits.size()));
+  throw Error(
+      fmt::format("{} beams have {} rays, but methods are compared with one ray per beam", hits.rays(), hits.size()));
 }
 
 HitErrors compareHits(const Hits& reference, const Hits& tested, std::span<const std::uint8_t> edges) {

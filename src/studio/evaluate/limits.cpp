@@ -113,9 +113,10 @@ Unit unitOf(Kind kind, double allowed) {
 // the limit is exceeded.
 std::string brokenText(const Limit& limit, double value, double allowed) {
   const Unit unit = unitOf(limit.kind, allowed);
-  const std::string bound = limit.atLeast() ? fmt::format("at least {:.9g}{} wanted", allowed / unit.size, unit.name)
-                                            : fmt::format("{:.9g}{} allowed", allowed / unit.size, unit.name);
-  if (std::isnan(value)) return fmt::format("{} is not known, {}", limit.key, bound);
+  const std::string bound = limit.atLeast()
+                                ? fmt::format("but at least {:.9g}{} are required", allowed / unit.size, unit.name)
+                                : fmt::format("but at most {:.9g}{} are allowed", allowed / unit.size, unit.name);
+  if (std::isnan(value)) return fmt::format("{} is unknown, {}", limit.key, bound);
   std::string figure;
   for (int digits = 3; digits <= 17; ++digits) {
     figure = fmt::format("{:.{}g}", value / unit.size, digits);
@@ -158,7 +159,7 @@ double readLength(const Value& value, std::string_view key) {
     if (q->unit == "m") return q->number;
   }
   if (q && q->number >= 0 && q->unit.empty()) {
-    refuse(value, key, fmt::format("a length with its unit, as {0:g} mm, {0:g} cm or {0:g} m", q->number));
+    refuse(value, key, fmt::format("a length with its unit, such as {0:g} mm, {0:g} cm or {0:g} m", q->number));
   }
   refuse(value, key, "a length of at least 0 in mm, cm or m, such as 2 cm");
 }
@@ -169,7 +170,7 @@ double readShare(const Value& value, std::string_view key, std::string_view exam
     const double share = q->unit.empty() ? q->number : q->number / 100;
     if (share >= 0 && share <= 1) return share;
     if (q->unit.empty() && share > 1 && share <= 100) {
-      refuse(value, key, fmt::format("a share from 0 to 1 or in per cent, as {:g} %", q->number));
+      refuse(value, key, fmt::format("a share from 0 to 1 or in per cent, such as {:g} %", q->number));
     }
   }
   refuse(value, key, fmt::format("a share from 0 % to 100 %, such as {}", example));
@@ -216,7 +217,7 @@ ErrorLimits readErrorLimits(const Value* errors, const Value* rateValue) {
   if (asked) return limits;
   const Value* empty = errors != nullptr ? errors : rateValue;
   throw InputError(empty != nullptr ? empty->where : Location{},
-                   "nothing is asked for: write limits such as `max_error: {p99: 2 cm, miss_rate: 0.1 %, labels: 99.5 "
+                   "limits are missing: write limits such as `max_error: {p99: 2 cm, miss_rate: 0.1 %, labels: 99.5 "
                    "%}` or `min_rate: 5e6` (beams/s)");
 }
 

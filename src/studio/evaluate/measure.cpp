@@ -109,7 +109,7 @@ bool anyHit(std::span<const TrueShot> shots) {
 
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
                     std::span<const TrueShot> shots, const MeasureOptions& options) {
-  if (shots.empty()) throw Error("there is no shot to measure on");
+  if (shots.empty()) throw Error("the list of shots to measure on is empty");
   const Channels timed = options.channels | Channel::Range;
   const Channels compared = kErrorChannels | timed;
   Measurement result;

@@ -39,7 +39,7 @@ std::vector<Value> expandLists(const Value& options, const std::string& what) {
     }
     all = std::move(more);
     if (all.size() > kMostSettings) {
-      throw InputError(list.where, fmt::format("{}: these lists stand for more than {} settings", what, kMostSettings));
+      throw InputError(list.where, fmt::format("{}: these lists expand to more than {} settings", what, kMostSettings));
     }
   }
   return all;
@@ -69,10 +69,10 @@ std::vector<MethodSetting> readSettings(const Value& list, const std::string& wh
                             {&entry, options, false}};
       const bool twice = std::any_of(settings.begin(), settings.end(),
                                      [&](const MethodSetting& s) { return s.setting.name == setting.setting.name; });
-      if (twice) throw InputError(item.where, fmt::format("{}: '{}' stands twice", what, setting.setting.name));
+      if (twice) throw InputError(item.where, fmt::format("{}: '{}' is listed twice", what, setting.setting.name));
       settings.push_back(std::move(setting));
       if (settings.size() > kMostSettings) {
-        throw InputError(item.where, fmt::format("{}: there are more than {} settings", what, kMostSettings));
+        throw InputError(item.where, fmt::format("{}: the list has more than {} settings", what, kMostSettings));
       }
     }
   }

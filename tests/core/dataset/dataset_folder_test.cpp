@@ -122,7 +122,7 @@ TEST(DatasetFolder, RefusesWhatItCannotTellApart) {
   // WebDataset's usual names are no proof that a shard is ours.
   const TemporaryFolder web;
   web.write("train/train-000000.tar", "of somebody");
-  EXPECT_THAT(messageOf<InputError>([&] { open(web.path(), true); }), HasSubstr("no manifest that lists it"));
+  EXPECT_THAT(messageOf<InputError>([&] { open(web.path(), true); }), HasSubstr("no manifest lists it"));
   EXPECT_THAT(filesOf(web.path()), ElementsAre("train/train-000000.tar"));
 }
 
@@ -131,7 +131,7 @@ TEST(DatasetFolder, RefusesFoldersOfOthers) {
     const TemporaryFolder folder;
     folder.write(name, "mine");
     EXPECT_THAT(messageOf<InputError>([&] { open(folder.path(), true); }),
-                AllOf(HasSubstr("holds no dataset"), HasSubstr(name.substr(0, name.find('/')))));
+                AllOf(HasSubstr("has no dataset"), HasSubstr(name.substr(0, name.find('/')))));
     EXPECT_THAT(filesOf(folder.path()), ElementsAre(name));
   }
 }

@@ -211,7 +211,7 @@ TEST(Manifest, TheChoiceOfTheMethodIsToldWhereOneWasMade) {
     damaged["method_choice"].erase(key);
     EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice: key '") + key + "' is missing"));
     damaged["method_choice"][key] = 5;
-    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice/") + key + ": is number where text"));
+    EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice/") + key + ": is number, but must be text"));
   }
   Json damaged = Json::parse(text);
   damaged["method_choice"]["cost"] = 1;
@@ -272,33 +272,33 @@ TEST(Manifest, RefusesEveryWrongType) {
 TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
   const Json json = Json::parse(toJson(filledManifest()));
   const std::vector<std::tuple<std::string, Json, std::string>> damages = {
-      {"/samples/1/shard", 2, "2 is out of range: there are 2 shards"},
-      {"/samples/1/shard", 0, "is 'val' but shard 0 is of 'train'"},
-      {"/samples/0/key", "a.b", "'a.b' is no key"},
+      {"/samples/1/shard", 2, "2 is out of range: the dataset has 2 shards"},
+      {"/samples/1/shard", 0, "is 'val', but shard 0 belongs to 'train'"},
+      {"/samples/0/key", "a.b", "'a.b' is not a key"},
       {"/samples/1/key", "street-1-drive-000000", "does not start with the sample's key"},
       {"/samples/0/members/1", "other.csv", "does not start with"},
       {"/samples/0/scans/0/sensor", "left", "no sensor is named 'left'"},
       {"/samples/0/scans/0/world_from_sensor", Json::array(), "has no pose"},
-      {"/samples/0/scans/0/world_from_sensor/0/rotation", {1, 1, 0, 0}, "no unit quaternion"},
-      {"/samples/0/scans/0/world_from_sensor/0/translation", {1, 1}, "2 numbers where 3 belong"},
+      {"/samples/0/scans/0/world_from_sensor/0/rotation", {1, 1, 0, 0}, "not a unit quaternion"},
+      {"/samples/0/scans/0/world_from_sensor/0/translation", {1, 1}, "2 numbers, but must have 3"},
       {"/samples/0/scans/0/points_per_class/0/id", 8, "class 8 is not in ontology 'ours'"},
       {"/samples/0/scans/0/points_per_class/0/name", "tree", "is 'unlabeled' in the ontology"},
       {"/samples/0/scans/0/points", -1, "/samples/0/scans/0/points: is number where"},
       {"/ontology/classes/1/id", 65536, "65536 is not within 0 to 65535"},
-      {"/ontology/classes/1/id", 0, "0 is given to 'unlabeled' too"},
-      {"/ontology/classes/1/name", "car", "'car' is given to class 7 too"},
+      {"/ontology/classes/1/id", 0, "0 is also the id of 'unlabeled'"},
+      {"/ontology/classes/1/name", "car", "'car' is also the name of class 7"},
       {"/ontology/classes/1/color", {1, 2}, "[red, green, blue]"},
       {"/ontology/classes/1/color/0", 256, "256 is not within 0 to 255"},
-      {"/sensors/0/rings", 5, "has 4 numbers where 5 belong"},
+      {"/sensors/0/rings", 5, "has 4 numbers, but must have 5"},
       {"/sensors/0/rings", 0, "0 is not within 1"},
       {"/sensors/0/max_range", 0.1, "/sensors/0/max_range"},
       {"/sensors/0/field", 7, "/sensors/0/field"},
-      {"/shards/0/file", "../../etc/passwd", "is no shard of split 'train'"},
-      {"/shards/0/file", "val/val-000000.tar", "is no shard of split 'train'"},
-      {"/shards/0/sha256", "abc", "no SHA-256"},
+      {"/shards/0/file", "../../etc/passwd", "is not a shard of the split 'train'"},
+      {"/shards/0/file", "val/val-000000.tar", "is not a shard of the split 'train'"},
+      {"/shards/0/sha256", "abc", "not a SHA-256"},
       {"/units/length", "feet", "is not 'metres'"},
       {"/schema_version", 3, "newer than this program, which reads up to 2: update scanmill"},
-      {"/schema_version", 0, "no version"},
+      {"/schema_version", 0, "not a version"},
       {"/program/name", "other", "is not a manifest of scanmill"},
   };
   for (const auto& [place, value, expected] : damages) {
@@ -317,7 +317,7 @@ TEST(Manifest, SaysWhereATruncatedFileEnds) {
     const std::string cut = text.substr(0, i * (text.size() - 2) / 100);
     const auto lines = std::count(cut.begin(), cut.end(), '\n');
     const std::string message = messageOf<InputError>([&] { parseManifest(cut, "m.json"); });
-    EXPECT_THAT(message, HasSubstr("is no whole JSON")) << cut.size();
+    EXPECT_THAT(message, HasSubstr("is not complete JSON")) << cut.size();
     EXPECT_THAT(message, HasSubstr("m.json:" + std::to_string(lines + 1) + ":")) << cut.size();
   }
 }
@@ -433,7 +433,7 @@ TEST(SampleJson, TellsWhatDiffers) {
   other = sample;
   other.scans.push_back(sample.scans[0]);
   EXPECT_THAT(differenceOfSampleJson(text, other), HasSubstr("/scans/2 is missing"));
-  EXPECT_THAT(differenceOfSampleJson(text.substr(0, 20), sample), HasSubstr("no valid JSON"));
+  EXPECT_THAT(differenceOfSampleJson(text.substr(0, 20), sample), HasSubstr("not valid JSON"));
   EXPECT_THAT(differenceOfSampleJson("[]", sample), Not(IsEmpty()));
 }
 

@@ -86,9 +86,9 @@ TEST_F(Merge, RefusesPartsOfAnotherPlanAndFoldersThatAreInUse) {
 }
 
 TEST_F(Merge, RefusesWhatIsNoUnfinishedDataset) {
-  EXPECT_THAT(message(), HasSubstr("holds no unfinished dataset"));
+  EXPECT_THAT(message(), HasSubstr("has no unfinished dataset"));
   folder_.write("data/notes.txt", "mine");
-  EXPECT_THAT(message(), HasSubstr("holds no unfinished dataset"));
+  EXPECT_THAT(message(), HasSubstr("has no unfinished dataset"));
   EXPECT_THAT(filesOf(data_), ElementsAre("notes.txt"));
 }
 

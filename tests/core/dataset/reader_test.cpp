@@ -48,7 +48,7 @@ TEST(ReadTar, RefusesNamesOfThousandsOfBytes) {
   writeMembers(file, {{std::string(4090, 'k') + ".long", "{}"}});
   EXPECT_EQ(membersOf(file).size(), 1u);
   writeMembers(file, {{std::string(200'000, 'k') + ".long", "{}"}});
-  EXPECT_THAT(refusal(file), HasSubstr("has a member whose name has 200005 bytes: no more than 4096 are read"));
+  EXPECT_THAT(refusal(file), HasSubstr("has a member whose name has 200005 bytes, but at most 4096 can be read"));
 }
 
 // Wherever a shard is cut, also between two members and within zeros, it is refused.
@@ -101,13 +101,13 @@ TEST(ReadTar, RefusesMembersThatAreNoPlainFiles) {
   const TemporaryFolder folder;
   fs::create_symlink("/etc/passwd", folder.path() / "a-0.json");
   ASSERT_EQ(std::system(("cd '" + folder.path().string() + "' && tar -cf x.tar a-0.json").c_str()), 0);
-  EXPECT_THAT(refusal(folder.path() / "x.tar"), HasSubstr("'a-0.json' that is no plain file"));
+  EXPECT_THAT(refusal(folder.path() / "x.tar"), HasSubstr("'a-0.json' that is not a plain file"));
   // A hole of 1 GB takes no room in the file, and must take none in memory.
   ASSERT_EQ(std::system(("cd '" + folder.path().string() +
                          "' && truncate -s 1G b-0.bin && tar --format=gnu --sparse -cf y.tar b-0.bin")
                             .c_str()),
             0);
-  EXPECT_THAT(refusal(folder.path() / "y.tar"), HasSubstr("'b-0.bin' that is no plain file"));
+  EXPECT_THAT(refusal(folder.path() / "y.tar"), HasSubstr("'b-0.bin' that is not a plain file"));
 }
 
 TEST(DecodeMember, PicksTheFormatByItsSuffix) {

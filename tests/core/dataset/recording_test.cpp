@@ -80,9 +80,9 @@ TEST(Recording, BadIndexesAreNamed) {
     folder.write("recording.json", text);
     expectInputError([&] { readRecording(folder.path(), RecordingKind::Passes); }, words);
   };
-  refused("", {"recording.json", "no whole JSON"});
-  refused("[]", {"is no recording"});
-  refused(R"({"what": "else"})", {"is no recording"});
+  refused("", {"recording.json", "not complete JSON"});
+  refused("[]", {"is not a recording"});
+  refused(R"({"what": "else"})", {"is not a recording"});
   refused(head + R"("sequences": []})", {"'sensors' is missing"});
   refused(head + R"("sensor": []})", {"'sensor' is unknown", "sensors"});
   refused(head + sensors + R"("sequences": []})", {"/sequences", "nothing was recorded"});

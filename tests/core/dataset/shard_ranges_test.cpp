@@ -34,10 +34,10 @@ TEST(ShardRanges, WrittenAndReadTheyAreTheSame) {
 TEST(ShardRanges, WhatIsNoneIsRefused) {
   for (const char* text :
        {"", ",", "1,", "a", "-1", "1-", "3-1", "1-2-3", "0x1", "99999999999999999999", " 1", "1.5"}) {
-    EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges(text, 10); }), HasSubstr("as in 0-9,12")) << text;
+    EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges(text, 10); }), HasSubstr("such as 0-9,12")) << text;
   }
   EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges("0-10", 10); }), HasSubstr("has the shards 0 to 9"));
-  EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges("1", 1); }), HasSubstr("has one shard, 0"));
+  EXPECT_THAT(messageOf<InputError>([&] { parseShardRanges("1", 1); }), HasSubstr("has only the shard 0"));
 }
 
 }  // namespace

@@ -141,9 +141,9 @@ TEST(ShardWriter, RefusesNamesThatReadersWouldMisread) {
   for (const char* suffix : {"", ".pcd", "PCD", "a/b", "json", "a b"}) {
     EXPECT_THAT(refusal({"key", "train", {}, {{suffix, "x"}}}), HasSubstr("sample 'key'")) << suffix;
   }
-  EXPECT_THAT(refusal({"key", "train", {}, {{"pcd", "x"}, {"pcd", "y"}}}), HasSubstr("'pcd' is there twice"));
+  EXPECT_THAT(refusal({"key", "train", {}, {{"pcd", "x"}, {"pcd", "y"}}}), HasSubstr("'pcd' is used twice"));
   for (const char* split : {"", "../x", "Train", "a.b"}) {
-    EXPECT_THAT(refusal({"key", split, {}, {}}), HasSubstr("no name of a split"));
+    EXPECT_THAT(refusal({"key", split, {}, {}}), HasSubstr("not a name of a split"));
   }
   EXPECT_THAT(refusal({"key", "val", {}, {}}), HasSubstr("the split val"));
   // None of these left a trace.

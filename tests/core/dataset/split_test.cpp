@@ -120,16 +120,16 @@ TEST(Splits, ListsAreTakenLiterally) {
 }
 
 TEST(Splits, RefusesWhatCannotBe) {
-  EXPECT_THAT(refusal(kShares, 4), HasSubstr("test: a share of 0.1 of 4 seeds is none at all"));
-  EXPECT_THAT(refusal("{train: 0.5, val: 0.4}", 10), HasSubstr("sum to 0.9"));
+  EXPECT_THAT(refusal(kShares, 4), HasSubstr("test: a share of 0.1 of 4 seeds is less than one"));
+  EXPECT_THAT(refusal("{train: 0.5, val: 0.4}", 10), HasSubstr("sum of the shares is 0.9"));
   EXPECT_THAT(refusal("{train: 1.5, val: -0.5}", 10), HasSubstr("pipeline.yaml:1"));
   EXPECT_THAT(refusal("{by: seed}", 10), AllOf(HasSubstr("no train, val or test"), HasSubstr("--set splits=null")));
   EXPECT_THAT(refusal("{by: frame, train: 1}", 10), HasSubstr("seed"));
   EXPECT_THAT(refusal("{trian: 1}", 10), HasSubstr("train"));
-  EXPECT_THAT(refusal("{train: [1], val: 0.5}", 2), HasSubstr("cannot be mixed"));
+  EXPECT_THAT(refusal("{train: [1], val: 0.5}", 2), HasSubstr("either all shares or all lists"));
   EXPECT_THAT(refusal("{train: [1], val: [1, 2]}", 2), HasSubstr("seed 1 is in 'train' already"));
   EXPECT_THAT(refusal("{train: [1], val: [7]}", 2),
-              HasSubstr("no sequence has the seed 7 (there are: 1, 2); --set splits=null puts all into train"));
+              HasSubstr("no sequence has the seed 7 (known: 1, 2); --set splits=null puts all sequences into train"));
   EXPECT_THAT(refusal("{train: [1]}", 2), HasSubstr("seed 2 is in no list"));
   EXPECT_THAT(refusal("{train: [one]}", 1), HasSubstr("pipeline.yaml:1"));
   EXPECT_THAT(refusal("[train]", 1), HasSubstr("pipeline.yaml:1"));

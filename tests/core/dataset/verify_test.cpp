@@ -167,7 +167,8 @@ TEST_F(VerifyTest, FindsMissingAndTruncatedShards) {
   const std::vector<std::string> found = problems();
   EXPECT_EQ(found[0], manifest_.shards[0].file + ": is missing");
   EXPECT_THAT(found, Contains(AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("but the manifest says"))));
-  EXPECT_THAT(found, Contains(AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("not a whole tar file at offset"))));
+  EXPECT_THAT(found,
+              Contains(AllOf(HasSubstr(manifest_.shards[1].file), HasSubstr("not a complete tar file at offset"))));
 }
 
 TEST_F(VerifyTest, FindsFilesNobodyListed) {
@@ -189,7 +190,7 @@ TEST_F(VerifyTest, FindsMembersThatAreMissingAddedOrOutOfOrder) {
   edit(1, [](Members& members) { members.push_back({"other-0.pcd", "x"}); });
   EXPECT_THAT(problems(), Contains(HasSubstr("other-0.pcd: is not in the manifest")));
   edit(2, [](Members& members) { members.push_back(members[1]); });
-  EXPECT_THAT(problems(), Contains(HasSubstr("is there twice")));
+  EXPECT_THAT(problems(), Contains(HasSubstr("is in the shard twice")));
   edit(3, [](Members& members) { std::swap(members[1], members[3]); });
   EXPECT_THAT(problems(), Contains(AllOf(HasSubstr(manifest_.shards[3].file), HasSubstr("out of order"))));
   EXPECT_EQ(problems().size(), 4u);
@@ -216,9 +217,9 @@ TEST_F(VerifyTest, FindsAManifestThatContradictsItself) {
   manifest_.formats.push_back({"draco", "drc", 0.001});
   saveManifest();
   const std::vector<std::string> found = problems();
-  EXPECT_THAT(found, Contains("manifest.json: the SHA-256 of the pipeline's text is not the one stated"));
+  EXPECT_THAT(found, Contains("manifest.json: the SHA-256 of the pipeline's text differs from the stated one"));
   EXPECT_THAT(found, Contains("manifest.json: frames of sequence val_street-1-drive are in several splits"));
-  EXPECT_THAT(found, Contains(AllOf(HasSubstr("lists no member"), HasSubstr(".drc"))));
+  EXPECT_THAT(found, Contains(AllOf(HasSubstr("does not list the member"), HasSubstr(".drc"))));
   EXPECT_THAT(found, Contains(HasSubstr("samples, but the manifest lists")));
 }
 
@@ -288,8 +289,8 @@ TEST_F(ScanCheckTest, CountsMustAgree) {
 
 TEST_F(ScanCheckTest, ClassesMustBeKnown) {
   for (std::uint16_t& label : scan_[kLabel]) label = label == 7 ? 8 : label;
-  EXPECT_THAT(check(),
-              ElementsAre(HasSubstr("points of class 8, which ontology 'ours' lacks"), HasSubstr("no points of road")));
+  EXPECT_THAT(check(), ElementsAre(HasSubstr("points of class 8, which is not in the ontology 'ours'"),
+                                   HasSubstr("no points of road")));
 }
 
 TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
@@ -300,25 +301,25 @@ TEST_F(ScanCheckTest, RingColumnAndRangeMustFitTheSensor) {
   scan_[kRangeTrue][4] = NAN;
   scan_[kTime][5] = NAN;
   scan_[kIntensity][6] = INFINITY;
-  EXPECT_THAT(check(), ElementsAre("1 point of intensity that is not finite (the first is point 6)",
-                                   "1 point of a ring beyond 3 (the first is point 0)",
-                                   "1 point of a column beyond 15 (the first is point 1)",
-                                   "1 point of time that is not finite (the first is point 5)",
-                                   "2 points of range_true outside 0.5 to 80 m (the first is point 2)"))
+  EXPECT_THAT(check(), ElementsAre("1 point with intensity not finite (the first is point 6)",
+                                   "1 point with a ring above 3 (the first is point 0)",
+                                   "1 point with a column above 15 (the first is point 1)",
+                                   "1 point with time not finite (the first is point 5)",
+                                   "2 points with range_true outside 0.5 to 80 m (the first is point 2)"))
       << "a false positive has none";
   manifest_.columns.emplace_back("cause");
   scan_[kCause].assign(scan_.size(), 1);
   scan_[kCause][4] = 2;
-  EXPECT_THAT(check(), testing::Contains(HasSubstr("2 points of range_true")));
+  EXPECT_THAT(check(), testing::Contains(HasSubstr("2 points with range_true")));
   scan_[kCause][4] = 1;
-  EXPECT_THAT(check(), testing::Contains(HasSubstr("3 points of range_true")));
+  EXPECT_THAT(check(), testing::Contains(HasSubstr("3 points with range_true")));
   record_.beams = 63;
   EXPECT_THAT(check(), ElementsAre("63 beams, but its sensor has 64"));
 }
 
 TEST_F(ScanCheckTest, IncidencesMustBeAngles) {
   manifest_.columns.emplace_back("incidence");
-  EXPECT_THAT(check(), ElementsAre("no column incidence, but the manifest says so"));
+  EXPECT_THAT(check(), ElementsAre("the scan has no column incidence, but the manifest lists it"));
   scan_[kIncidence].assign(scan_.size(), static_cast<float>(kPi / 2));
   scan_[kIncidence][0] = 0;
   scan_[kIncidence][1] = NAN;
@@ -326,16 +327,16 @@ TEST_F(ScanCheckTest, IncidencesMustBeAngles) {
   scan_[kIncidence][2] = 1.58f;
   scan_[kIncidence][3] = -0.01f;
   scan_[kIncidence][4] = INFINITY;
-  EXPECT_THAT(check(), ElementsAre("3 points of incidence outside 0 to 1.5708 rad (the first is point 2)"));
+  EXPECT_THAT(check(), ElementsAre("3 points with incidence outside 0 to 1.5708 rad (the first is point 2)"));
 }
 
 TEST_F(ScanCheckTest, ColumnsMustBeThoseOfTheManifest) {
   scan_[kTime].clear();
   EXPECT_THAT(check(), IsEmpty()) << "it follows from ring and column";
   scan_[kIntensity].clear();
-  EXPECT_THAT(check(), ElementsAre("no column intensity, but the manifest says so"));
+  EXPECT_THAT(check(), ElementsAre("the scan has no column intensity, but the manifest lists it"));
   manifest_.columns = {"x", "y", "z", "label", "instance", "ring", "column"};
-  EXPECT_THAT(check(), ElementsAre("column range_true, of which the manifest says nothing"));
+  EXPECT_THAT(check(), ElementsAre("the scan has the column range_true, but the manifest does not list it"));
 }
 
 TEST_F(ScanCheckTest, ImagesHaveTheSensorsSize) {

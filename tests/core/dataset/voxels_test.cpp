@@ -107,9 +107,10 @@ TEST(ScanVoxels, ThatAreDamagedAreRefusedByName) {
   EXPECT_THAT(messageWith("label", npyOf("<u4", {2, 2, 2}, std::string(32, '\0'))), HasSubstr("<u2"));
   EXPECT_THAT(messageWith("label", npyOf("<u2", {8}, std::string(16, '\0'))), HasSubstr("1 dimensions"));
   EXPECT_THAT(messageWith("label", npyOf("<u2", {0, 2, 2}, "")), HasSubstr("no voxels"));
-  EXPECT_THAT(messageWith("input", npyOf("|b1", {2, 2, 1}, flags.substr(4))), HasSubstr("not as large as label"));
+  EXPECT_THAT(messageWith("input", npyOf("|b1", {2, 2, 1}, flags.substr(4))),
+              HasSubstr("and label have different sizes"));
   EXPECT_THAT(messageWith("invalid", npyOf("|b1", {2, 2, 2}, std::string(8, '\2'))), HasSubstr("besides 0 and 1"));
-  EXPECT_THAT(messageWith("low", npyOf("<f8", {2}, std::string(16, '\0'))), HasSubstr("2 numbers, not 3"));
+  EXPECT_THAT(messageWith("low", npyOf("<f8", {2}, std::string(16, '\0'))), HasSubstr("2 numbers, but must have 3"));
   EXPECT_THAT(messageWith("size", npyOf("<f8", {}, std::string(8, '\0'))), HasSubstr("not above 0"));
   EXPECT_THAT(messageWith("size", npyOf("<f8", {}, std::string(8, '\xff'))), HasSubstr("not finite"));
   const std::string whole = encodeVoxels(someVoxels());

@@ -127,12 +127,13 @@ TEST_F(Exports, ResumingCleansUpAndTellsWhenNothingIsLeft) {
   EXPECT_EQ(whole.resumedFrames, 6u);
   EXPECT_EQ(filesIn(cut.folder), files);
   again.splits = {"val"};
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("holds a whole export"));
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(again); }), HasSubstr("has a complete export"));
 }
 
 TEST_F(Exports, TheDatasetsOwnFolderIsNotWrittenInto) {
   for (const char* inside : {"data", "data/ply", "data/../data/x/y"}) {
-    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", inside)); }), HasSubstr("own folder"))
+    EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", inside)); }),
+                HasSubstr("within the dataset's folder"))
         << inside;
     EXPECT_FALSE(fs::exists(folder_.path() / "data/ply"));
   }
@@ -141,7 +142,7 @@ TEST_F(Exports, TheDatasetsOwnFolderIsNotWrittenInto) {
 
 TEST_F(Exports, WhatIsThereIsNeverWrittenOver) {
   exportDataset(options("ply", "out"));
-  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }), HasSubstr("holds a whole export"));
+  EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "out")); }), HasSubstr("has a complete export"));
   folder_.write("notes/mine.txt", "mine");
   EXPECT_THAT(messageOf<InputError>([&] { exportDataset(options("ply", "notes")); }), HasSubstr("is not empty"));
   folder_.write("other/.scanmill_export.json", "of something else");
@@ -170,7 +171,7 @@ TEST_F(Exports, SensorsAndSplitsAreChosenByName) {
   EXPECT_EQ(exportDataset(one).frames, 3u);
   for (const auto& [name, bytes] : filesIn(one.folder)) EXPECT_EQ(name.find("top"), std::string::npos) << name;
   const ExportSummary first = exportDataset(options("semantic_kitti", "kitti"));
-  EXPECT_THAT(testing::PrintToString(first.warnings), HasSubstr("those of 'top' are written"));
+  EXPECT_THAT(testing::PrintToString(first.warnings), HasSubstr("writes those of 'top'"));
   ExportOptions wrong = options("ply", "no");
   wrong.sensors = {"front"};
   EXPECT_THAT(messageOf<InputError>([&] { exportDataset(wrong); }), HasSubstr("it has top, Rear"));

@@ -118,14 +118,14 @@ TEST_F(NuScenesFolder, KeyFramesOfTheLidarAreRead) {
 
 TEST_F(NuScenesFolder, DamageIsToldWithTheFile) {
   tables("sample", R"([{"token": "a"}])");
-  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("sample.json: is no table of nuScenes"));
+  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("sample.json: is not a table of nuScenes"));
   tables("sample", R"({"token": "a"})");
-  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("a list belongs there"));
+  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("it must be a list"));
   tables("sample", "[");
   EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("sample.json"));
   tables("sample", R"([{"token": "a", "scene_token": "s"}])");
   fs::remove_all(folder_.path() / "samples");
-  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("none of the scans that they list"));
+  EXPECT_THAT(messageOf([&] { scanFolderIn(folder_.path()); }), HasSubstr("the scans that they list are missing"));
 }
 
 TEST(ScanFolder, FilesOfScansInOneFolderAreRead) {

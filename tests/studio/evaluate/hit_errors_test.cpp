@@ -52,7 +52,7 @@ TEST(HitErrors, RefuseSeveralRaysABeam) {
   several.range = {10, 10, 12};
   for (const std::string& refusal : {messageOf<Error>([&] { compareHits(reference, several, {}); }),
                                      messageOf<Error>([&] { compareHits(several, reference, {}); })}) {
-    EXPECT_THAT(refusal, testing::HasSubstr("3 rays of 2 beams"));
+    EXPECT_THAT(refusal, testing::HasSubstr("2 beams have 3 rays"));
   }
 }
 

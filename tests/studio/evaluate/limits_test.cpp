@@ -109,19 +109,20 @@ Candidate candidateOf(double secondsPerBeam, double p99, double missRate = 0, do
 TEST(Broken, SaysWhatDoesNotHoldWithFigures) {
   const ErrorLimits l = limitsOf("max_error: {p99: 2 cm, miss_rate: 0.1 %, labels: 99.5 %}\nmin_rate: 5e6");
   EXPECT_TRUE(broken(candidateOf(2e-7, 0.02, 0.001, 0.995), l).empty());
-  EXPECT_EQ(broken(candidateOf(1e-7, 0.031), l), std::vector<std::string>{"p99 31 mm, 20 mm allowed"});
+  EXPECT_EQ(broken(candidateOf(1e-7, 0.031), l), std::vector<std::string>{"p99 31 mm, but at most 20 mm are allowed"});
   EXPECT_EQ(broken(candidateOf(1e-7, 0.01, 0.0031, 0.99), l),
-            (std::vector<std::string>{"miss_rate 0.31 %, 0.1 % allowed", "labels 99 %, at least 99.5 % wanted"}));
+            (std::vector<std::string>{"miss_rate 0.31 %, but at most 0.1 % are allowed",
+                                      "labels 99 %, but at least 99.5 % are required"}));
   EXPECT_EQ(broken(candidateOf(1e-6, 0.01), l),
-            std::vector<std::string>{"min_rate 1 million beams/s, at least 5 million beams/s wanted"});
+            std::vector<std::string>{"min_rate 1 million beams/s, but at least 5 million beams/s are required"});
 }
 
 // Three digits would say that 20 mm are more than 20 mm.
 TEST(Broken, FiguresShowThatTheLimitIsExceeded) {
   EXPECT_EQ(broken(candidateOf(1, 0.020004), limitsOf("max_error: {p99: 2 cm}")),
-            std::vector<std::string>{"p99 20.004 mm, 20 mm allowed"});
+            std::vector<std::string>{"p99 20.004 mm, but at most 20 mm are allowed"});
   EXPECT_EQ(broken(candidateOf(1, 0, 0, 0.99999), limitsOf("max_error: {labels: 100 %}")),
-            std::vector<std::string>{"labels 99.999 %, at least 100 % wanted"});
+            std::vector<std::string>{"labels 99.999 %, but at least 100 % are required"});
 }
 
 TEST(Broken, WithoutCommonHitsTheMissRateDecides) {
@@ -131,15 +132,15 @@ TEST(Broken, WithoutCommonHitsTheMissRateDecides) {
   blind.errors.falseNegatives = 100;
   EXPECT_TRUE(broken(blind, limitsOf("max_error: {max: 0 mm, intensity: 0, labels: 100 %}")).empty());
   EXPECT_EQ(broken(blind, limitsOf("max_error: {max: 0 mm, miss_rate: 1 %}")),
-            std::vector<std::string>{"miss_rate 100 %, 1 % allowed"});
+            std::vector<std::string>{"miss_rate 100 %, but at most 1 % are allowed"});
 }
 
 TEST(Broken, WhatIsNotKnownDoesNotHold) {
   const double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(broken(candidateOf(1, 0), limitsOf("max_error: {intensity: 1}")),
-            std::vector<std::string>{"intensity is not known, 1 allowed"});
+            std::vector<std::string>{"intensity is unknown, but at most 1 are allowed"});
   EXPECT_EQ(broken(candidateOf(1, kNaN), limitsOf("max_error: {p99: 1 m}")),
-            std::vector<std::string>{"p99 is not known, 1 m allowed"});
+            std::vector<std::string>{"p99 is unknown, but at most 1 m are allowed"});
   EXPECT_EQ(broken(candidateOf(kNaN, 0), limitsOf("min_rate: 1")).size(), 1u);
   const std::vector<Candidate> unknown{candidateOf(kNaN, 0), candidateOf(3, 0.5)};
   EXPECT_EQ(cheapest(unknown, limitsOf("max_error: {p99: 1 m}")), 1u);

@@ -121,7 +121,8 @@ class Calibrator {
   static void refuseStill(Calibration& calibration) {
     for (CalibratedSetting& row : calibration.settings) {
       const MethodEntry& entry = *row.setting.choice.entry;
-      if (!entry.can.moving && row.failure.empty()) row.failure = "objects of the scene move: see `moving`";
+      if (!entry.can.moving && row.failure.empty())
+        row.failure = "the method cannot trace the moving objects of the scene: see the key `moving`";
     }
   }
 
@@ -149,7 +150,7 @@ class Calibrator {
     const std::vector<TrueShot> truth = trueShots(scene, std::move(shots), options);
     if (!anyHit(truth)) {
       throw InputError({pipeline_.file.string()},
-                       fmt::format("no beam of {} scans of {} meets anything: nothing can be judged by them; look at "
+                       fmt::format("no beam of {} scans of {} hits anything, so that no setting can be judged: check "
                                    "the trajectory and the sensor's mount",
                                    truth.size(), own.key()));
     }
@@ -186,9 +187,9 @@ class Calibrator {
     errors.minRate.reset();
     const bool onlyRate = limitTexts(chosen.candidate, errors).empty();
     return fmt::format(
-        "the {} of {} settings that hold, of {} measured on {} frames; asked for: {}; it traces {} beams/s, set-up "
-        "included, range error p99 {:.3g} mm, {:.3f} % of the beams are false negatives or positives, {:.3f} % of "
-        "labels agree",
+        "the {} of {} settings that keep the limits, of {} measured on {} frames; limits: {}; it traces {} beams/s "
+        "with set-up, range error p99 {:.3g} mm, {:.3f} % of the beams are false negatives or positives, {:.3f} % of "
+        "the labels agree",
         onlyRate ? "most exact" : "cheapest", holding, calibration.settings.size(), frames_,
         fmt::join(limitTexts(chosen.candidate, choice_.limits), "; "), shortNumber(1 / chosen.candidate.secondsPerBeam),
         e.range.p99 * 1e3, 100 * e.missRate(), 100 * e.labels());
@@ -214,8 +215,8 @@ AutoChoice readAutoChoice(const Pipeline& pipeline) {
   fields.also({"max_error", "min_rate", "settings", "shots"}).finish();
   if (!fields.has("max_error") && !fields.has("min_rate")) {
     throw InputError(options.where,
-                     "method auto: say what is good enough, such as {auto: {max_error: {p99: 2cm, miss_rate: 0.1%, "
-                     "labels: 99.5%}}} or {auto: {min_rate: 5e6}}");
+                     "method auto: give limits, such as {auto: {max_error: {p99: 2cm, miss_rate: 0.1%, labels: "
+                     "99.5%}}} or {auto: {min_rate: 5e6}}");
   }
   choice.limits = readErrorLimits(fields.find("max_error"), fields.find("min_rate"));
   const Value* settings = fields.find("settings");
@@ -243,13 +244,13 @@ std::size_t chooseSetting(const std::vector<CalibratedSetting>& settings, const 
     index.push_back(s);
   }
   if (candidates.empty()) {
-    throw InputError(where, fmt::format("method auto: none of the {} settings can run here; the first: {}",
+    throw InputError(where, fmt::format("method auto: none of the {} settings can run; the first failed: {}",
                                         settings.size(), settings.empty() ? "" : settings.front().failure));
   }
   if (const auto best = bestThatHolds(candidates, limits)) return index[*best];
   const std::size_t nearestOne = nearestToHolding(candidates, limits);
-  throw InputError(where, fmt::format("method auto: none of the {} settings is good enough; the nearest is {} ({}). "
-                                      "Ask for less, or name more `settings`",
+  throw InputError(where, fmt::format("method auto: none of the {} settings keeps the limits; the nearest is {} ({}). "
+                                      "Relax the limits, or name more `settings`",
                                       settings.size(), settings[index[nearestOne]].setting.setting.name,
                                       fmt::join(broken(candidates[nearestOne], limits), "; ")));
 }

@@ -30,8 +30,8 @@ std::string_view endText(const KeyChange& advice) {
 
 Chart featureChart(const SetComparison& comparison) {
   Chart chart{.name = "features",
-              .title = "What tells the sets apart",
-              .note = fmt::format("Single features of local patches, compared within {} and bands of range.",
+              .title = "What separates the sets",
+              .note = fmt::format("Each feature of local patches alone, compared within {} and bands of range.",
                                   comparison.byClass ? "classes" : "shapes"),
               .x = {.title = "|area under the ROC curve - 0.5|", .low = 0, .high = 0.5}};
   ChartSeries bars{.name = "real against simulated", .color = kSimulated, .mark = ChartMark::Bars};

@@ -53,7 +53,7 @@ class Warnings {
 
   void reading() {
     if (!faults_.shards.empty()) {
-      add(fmt::format("{} missing or damaged. Pictures and figures that need points are of what can be read.",
+      add(fmt::format("{} missing or damaged. Pictures and figures that need points use only the readable scans.",
                       faults_.shards.size() == 1 ? "1 shard is" : fmt::format("{} shards are", faults_.shards.size())),
           faults_.shards);
     }
@@ -63,14 +63,14 @@ class Warnings {
           faults_.scans);
     }
     if (!faults_.mistaken.empty()) {
-      add("Scans are not what the manifest says of them: `scanmill verify` tells all.", faults_.mistaken);
+      add("Scans differ from the manifest: `scanmill verify` lists all differences.", faults_.mistaken);
     }
   }
 
   void scans() {
     if (sum_.samples == 0) add("The dataset has no samples.");
     if (!sum_.emptyScans.empty()) {
-      add(fmt::format("{} of {} without points.", sum_.emptyScans.size(), pluralOf(sum_.scans, "scan")),
+      add(fmt::format("{} of {} have no points.", sum_.emptyScans.size(), pluralOf(sum_.scans, "scan")),
           sum_.emptyScans);
     }
     if (!sum_.fewPoints.empty()) {
@@ -79,8 +79,8 @@ class Warnings {
           sum_.fewPoints);
     }
     if (sum_.unresolved > 0) {
-      add(fmt::format("The method gave up {} ({}): nobody knows whether they hit.", pluralOf(sum_.unresolved, "beam"),
-                      shareText(shareOf(sum_.unresolved, sum_.beams))),
+      add(fmt::format("The method gave up {} ({}), so that it is unknown whether they hit.",
+                      pluralOf(sum_.unresolved, "beam"), shareText(shareOf(sum_.unresolved, sum_.beams))),
           sum_.unresolvedScans);
     }
   }
@@ -99,7 +99,8 @@ class Warnings {
     });
     if (!few.empty()) add(fmt::format("Fewer than 1 in 10,000 points each: {}.", fmt::join(alikeLines(few), ", ")));
     const auto unknown = classesWhere([](const ClassSummary& c) { return !c.known; });
-    if (!unknown.empty()) add(fmt::format("The ontology does not know: {}.", fmt::join(alikeLines(unknown), ", ")));
+    if (!unknown.empty())
+      add(fmt::format("The ontology does not have these classes: {}.", fmt::join(alikeLines(unknown), ", ")));
     for (const ClassSummary& c : sum_.classes) {
       if (c.id != 0 || c.points <= fromNothing()) continue;
       add(fmt::format("{} of the points are unlabelled, in {}.", shareText(shareOf(c.points, sum_.points)),
@@ -146,7 +147,7 @@ class Warnings {
       if (c.thing && c.pointsWithoutId > 0)
         without.push_back(fmt::format("{}: {}", c.name, pluralOf(c.pointsWithoutId, "point")));
     }
-    if (!without.empty()) add("Things without an instance id, though their class is countable.", without);
+    if (!without.empty()) add("Points of classes with instances that have no instance id.", without);
     std::vector<std::string> mixed;
     for (const MixedInstance& m : sum_.mixed) {
       if (m.usual) continue;
@@ -158,7 +159,7 @@ class Warnings {
       mixed.push_back(fmt::format("{}, instance {}: {} points", m.sample, m.id, fmt::join(parts, ", ")));
     }
     if (!mixed.empty()) {
-      add(fmt::format("{} labels of more than one class that seldom make one thing: a sign of wrong labels.",
+      add(fmt::format("{} labels of more than one class that seldom occur in one object: a sign of wrong labels.",
                       mixed.size() == 1 ? "1 instance has" : fmt::format("{} instances have", mixed.size())),
           mixed);
     }
@@ -195,11 +196,11 @@ class Warnings {
 
   std::string idText(const ThingSummary& thing, std::size_t likeIt) const {
     const ClassSummary& c = classOf(thing.mostClass);
-    const std::string others = c.pointsWithoutId == 0 ? fmt::format("though {} is not countable", c.name)
+    const std::string others = c.pointsWithoutId == 0 ? fmt::format("though {} is a class without instances", c.name)
                                : likeIt == 1          ? fmt::format("which no other {} has", c.name)
-                                                      : fmt::format("which most {} has not", c.name);
-    return fmt::format("{}: instance {} of {} ({}, {}) has an instance id, {}: a thing {} class?", c.name, thing.id,
-                       thing.sequence, pluralOf(thing.scans, "scan"), pluralOf(thing.points, "point"), others,
+                                                      : fmt::format("which most {} does not have", c.name);
+    return fmt::format("{}: instance {} of {} ({}, {}) has an instance id, {}: is it an object {} class?", c.name,
+                       thing.id, thing.sequence, pluralOf(thing.scans, "scan"), pluralOf(thing.points, "point"), others,
                        c.id == 0 ? "without a" : "with the wrong");
   }
 
@@ -207,8 +208,8 @@ class Warnings {
     const ThingSummary& thing = sum_.things[anomaly.thing];
     const std::string& own = classOf(thing.mostClass).name;
     return fmt::format(
-        "{} {} of {} is {:.1f} x {:.1f} x {:.1f} m, like {} ({} of them) and unlike any other {}: a thing with the "
-        "wrong class?",
+        "{} {} of {} is {:.1f} x {:.1f} x {:.1f} m, like {} ({} of them) and unlike any other {}: is it an object with "
+        "the wrong class?",
         own, thing.id, thing.sequence, thing.size->length, thing.size->width, thing.size->height,
         classOf(*anomaly.like).name, anomaly.alike, own);
   }

@@ -28,7 +28,7 @@ std::string faultOf(const fs::path& file, const ShardRecord& record, bool hashed
   if (failure) return "cannot be read: " + failure.message();
   if (bytes != record.bytes) return fmt::format("has {} bytes, not {} as the manifest says", bytes, record.bytes);
   try {
-    return !hashed || sha256OfFile(file) == record.sha256 ? "" : "is damaged: its SHA-256 is not the manifest's";
+    return !hashed || sha256OfFile(file) == record.sha256 ? "" : "is damaged: its SHA-256 differs from the manifest";
   } catch (const Error&) {
     return "cannot be read";
   }
@@ -47,7 +47,7 @@ Scan readScan(const ShardIndex& shard, const SampleRecord& sample, const ScanRec
       why += fmt::format("{}{}", why.empty() ? "" : "; ", error.what());
     }
   }
-  throw InputError(why.empty() ? fmt::format("the scan of {}, {} is not there", sample.key, scan.sensor) : why);
+  throw InputError(why.empty() ? fmt::format("the scan of {}, {} is missing", sample.key, scan.sensor) : why);
 }
 
 }  // namespace

@@ -30,8 +30,9 @@ Chart sigmaChart(const NoiseFit& fit) {
   Chart chart{.name = "range_noise"};
   chart.title = "Range noise";
   chart.note = fmt::format(
-      "Flat patches up to {:.0f}° from their normals; bars: standard errors of a bootstrap over patches. Without the "
-      "range step of {:.3g} mm. About planes, offsets between rings, bends and the vehicle's motion add to it.",
+      "Flat patches up to {:.0f}° from their normals; bars: standard errors of a bootstrap over patches. The range "
+      "step of {:.3g} mm is not included. The deviation about planes also includes offsets between rings, curvature "
+      "and the vehicle's motion.",
       degrees(fit.mostIncidence), fit.step * kMillimetres);
   chart.x = {.title = "range (m)", .low = 0};
   chart.y = {.title = "standard deviation (mm)", .low = 0};
@@ -74,16 +75,15 @@ Chart groupChart(const std::vector<PatchGroup>& groups, const char* name, const 
 }
 
 Chart incidenceChart(const NoiseFit& fit) {
-  return groupChart(
-      fit.incidences, "incidence", "Range noise against incidence",
-      "All ranges that the fit uses. The wider the beam's footprint lies along the beam, the more a rough "
-      "surface spreads the ranges; steep and grazing views are of different places, too.",
-      "angle between beam and normal");
+  return groupChart(fit.incidences, "incidence", "Range noise against incidence",
+                    "All ranges that the fit uses. At grazing incidence the footprint extends along the beam, so that "
+                    "a rough surface spreads the ranges more; the rows also show different places.",
+                    "angle between beam and normal");
 }
 
 Chart intensityChart(const NoiseFit& fit) {
   return groupChart(fit.intensities, "intensity", "Range noise against intensity",
-                    "Fifths of the patches that the fit uses, by the median intensity of each.",
+                    "The patches that the fit uses, in five groups of equal number by their median intensity.",
                     "intensity, as recorded");
 }
 
@@ -91,7 +91,8 @@ Chart dropOutChart(const NoiseFit& fit) {
   Chart chart{.name = "drop_out"};
   chart.title = "Drop-out";
   chart.note =
-      "Beams without a return, of those whose neighbours returned from the patch's plane; bars: standard errors.";
+      "Share of beams without a return among those whose neighbours returned from the patch's plane; bars: standard "
+      "errors.";
   chart.x = {.title = "range (m)", .low = 0};
   chart.y = {.title = "share without a return (%)", .low = 0};
   ChartSeries measured{.name = "measured", .color = 0, .mark = ChartMark::Dots, .emphasised = true};
@@ -125,8 +126,8 @@ Chart residualChart(const ResidualComparison& comparison) {
   Chart chart;
   chart.title = fmt::format("Range residuals on patches {} from their normals", comparison.name);
   chart.note = fmt::format(
-      "{} patches. Standard deviation that most patches share, the step included: recorded {:.1f} mm, simulated {:.1f} "
-      "mm; about planes {:.1f} and {:.1f} mm.",
+      "{} patches. Typical standard deviation of a patch, with the step: recorded {:.1f} mm, simulated {:.1f} mm; "
+      "about planes {:.1f} and {:.1f} mm.",
       comparison.patches, comparison.recorded.deviation * kMillimetres, comparison.simulated.deviation * kMillimetres,
       comparison.recorded.planeDeviation * kMillimetres, comparison.simulated.planeDeviation * kMillimetres);
   chart.x.title = "range beyond the surface (mm)";

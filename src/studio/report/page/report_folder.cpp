@@ -16,11 +16,11 @@ void prepareReportFolder(const fs::path& folder, const std::string& result, bool
     fs::create_directories(folder);
     if (fs::is_empty(folder)) return;
     if (!fs::exists(folder / result)) {
-      throw InputError({folder.string()}, fmt::format("holds files, but no {}: name another folder", result));
+      throw InputError({folder.string()}, fmt::format("has files, but no {}: name another folder", result));
     }
-    if (!overwrite) throw InputError({folder.string()}, "holds a report already: add --overwrite, or name another");
+    if (!overwrite) throw InputError({folder.string()}, "has a report: add --overwrite, or name another folder");
   } catch (const fs::filesystem_error& error) {
-    throw InputError({folder.string()}, "cannot be used as a report's folder: " + error.code().message());
+    throw InputError({folder.string()}, "cannot be used as the folder of a report: " + error.code().message());
   }
 }
 

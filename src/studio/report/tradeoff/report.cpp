@@ -176,11 +176,11 @@ class StudyPage {
         for (const auto& [stage, seconds] : study_.settings[i].measured.cost.stages) {
           if (seconds <= 0 || std::find(names.begin(), names.end(), stage) != names.end()) continue;
           names.push_back(stage);
-          table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over the threads that work on it"}});
+          table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over threads"}});
         }
       }
       for (const auto& entry : study_.commonStages) {
-        table["stages"].push_back({{"title", entry.first + ", one thread"}, {"hint", "the same whatever the setting"}});
+        table["stages"].push_back({{"title", entry.first + ", one thread"}, {"hint", "the same for all settings"}});
       }
       for (const std::size_t i : own) {
         const Cost& cost = study_.settings[i].measured.cost;

@@ -39,12 +39,12 @@ struct Measure {
   }
 };
 
-const Measure kRangeError{"range error that 99 % of the beams stay below", "m", rangeP99};
-const Measure kNearest{"mean distance from true points to the setting's nearest", "m", nearestMean};
+const Measure kRangeError{"p99 of the range error: 99 % of the beams have less", "m", rangeP99};
+const Measure kNearest{"mean distance from true points to the nearest of the setting", "m", nearestMean};
 const Measure kWrong{"false negatives, false positives and wrongly labelled beams", "%",
                      [](const GroupErrors& e) { return e.beams == 0 ? kNone : wrongShare(e); }};
 const Measure kFalseNegatives{
-    "beams that hit the class in truth and nothing by the setting", "%",
+    "beams that hit the class in truth and miss by the setting", "%",
     [](const GroupErrors& e) { return e.bothHit + e.falseNegatives == 0 ? kNone : falseNegativeShare(e); }};
 
 const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
@@ -86,7 +86,7 @@ std::string sceneNote(const Study& study) {
 // Returns the Pareto front as a staircase line. `front`: points (beams per second, error) on the front. `all`: all
 // points, which determine the ends of the line.
 ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>& all) {
-  ChartSeries line{.name = "Pareto front: nothing is both faster and better",
+  ChartSeries line{.name = "Pareto front: no setting is both faster and better",
                    .color = 6,
                    .mark = ChartMark::Line,
                    .emphasised = true};
@@ -104,7 +104,7 @@ ChartSeries frontLine(const std::vector<Vec2d>& front, const std::vector<Vec2d>&
 }
 
 Chart frontChart(const Study& study, Chart chart, const Measure& measure, const std::vector<std::size_t>& front) {
-  chart.x = {.title = "beams a second (to the right is better)", .scale = AxisScale::Log};
+  chart.x = {.title = "beams per second (right is better)", .scale = AxisScale::Log};
   chart.y = measure.axis(" (lower is better)");
   chart.height = 560;
   const std::vector<std::size_t> measured = measuredSettings(study);
@@ -186,7 +186,7 @@ Chart bandChart(const Study& study, Chart chart, const char* bands, Groups group
 
 Chart recallChart(const Study& study, Chart chart, const char* sizes, std::vector<SizeRecall> BeamErrors::*recall) {
   const Shown shown(study);
-  chart.note = "things of which at least one beam is met, of those that a true beam meets";
+  chart.note = "share of the things with a true hit that at least one beam hits";
   chart.x.title = sizes;
   chart.y = {.title = "things found", .unit = "%", .high = 1};
   chart.height = 390;
@@ -274,8 +274,8 @@ Chart stagesChart(const Study& study) {
   Chart chart{.name = "stages",
               .title = "Where a scan's time goes",
               .note =
-                  "median time of a scan, split as the method accounts for it; stages that run on several threads "
-                  "at once share the time by what each takes in all",
+                  "median time of a scan, divided into the method's stages; stages that run at the same time share it "
+                  "in proportion to their thread time",
               .x = {.title = "time a scan", .unit = "s"},
               .stacked = true,
               .width = kWide,
@@ -316,9 +316,9 @@ Chart stagesChart(const Study& study) {
 Chart encodingsChart(const Study& study) {
   Chart chart{.name = "encodings",
               .title = "Encodings: size against speed",
-              .note = "one thread; beside each the largest error of a position, measured by decoding",
-              .x = {.title = "bytes a point (to the left is better)", .scale = AxisScale::Log},
-              .y = {.title = "points encoded a second (higher is better)", .scale = AxisScale::Log},
+              .note = "one thread; labels: the largest error of a position, measured by decoding",
+              .x = {.title = "bytes per point (left is better)", .scale = AxisScale::Log},
+              .y = {.title = "points encoded per second (higher is better)", .scale = AxisScale::Log},
               .width = kWide,
               .height = 420};
   for (const EncodingResult& e : study.encodings) {

@@ -242,9 +242,10 @@ SetComparison compareSets(ScanSet real, ScanSet simulated) {
   const Groups &groupsA = both.first, &groupsB = both.second;
   const ScanSet &first = result.real, &second = result.simulated;
   if (first.knowsRings && second.knowsRings && first.rows != second.rows) {
-    result.warnings.push_back(fmt::format(
-        "{} has {} rings and {} {}: patches of unlike sensors differ by their beams first; compare scans of one sensor",
-        first.name, first.rows, second.name, second.rows));
+    result.warnings.push_back(
+        fmt::format("{} has {} rings, but {} has {}: the patches of different sensors differ already by their beams, "
+                    "so compare scans of one sensor",
+                    first.name, first.rows, second.name, second.rows));
   }
   std::vector<Separated> separated(kFeatureCount);
   result.withinReal.fill(kUnmeasured);

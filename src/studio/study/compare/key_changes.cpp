@@ -155,23 +155,24 @@ void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simul
   const auto none = [&](std::string why) { comparison.unadvised = std::move(why); };
   std::error_code ignored;
   if (!std::filesystem::exists(simulated / kManifestName, ignored))
-    return none("The second set is no dataset's folder.");
+    return none("The second set is not the folder of a dataset.");
   const bool unlike = comparison.real.knowsRings && comparison.simulated.knowsRings &&
                       comparison.real.rows != comparison.simulated.rows;
-  if (unlike) return none("The sensors are not alike.");
+  if (unlike) return none("The sensors differ.");
   try {
     const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
     const Pipeline& read = plan.pipeline;
-    if (read.drawn != nullptr) return none("The second set's mounts or effects are drawn at random.");
+    if (read.drawn != nullptr) return none("The second set's mounts or effects are random.");
     const auto named = std::find_if(read.sensors.begin(), read.sensors.end(),
                                     [&](const MountedSensor& s) { return s.name == sensor; });
     const MountedSensor& own = named == read.sensors.end() ? read.sensors.front() : *named;
     comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, own));
-    if (comparison.advice.empty()) return none("No key of the second set's effects scales what differs by a tenth.");
+    if (comparison.advice.empty())
+      return none("No key of the second set's effects scales a figure that differs by a tenth or more.");
     comparison.assignment = assignmentOf(comparison.advice, read.effectItems);
   } catch (const InputError& error) {
     none(
-        fmt::format("The second set's pipeline cannot be read: {}. Where its files lie elsewhere, name it with "
+        fmt::format("The second set's pipeline cannot be read: {}. If its files are elsewhere, name the pipeline with "
                     "--pipeline FILE.",
                     error.what()));
   }

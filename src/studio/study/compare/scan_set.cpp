@@ -334,7 +334,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   const std::filesystem::path whole = std::filesystem::absolute(path).lexically_normal();
   const std::string name = (whole.has_filename() ? whole : whole.parent_path()).filename().string();
   const std::size_t stored = store.keys().size();
-  if (stored == 0) throw InputError({path.string()}, "holds no scan");
+  if (stored == 0) throw InputError({path.string()}, "has no scans");
   const std::size_t count = std::min(options.scans, stored);
   const std::vector<std::string> sensors = store.sensors();
   const bool found = std::any_of(sensors.begin(), sensors.end(),
@@ -362,8 +362,7 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   ScanSet set = addUp(name, std::move(all), std::move(ontology));
   set.stored = stored;
   set.foundSensor = found;
-  if (set.points == 0)
-    throw InputError({path.string()}, "holds scans without points alone: there is nothing to compare");
+  if (set.points == 0) throw InputError({path.string()}, "has only scans without points, which cannot be compared");
   return set;
 }
 

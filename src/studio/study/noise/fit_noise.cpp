@@ -114,7 +114,7 @@ PatchGroup describe(const Patches& patches, std::string name, double low, double
 
 // Returns the reason why a band of ranges is not used for the fit; empty if the band is used.
 std::string unfit(const PatchGroup& band) {
-  if (band.patches < kFewestPatches) return fmt::format("fewer than {} patches", kFewestPatches);
+  if (band.patches < kFewestPatches) return fmt::format("has fewer than {} patches", kFewestPatches);
   if (band.unevenness > kMostUneven) return "not flat: the patches scatter too differently";
   return {};
 }
@@ -245,9 +245,9 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
   }
   if (used.empty()) {
     throw InputError(
-        fmt::format("{}: no range at which at least {} flat patches of {} x {} beams were found, seen at "
-                    "up to {:.0f} deg from their normals: noise is measured on walls, floors and the "
-                    "like; give more scans, or of a place that has them{}",
+        fmt::format("{}: no band of ranges has at least {} flat patches of {} x {} beams with incidences up to {:.0f} "
+                    "deg: noise is measured on flat surfaces such as walls and floors; give more scans, or scans of a "
+                    "place with such surfaces{}",
                     listed(fit.files), kFewestPatches, kPatchRings, kPatchColumns, degrees(options.mostIncidence),
                     beams.rings < kPatchRings ? fmt::format("; and a sensor of at least {} rings", kPatchRings) : ""));
   }
@@ -308,13 +308,13 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
     if (band.leftOut.empty()) end = std::max(end, band.high);
   }
   if (!(fit.sensorReach > end)) return {};
-  const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line goes on";
+  const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line is extrapolated";
   std::vector<std::string> lines{
-      fmt::format("Measured up to {:.0f} m; beyond, up to {:g} m, {}.", last, fit.sensorReach, rule)};
+      fmt::format("Measured up to {:.0f} m; from there to {:g} m {}.", last, fit.sensorReach, rule)};
   for (const PatchGroup& band : fit.bands) {
     if (band.leftOut.empty() || band.range <= last || band.patches < kFewestPatches) continue;
-    lines.push_back(fmt::format("At {} the noise is {:.0f} mm, left out of the fit ({}).", band.name, 1000 * band.sigma,
-                                band.leftOut));
+    lines.push_back(fmt::format("At {} the noise is {:.0f} mm, which is left out of the fit ({}).", band.name,
+                                1000 * band.sigma, band.leftOut));
   }
   return lines;
 }
@@ -367,7 +367,7 @@ std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
     // A line through two bands or fewer always fits, so the fit does not test the model.
     std::string agreement = fmt::format("chi^2 {:.3g} for {:.0f} degrees of freedom", fit.chiSquare, fit.freedom);
     if (fit.freedom <= 0) {
-      agreement = first == last ? "one band of ranges tells nothing of growth" : "two bands of ranges test no line";
+      agreement = first == last ? "one band of ranges cannot show growth" : "two bands of ranges cannot test a line";
     }
     text += fmt::format("  # Errors: {:.1g} m and {:.1g} m/m; {}.\n", fit.baseError, fit.growthError, agreement);
     text += fmt::format("  - range_noise: {{sigma_m: {:.3g}, sigma_per_m: {:.3g}}}\n", fit.base, fit.growth);

@@ -80,12 +80,12 @@ Scan withColumns(const Scan& scan, const BeamTable& beams) {
 std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, const Location& where) {
   if (!knowsBeams(scan)) {
     throw InputError(where,
-                     "has neither an organised layout (width columns x height rings) nor the column ring: which beam "
-                     "made a point is not known");
+                     "is neither organised (width columns x height rings) nor has the column ring, so that the beams "
+                     "of its points are unknown");
   }
   if (scan.organised && (scan.rings != beams.rings || scan.columns != beams.columns)) {
-    throw InputError(where, fmt::format("has {} x {} beams, but the sensor {} has {} rings x {} columns: take the "
-                                        "sensor, and the mode, that made the recording",
+    throw InputError(where, fmt::format("has {} x {} beams, but the sensor {} has {} rings x {} columns: give the "
+                                        "sensor, in the mode, that made the recording",
                                         scan.rings, scan.columns, beams.model, beams.rings, beams.columns));
   }
   std::vector<BeamPoint> points;
@@ -95,8 +95,9 @@ std::vector<BeamPoint> firstReturns(const Scan& scan, const BeamTable& beams, co
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const PointKey key = keyOf(scan, i);
     if (key.ring >= beams.rings || key.column >= beams.columns) {
-      throw InputError(where, fmt::format("point {} is of ring {}, column {}, but the sensor {} has {} x {} beams", i,
-                                          key.ring, key.column, beams.model, beams.rings, beams.columns));
+      throw InputError(where,
+                       fmt::format("point {} has the ring {} and the column {}, but the sensor {} has {} x {} beams", i,
+                                   key.ring, key.column, beams.model, beams.rings, beams.columns));
     }
     if (!isFinite(scan.position[i]) || scan.position[i] == Vec3f{}) continue;  // some recordings store misses as zeros
     const std::size_t beam = std::size_t{key.ring} * beams.columns + key.column;
@@ -189,22 +190,23 @@ double tolerance(const BeamTable& beams) {
 
 RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::string& name) {
   const Location where{name};
-  if (scan.size() == 0) throw InputError(where, "holds no point: there is no noise to measure");
+  if (scan.size() == 0) throw InputError(where, "has no points to measure noise on");
   const bool rings = !knowsBeams(scan) && !scan[kRing].empty() && beams.listed == nullptr && !beams.rosette;
   const std::vector<BeamPoint> points = firstReturns(rings ? withColumns(scan, beams) : scan, beams, where);
   if (points.size() < kFewestReturns) {
-    throw InputError(where,
-                     fmt::format("holds {} returns: noise is measured from {} on", points.size(), kFewestReturns));
+    throw InputError(
+        where, fmt::format("has {} returns, but noise is measured on at least {}", points.size(), kFewestReturns));
   }
   RecordedScan recorded;
   recorded.name = name;
   recorded.scanFromSensor = alignedFrame(points, beams);
   const double off = medianAngle(points, beams, recorded.scanFromSensor);
   if (!(off < tolerance(beams))) {
-    throw InputError(where, fmt::format("its points do not lie on the beams of {}: half of them are off by more than "
-                                        "{:.3g} deg; take the sensor that made the recording, and scans as it reports "
-                                        "them (not deskewed, not in world coordinates)",
-                                        beams.model, degrees(off)));
+    throw InputError(
+        where,
+        fmt::format("its points do not lie on the beams of {}: half of them are off by more than {:.3g} deg; give the "
+                    "sensor that made the recording, and scans in its frame (not deskewed, not in world coordinates)",
+                    beams.model, degrees(off)));
   }
   recorded.range.assign(beams.size(), kNoReturn);
   const bool lit = scan[kIntensity].size() == scan.size();

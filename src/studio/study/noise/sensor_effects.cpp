@@ -65,7 +65,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
 std::string withEffects(const std::string& text, const std::string& file, const std::string& effects) {
   const Value root = parseYaml(text, file);
   expectKind(root, FileKind::Sensor);
-  if (root.kind != Value::Kind::Map || root.entries.empty()) throw InputError({file}, "is no sensor file");
+  if (root.kind != Value::Kind::Map || root.entries.empty()) throw InputError({file}, "is not a sensor file");
   const bool flow = text.find_first_not_of(" \t\r\n") != std::string::npos && root.where.line > 0 &&
                     text[text.find_first_not_of(" \t\r\n")] == '{';
   if (flow) throw InputError(root.where, "is written as {...}: give each key a line of its own");

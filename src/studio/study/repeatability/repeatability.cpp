@@ -151,10 +151,11 @@ class RepeatabilityRun {
       if (blind.empty()) continue;
       const std::size_t count = blind.size();
       blind.resize(std::min(count, kShown));
-      result_.warnings.push_back(fmt::format(
-          "{}{}: no point falls on {} from {} of {} poses: frame {}{}; is it in the sensor's field and in sight?",
-          view.name, result_.methods.size() > 1 ? ", " + result_.methods[view.method] : "", object, count,
-          view.places.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
+      result_.warnings.push_back(
+          fmt::format("{}{}: no point hits {} from {} of {} poses: frame {}{}; is the object in the sensor's field and "
+                      "not occluded?",
+                      view.name, result_.methods.size() > 1 ? ", " + result_.methods[view.method] : "", object, count,
+                      view.places.size(), fmt::join(blind, ", "), count > kShown ? ", ..." : ""));
     }
   }
 
@@ -181,10 +182,9 @@ class RepeatabilityRun {
       }
       if (!any || moves) continue;
       result_.warnings.push_back(fmt::format(
-          "noise '{}': no effect of this noise moves points: {}; its scans are all the same. Give it shell, "
-          "range_noise "
-          "or angular_jitter",
-          result_.levels[level], names.empty() ? "it has none" : fmt::format("{}", fmt::join(names, ", "))));
+          "noise '{}': no effect of this noise moves points ({}), so that its scans are all the same: give shell, "
+          "range_noise or angular_jitter",
+          result_.levels[level], names.empty() ? "it has no effects" : fmt::format("{}", fmt::join(names, ", "))));
     }
   }
 

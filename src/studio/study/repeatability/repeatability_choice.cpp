@@ -24,8 +24,8 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
                      "{name: 1 cm, effects: [{shell: {scale_m: 0.01}}]}");
   }
   if (list.items.size() > kMostLevels) {
-    throw InputError(list.where, fmt::format("repeatability.noise: {} levels, at most {}: every one is compared with "
-                                             "every other",
+    throw InputError(list.where, fmt::format("repeatability.noise: {} levels are too many: at most {} are possible, "
+                                             "since each is compared with every other",
                                              list.items.size(), kMostLevels));
   }
   std::vector<NoiseLevel> levels;
@@ -34,7 +34,7 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
     fields.also({"name", "effects"}).finish();
     NoiseLevel level;
     level.name = fields.text("name");
-    if (level.name.empty()) throw InputError(item.where, "a noise level's name is empty");
+    if (level.name.empty()) throw InputError(item.where, "the name of a noise level is empty");
     const Value& effects = fields.require("effects");
     for (const MountedSensor& sensor : pipeline.sensors) {
       level.effects.push_back(
@@ -56,7 +56,7 @@ std::size_t levelNamed(const std::vector<NoiseLevel>& levels, const Value& value
     names.push_back(level.name);
   }
   throw InputError(value.where,
-                   fmt::format("repeatability.reference: no noise level '{}'{}", name, suggestion(name, names)));
+                   fmt::format("repeatability.reference: unknown noise level '{}'{}", name, suggestion(name, names)));
 }
 
 IcpOptions readIcp(const Value& value) {
@@ -72,7 +72,7 @@ IcpOptions readIcp(const Value& value) {
 std::vector<MethodSetting> pipelinesOwnMethod(const Pipeline& pipeline) {
   if (pipeline.method.entry == nullptr) {
     throw InputError({pipeline.file.string()},
-                     "`method: auto` names no method to repeat scans with: list them as repeatability.methods");
+                     "`method: auto` cannot be repeated: list the methods as repeatability.methods");
   }
   const std::string name(pipeline.method.entry->name);
   const Value& options = pipeline.method.options;

@@ -56,10 +56,9 @@ const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std:
   if (nearestThing != nullptr) return *nearestThing;
   if (things.empty()) {
     throw InputError({scene.file.string()},
-                     "holds no thing to scan again and again: give an object a class whose "
-                     "objects are things, such as `object` or `car`");
+                     "has no thing to scan repeatedly: give an object a class of things, such as `object` or `car`");
   }
-  throw InputError({scene.file.string()}, fmt::format("holds no thing '{}'{}", name, suggestion(name, names)));
+  throw InputError({scene.file.string()}, fmt::format("has no thing '{}'{}", name, suggestion(name, names)));
 }
 
 }  // namespace scanmill

@@ -90,13 +90,13 @@ std::optional<Line> lineOf(const std::vector<Point>& points) {
 class Fitter {
  public:
   explicit Fitter(const std::vector<Scan>& scans) {
-    if (scans.empty()) throw InputError("fit-sensor: no scan");
+    if (scans.empty()) throw InputError("fit-sensor: no scans are given");
     PointKey extent{0, 0, 0};
     for (const Scan& scan : scans) {
       if (!knowsBeams(scan)) {
         throw InputError(
-            "the scans do not say which beam a point belongs to: they must be organised (HEIGHT above 1), or "
-            "have the columns ring and column");
+            "the beams of the scans' points are unknown: the scans must be organised (HEIGHT above 1), or have the "
+            "columns ring and column");
       }
       const PointKey own = extentOf(scan);
       extent.ring = std::max(extent.ring, scan.organised ? scan.rings : own.ring);
@@ -104,10 +104,11 @@ class Fitter {
     }
     fit_.rings = extent.ring;
     fit_.columns = extent.column;
-    if (fit_.rings == 0 || fit_.columns < 2) throw InputError("the scans have no rings of two columns or more");
+    if (fit_.rings == 0 || fit_.columns < 2) throw InputError("the scans must have rings of at least two columns");
     rings_.resize(fit_.rings);
     for (const Scan& scan : scans) add(scan);
-    if (fit_.points < kFewestInRing) throw InputError(fmt::format("the scans have {} points: too few", fit_.points));
+    if (fit_.points < kFewestInRing)
+      throw InputError(fmt::format("the scans have only {} points, which are too few", fit_.points));
   }
 
   SensorFit fit() {
@@ -155,7 +156,7 @@ class Fitter {
     std::vector<double> steps;
     forPairs(1, [&](const Point& a, const Point& b) { steps.push_back(wrapped(azimuthOf(b) - azimuthOf(a))); });
     if (steps.size() < kFewestInRing)
-      throw InputError("the scans have hardly two points side by side: too few returns");
+      throw InputError("the scans have too few pairs of points in neighbouring columns: give scans with more returns");
     step_ = medianOf(steps);
     // Columns that are farther apart determine the step more exactly. The number of full turns between them follows
     // from the previous, less exact step.
@@ -170,8 +171,8 @@ class Fitter {
     const double turn = std::fabs(step_) * fit_.columns;
     if (turn > 2 * kPi * (1 + kNearlyWhole)) {
       throw InputError(
-          fmt::format("{} columns of {:.4f} deg are more than a turn: are these several sensors' scans, or are "
-                      "their columns not in the order of their azimuths?",
+          fmt::format("{} columns of {:.4f} deg are more than a revolution: are these scans of several sensors, or are "
+                      "their columns not in the order of the azimuths?",
                       fit_.columns, degrees(std::fabs(step_))));
     }
     const bool whole = turn > 2 * kPi * (1 - kNearlyWhole);

@@ -74,25 +74,24 @@ constexpr const char* kAny = "any";        // sentences about any setting that m
 constexpr auto kSentences = std::to_array<Sentence>({
     {kTake, "alone", "Only this setting was measured. "},
     {kTake, "no_trade_fastest",
-     "Take it whatever you need: of {{measured}} settings it is the fastest, none is more exact{{#limits}}, and it "
-     "keeps "
+     "It suits every need: of {{measured}} settings it is the fastest, none is more exact{{#limits}}, and it keeps "
      "{{limits}}{{/limits}}. "},
     {kTake, "no_trade",
-     "Take it whatever you need: of {{measured}} settings none is more exact{{#limits}}, and it keeps "
-     "{{limits}}{{/limits}}, and none is notably faster. The fastest, {{fastest_name}}, is {{#gain:any}}{{gain:.0f}} "
+     "It suits every need: of {{measured}} settings none is more exact{{#limits}}, and it keeps {{limits}}{{/limits}}, "
+     "and none is notably faster. The fastest, {{fastest_name}}, is {{#gain:any}}{{gain:.0f}} "
      "%{{/gain:any}}{{^gain:any}}less than 1 %{{/gain:any}} faster, and times within 10 % count as equal. "},
     {kTake, "every_need",
-     "Take it whatever you need: of {{measured}} settings none is notably faster, and it keeps {{limits}}. "},
+     "It suits every need: of {{measured}} settings none is notably faster, and it keeps {{limits}}. "},
     {kTake, "fastest", "The fastest{{#limits}} that keeps {{limits}}{{/limits}}{{^limits}} of all{{/limits}}: "},
     {kTake, "as_fast",
      "About as fast as any{{#limits}} that keeps {{limits}}{{/limits}}{{^limits}} of all{{/limits}} (times within 10 % "
      "count as equal): "},
-    {kUnbeaten, "name", "It answers none of the needs above, but nothing beats {{name}} in everything: "},
+    {kUnbeaten, "name", "No need above selects it, but no setting is better than {{name}} in everything: "},
     {kAny, "name",
      "{{rate:amount}} beams a second{{#same_speed}}, about as fast as {{base}}{{/same_speed}}{{#faster}}, "
      "{{faster:factor}} x as fast as {{base}}{{/faster}}{{#slower}}, {{slower:factor}} x slower than "
      "{{base}}{{/slower}}. "},
-    {kAny, "no_hits", "No beam hits what it should"},
+    {kAny, "no_hits", "No beam hits the surface that it should hit"},
     {kAny, "exact", "99 % of the ranges are exact"},
     {kAny, "p99",
      "95 % of the ranges {{#p95}}lie within {{p95:m}}{{/p95}}{{^p95}}are exact{{/p95}}, 99 % within {{p99:m}}"},
@@ -105,11 +104,11 @@ constexpr auto kSentences = std::to_array<Sentence>({
     {kAny, "away_exact", " Away from edges 99 % are exact."},
     {kAny, "away", " Away from edges 99 % lie within {{away:m}}."},
     {kAny, "name", " Set-up takes {{setup_s:s}}, memory {{memory:bytes}}."},
-    {kAny, "gives_up_nothing", " It gives up nothing that was measured."},
-    {kAny, "little_gain", " That is little speed for what it gives up."},
+    {kAny, "gives_up_nothing", " It loses nothing that was measured."},
+    {kAny, "little_gain", " It gains little speed for what it loses."},
     {kAny, "refused",
-     " The pipeline refuses {{method}} as it is, for it has a footprint, light_paths or objects that move: leave them "
-     "out (`footprint: none` beside `sensor`, `moving: false` beside the scene) to take it."},
+     " The pipeline cannot use {{method}}, since it has a footprint, light_paths or objects that move: leave these out "
+     "(`footprint: none` beside `sensor`, `moving: false` beside the scene) to take it."},
     {kBeaten, "name",
      "{{name}} is {{#times}}{{times:factor}} x slower than{{/times}}{{^times}}no faster than{{/times}} {{better}}"
      "{{#losses:any}} and less exact ({{losses:join}}){{/losses:any}}{{^losses:any}} and no more exact{{/losses:any}}: "

@@ -29,12 +29,13 @@ Scan returnsOf(const Scan& scan) {
 // Returns the largest distance (m) between corresponding points. Formats preserve the order of points.
 double largestError(const Scan& scan, const Scan& decoded) {
   if (scan.size() != decoded.size()) {
-    throw Error(fmt::format("{} points came back of {}", decoded.size(), scan.size()));
+    throw Error(fmt::format("{} of {} points were decoded", decoded.size(), scan.size()));
   }
   double largest = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (isFinite(scan.position[i]) != isFinite(decoded.position[i])) {
-      throw Error(fmt::format("point {} {}", i, isFinite(scan.position[i]) ? "was lost" : "was no hit and became one"));
+      throw Error(
+          fmt::format("point {} {}", i, isFinite(scan.position[i]) ? "was lost" : "was a miss and became a hit"));
     }
     if (!isFinite(scan.position[i])) continue;
     largest = std::max(largest, length(Vec3d(decoded.position[i]) - Vec3d(scan.position[i])));

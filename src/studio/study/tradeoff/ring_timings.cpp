@@ -9,7 +9,7 @@
 namespace scanmill {
 
 std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t rings) {
-  if (rings < 2) throw Error("a sensor's rings lie between its highest and its lowest: at least two");
+  if (rings < 2) throw Error("a sensor with another number of rings needs at least two");
   auto made = std::make_shared<BeamTable>(beams);
   const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());
   const double first = beams.topDown ? *high : *low;
@@ -28,12 +28,12 @@ std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t
 void fitRings(RingFit& fit) {
   std::vector<double> design, values;  // equations t = fixed + perRing * rings, each divided by the measured time t
   for (const RingTiming& t : fit.timings) {
-    if (!(t.scanSeconds > 0)) throw Error("a scan that takes no time cannot be fitted");
+    if (!(t.scanSeconds > 0)) throw Error("a time of 0 s per scan cannot be fitted");
     design.insert(design.end(), {1 / t.scanSeconds, t.rings / t.scanSeconds});
     values.push_back(1);
   }
   const LinearFit line = fitLinear(design, 2, values);
-  if (line.rank < 2) throw Error("a fixed cost and a slope take at least two numbers of rings");
+  if (line.rank < 2) throw Error("a fixed cost and a slope need at least two numbers of rings");
   fit.fixedSeconds = line.coefficients[0];
   fit.secondsPerRing = line.coefficients[1];
   fit.largestResidual = 0;

@@ -63,7 +63,7 @@ class StudyRun {
     moves_ = scene_.moves();
     if (moves_) {
       standStill(scene_, 0);
-      study_.left.emplace_back("the motion of objects: all stand where they are when the drive begins");
+      study_.left.emplace_back("the motion of objects: all stay where they are at the start of the drive");
     }
     describe();
     measureOptions_.repeats = choice_.repeats;
@@ -161,8 +161,8 @@ class StudyRun {
     truth_ = trueShots(scene_, std::move(shots), measureOptions_);
     if (!anyHit(truth_)) {
       throw InputError({plan_.pipeline.file.string()},
-                       fmt::format("no beam of {} scans of {} meets anything: nothing can be compared; look at the "
-                                   "trajectory and the sensor's mount, or name another `tradeoff.sequence`",
+                       fmt::format("no beam of {} scans of {} hits anything, so that nothing can be compared: check "
+                                   "the trajectory and the sensor's mount, or name another `tradeoff.sequence`",
                                    truth_.size(), sequence_.key()));
     }
     std::uint64_t beams = 0;
@@ -176,7 +176,7 @@ class StudyRun {
       checkStopped();
       // At least one setting is measured, whatever the budget.
       if (!study_.settings.empty() && timer_.seconds() > budget_) {
-        study_.left.push_back(fmt::format("{}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
+        study_.left.push_back(fmt::format("{}: the budget of {} was used up", s.setting.name, shortTime(budget_)));
         progress_.advance(1, 0);
         continue;
       }
@@ -203,7 +203,7 @@ class StudyRun {
       if (!seen.insert(s.setting.method + (backend != nullptr ? backend->text : "")).second) continue;
       if (timer_.seconds() > budget_) {
         study_.left.push_back(
-            fmt::format("rings of {}: the budget of {} was spent", s.setting.name, shortTime(budget_)));
+            fmt::format("rings of {}: the budget of {} was used up", s.setting.name, shortTime(budget_)));
         continue;
       }
       RingFit fit{s.setting, {}, 0, 0, 0};
@@ -368,7 +368,8 @@ std::vector<Candidate> Study::candidates() const {
 
 Study runStudy(const Plan& plan, const StudyOptions& options) {
   if (plan.pipeline.recording != nullptr) {
-    throw InputError({plan.pipeline.file.string()}, "a study traces the scene itself: it takes no recording");
+    throw InputError({plan.pipeline.file.string()},
+                     "a study traces the scene itself, so that it cannot use a recording");
   }
   return StudyRun(plan, options).run();
 }

@@ -57,7 +57,7 @@ std::vector<StudyEncoding> readEncodings(const Value& list) {
       StudyEncoding encoding{settingName(named.name, options), flowText(options), {&entry, entry.make(fields)}};
       const bool twice = std::any_of(encodings.begin(), encodings.end(),
                                      [&](const StudyEncoding& e) { return e.name == encoding.name; });
-      if (twice) throw InputError(item.where, fmt::format("tradeoff.encodings: '{}' stands twice", encoding.name));
+      if (twice) throw InputError(item.where, fmt::format("tradeoff.encodings: '{}' is listed twice", encoding.name));
       encodings.push_back(std::move(encoding));
     }
   }
@@ -101,7 +101,7 @@ StudyChoice readStudyChoice(const Pipeline& pipeline) {
       }
     }
     if (choice.rings.size() < 3) {
-      throw InputError(rings->where, "tradeoff.rings: a fixed cost and a slope take at least three numbers of rings");
+      throw InputError(rings->where, "tradeoff.rings: a fixed cost and a slope need at least three numbers of rings");
     }
   }
   if (const Value* sequence = fields.find("sequence")) choice.sequence = sequenceNamed(pipeline, *sequence);

@@ -230,7 +230,7 @@ Study parseStudy(const std::string& text, const std::string& file) {
   const Json json = parseJson(text, file);
   const JsonNode node(json, "", file);
   if (!node.has("kind") || node["kind"].text() != kStudyKind) {
-    node.fail("is no trade-off study: `scanmill tradeoff PIPELINE -o DIR` writes one");
+    node.fail("is not a trade-off study: `scanmill tradeoff PIPELINE -o DIR` writes one");
   }
   if (!node.has("schema_version")) node.fail("key 'schema_version' is missing");
   const int version = node["schema_version"].integer<int>(1);
@@ -246,13 +246,13 @@ Study parseStudy(const std::string& text, const std::string& file) {
   Study study;
   JsonReader reader(node);
   describe(reader, study);
-  if (study.shots == 0 || study.beamsPerShot == 0) node.fail("holds no beams");
+  if (study.shots == 0 || study.beamsPerShot == 0) node.fail("has no beams");
   for (std::size_t i = 0; i < study.settings.size(); ++i) {
     const SettingResult& s = study.settings[i];
     const bool sane =
         s.measured.cost.scanSeconds > 0 && s.measured.cost.setupSeconds >= 0 && s.measured.errors.all.beams > 0;
     if (s.failure.empty() && !sane) {
-      node.fail(fmt::format("/settings/{}: '{}' has no time, or no beams", i, s.setting.name));
+      node.fail(fmt::format("/settings/{}: '{}' must have a time and beams", i, s.setting.name));
     }
   }
   return study;

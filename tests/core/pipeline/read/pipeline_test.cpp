@@ -384,7 +384,7 @@ TEST_F(ReadPipeline, SplitsKeepSequencesTogether) {
             "trajectories=[{name: a, poses: [{position: [0, 0, 0]}]}, {name: b, poses: [{position: [1, 0, 0]}]}]",
             "splits={by: trajectory, train: [b], test: [a]}"}),
       ElementsAre("yard-s1-a test", "yard-s1-b train", "yard-s2-a test", "yard-s2-b train"));
-  EXPECT_THAT(refusal(kYardPipeline, {"splits={train: 0.5, val: 0.5}"}), HasSubstr("none at all"));
+  EXPECT_THAT(refusal(kYardPipeline, {"splits={train: 0.5, val: 0.5}"}), HasSubstr("less than one"));
 }
 
 TEST_F(ReadPipeline, PathsAreRelativeToTheFileThatNamesThem) {

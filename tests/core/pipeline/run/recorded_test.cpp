@@ -178,7 +178,7 @@ TEST_F(RecordedTest, DamageIsNamed) {
   };
   const std::string shot = "yard-s1-drive-000002.top.json";
   const std::string text = readFile(out("hits") / shot);
-  damaged(shot, text.substr(0, text.size() / 2), {shot, "no whole JSON"});
+  damaged(shot, text.substr(0, text.size() / 2), {shot, "not complete JSON"});
   damaged(shot, R"({"time": 0, "world_from_sensor": [], "hits": "a.exr"})", {shot, "/world_from_sensor", "no pose"});
   damaged(shot, R"({"time": 0, "world_from_sensor": [[1, 0, 0, 0, 0, 0, 0]], "hits": "../a.exr"})",
           {shot, "/hits", "'../a.exr'"});

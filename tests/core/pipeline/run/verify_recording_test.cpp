@@ -174,7 +174,7 @@ TEST_F(VerifyRecording, ScansThatDoNotFitTheirSensorAreProblems) {
     [1,0,0,0,0,0,0], [1,0,0,0,0,0,0]], "steps": [{"columns": [0, 4], "images": ["back.exr"]}]})");
   EXPECT_THAT(problem(), AllOf(StartsWith(scan(1)), HasSubstr("5 poses"), HasSubstr("4 columns")));
   write(scan(1), "{");
-  EXPECT_THAT(problem(), AllOf(StartsWith(scan(1)), HasSubstr("no whole JSON")));
+  EXPECT_THAT(problem(), AllOf(StartsWith(scan(1)), HasSubstr("not complete JSON")));
 }
 
 TEST_F(VerifyRecording, HitsOfAnotherSensorAreAProblem) {

@@ -135,7 +135,8 @@ TEST(ChooseSetting, NamesTheNearestAndWhatItLacks) {
       [&] {
         chooseSetting(table, limits, {"f.yaml", 1, 1});
       },
-      {"none of the 4 settings is good enough", "the nearest is p0.031", "p99 31 mm, 20 mm allowed", "Ask for less"});
+      {"none of the 4 settings keeps the limits", "the nearest is p0.031", "p99 31 mm, but at most 20 mm are allowed",
+       "Relax the limits"});
 }
 
 class CalibrateYard : public Yard {
@@ -162,15 +163,15 @@ class CalibrateYard : public Yard {
 };
 
 TEST_F(CalibrateYard, EveryWrongTextHasItsPlaceAndAWayOut) {
-  expectRefusedMethod("", {"say what is good enough", "min_rate"});
-  expectRefusedMethod("    shots: 3", {"auto.yaml:3", "say what is good enough", "max_error"});
+  expectRefusedMethod("", {"give limits, such as", "min_rate"});
+  expectRefusedMethod("    shots: 3", {"auto.yaml:3", "give limits, such as", "max_error"});
   expectRefusedMethod("    max_error: {p99: 2cm}\n    max_errors: {p95: 1cm}",
                       {"auto.yaml:4:5", "unknown key 'max_errors'", "did you mean 'max_error'"});
   expectRefusedMethod("    max_error: {p98: 2cm}", {"auto.yaml:3:17", "unknown key 'p98'"});
   expectRefusedMethod("    max_error: {p99: 2}", {"auto.yaml:3:22", "p99", "unit"});
   expectRefusedMethod("    max_error: {labels: 995%}", {"auto.yaml:3:25", "labels", "100 %"});
   expectRefusedMethod("    max_error: 2cm", {"auto.yaml:3:16", "must be a map"});
-  expectRefusedMethod("    max_error: {}", {"auto.yaml:3", "nothing is asked for"});
+  expectRefusedMethod("    max_error: {}", {"auto.yaml:3", "limits are missing"});
   expectRefusedMethod("    min_rate: fast", {"auto.yaml:3:15", "min_rate", "'fast'"});
   expectRefusedMethod("    min_rate: 0", {"auto.yaml:3:15", "min_rate"});
   expectRefusedMethod("    min_rate: 1\n    shots: 0", {"auto.yaml:4:12", "shots"});
@@ -198,8 +199,8 @@ TEST_F(CalibrateYard, TheExactOneIsLeftWhereNothingMayErr) {
   EXPECT_THAT(c.settings[1].failure, IsEmpty());
   EXPECT_LT(c.settings[0].candidate.errors.range.max, 1e-5);
   EXPECT_GT(c.settings[1].candidate.errors.range.p99, 0.01);
-  EXPECT_THAT(c.why, AllOf(HasSubstr("the cheapest of 1 settings that hold, of 2 measured on 3 frames"),
-                           HasSubstr("100.000 % of labels")));
+  EXPECT_THAT(c.why, AllOf(HasSubstr("the cheapest of 1 settings that keep the limits, of 2 measured on 3 frames"),
+                           HasSubstr("100.000 % of the labels")));
   const MethodRecord record = c.record();
   EXPECT_EQ(record.setting, "ray_tracing");
   EXPECT_EQ(record.assignment, "method=ray_tracing");
@@ -211,14 +212,14 @@ TEST_F(CalibrateYard, ARateAloneIsEnough) {
   const std::size_t faster = c.settings[1].candidate.secondsPerBeam < c.settings[0].candidate.secondsPerBeam ? 1u : 0u;
   EXPECT_EQ(c.chosen, faster);
   expectInputError([&] { calibrated(fmt::format("min_rate: 1e15, {}", kTwo)); },
-                   {"--set method", "none of the 2 settings is good enough", "the nearest is ", "min_rate"});
+                   {"--set method", "none of the 2 settings keeps the limits", "the nearest is ", "min_rate"});
 }
 
 TEST_F(CalibrateYard, ABlindSensorIsNoGroundForAChoice) {
   EXPECT_THAT(messageOf<InputError>([&] {
                 calibrated("max_error: {p99: 1 m}", {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"});
               }),
-              AllOf(HasSubstr("meets anything"), HasSubstr("trajectory")));
+              AllOf(HasSubstr("hits anything"), HasSubstr("trajectory")));
 }
 
 TEST_F(CalibrateYard, WhatCannotRunHereIsPassedOver) {
@@ -226,7 +227,7 @@ TEST_F(CalibrateYard, WhatCannotRunHereIsPassedOver) {
   EXPECT_THAT(c.settings[0].failure, HasSubstr("voxel_m"));
   EXPECT_EQ(c.chosen, 1u);
   expectInputError([&] { calibrated(fmt::format("{}, settings: [{}]", kAnything, kTooLarge)); },
-                   {"none of the 1 settings can run here", "voxel_m"});
+                   {"none of the 1 settings can run", "voxel_m"});
 }
 
 TEST_F(CalibrateYard, TheSameErrorsEveryTime) {

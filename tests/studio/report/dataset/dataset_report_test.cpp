@@ -136,9 +136,8 @@ TEST_F(MadeDataset, WarnsOfAnIdOfWhatHasNone) {
     if (s.split == "train") s.points.push_back({{9, 2, -1}, 7, 5, 1});
   }
   const std::vector<std::string> warnings = warningsFor(samples_);
-  EXPECT_THAT(warnings,
-              testing::ElementsAre("road: instance 5 of street-s1-lane (4 scans, 4 points) has an instance id, "
-                                   "which no other road has: a thing with the wrong class?"));
+  EXPECT_THAT(warnings, testing::ElementsAre("road: instance 5 of street-s1-lane (4 scans, 4 points) has an instance "
+                                             "id, which no other road has: is it an object with the wrong class?"));
   const DatasetReport report = examined(at());
   EXPECT_THAT(report.warnings[0].command,
               HasSubstr("scanmill view " + at().string() + " --sample street-s1-lane-0000"));
@@ -265,7 +264,7 @@ TEST_F(MadeDataset, WarnsOfEmptyAndSparseScans) {
   samples_[1].points.clear();
   samples_[3].points.resize(12);
   EXPECT_THAT(warningsFor(samples_),
-              testing::ElementsAre("1 of 6 scans without points.\nstreet-s1-lane-000001, top",
+              testing::ElementsAre("1 of 6 scans have no points.\nstreet-s1-lane-000001, top",
                                    "1 scan has unusually few points: less than half of their sensor's median.\n"
                                    "street-s1-lane-000003, top: 12 points, where the sensor's median is 25"));
 }
@@ -280,10 +279,11 @@ TEST_F(MadeDataset, WarnsOfUnresolvedBeams) {
 
 TEST_F(MadeDataset, WarnsOfAnInstanceOfTwoClasses) {
   samples_[3].points[2].instance = 3;  // a point of road in the car
-  EXPECT_THAT(warningsFor(samples_),
-              testing::ElementsAre(
-                  "1 instance has labels of more than one class that seldom make one thing: a sign of wrong labels.\n"
-                  "street-s1-lane-000003, instance 3: 1 road, 20 car points"));
+  EXPECT_THAT(
+      warningsFor(samples_),
+      testing::ElementsAre(
+          "1 instance has labels of more than one class that seldom occur in one object: a sign of wrong labels.\n"
+          "street-s1-lane-000003, instance 3: 1 road, 20 car points"));
 }
 
 TEST_F(MadeDataset, WarnsOfAnInstanceThatOneSampleLabelsOtherwise) {
@@ -291,10 +291,11 @@ TEST_F(MadeDataset, WarnsOfAnInstanceThatOneSampleLabelsOtherwise) {
   manifest.ontology.classes.push_back({9, "truck", {1, 2, 3}, true, {}});
   for (MadeSample& s : samples_) s.points.push_back({{15, 3, 0}, 9, 8, 5});
   for (std::size_t k = 20; k < 25; ++k) samples_[2].points[k].label = 9;
-  EXPECT_THAT(warningsFor(samples_, manifest),
-              testing::ElementsAre(
-                  "1 instance has labels of more than one class that seldom make one thing: a sign of wrong labels.\n"
-                  "street-s1-lane-000002, instance 3: 15 car, 5 truck points"));
+  EXPECT_THAT(
+      warningsFor(samples_, manifest),
+      testing::ElementsAre(
+          "1 instance has labels of more than one class that seldom occur in one object: a sign of wrong labels.\n"
+          "street-s1-lane-000002, instance 3: 15 car, 5 truck points"));
 }
 
 // Trees have trunks: what most have is no mistake.
@@ -316,7 +317,7 @@ TEST_F(MadeDataset, PartsThatMostInstancesHaveAreNoMistake) {
 TEST_F(MadeDataset, WarnsOfThingsWithoutId) {
   samples_[0].points[22].instance = 0;
   EXPECT_THAT(warningsFor(samples_),
-              testing::ElementsAre("Things without an instance id, though their class is countable.\ncar: 1 point"));
+              testing::ElementsAre("Points of classes with instances that have no instance id.\ncar: 1 point"));
 }
 
 TEST_F(MadeDataset, GoesOnWithoutDamagedShards) {

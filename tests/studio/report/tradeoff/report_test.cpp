@@ -113,7 +113,7 @@ TEST(Report, ShowsEverySettingEncodingAndFailure) {
   }
   for (const EncodingResult& e : study.encodings) EXPECT_THAT(html, HasSubstr("<td>" + e.name + "</td>"));
   EXPECT_THAT(html, HasSubstr("not measured: Blender was not found"));
-  EXPECT_THAT(html, HasSubstr("depth_camera resolution=4096: the budget of 5 min was spent"));
+  EXPECT_THAT(html, HasSubstr("depth_camera resolution=4096: the budget of 5 min was used up"));
   for (const char* id : {"advice", "speed", "settings", "range", "edges", "classes", "things", "stages", "encodings",
                          "rings", "pictures", "left", "again"}) {
     EXPECT_THAT(html, HasSubstr(std::string("<h2 id=\"") + id));

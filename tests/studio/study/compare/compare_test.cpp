@@ -202,7 +202,7 @@ TEST(Compare, UnlikeSensorsAreToldOf) {
     for (std::uint16_t& ring : scan[kRing]) ring = static_cast<std::uint16_t>(ring / 2);
   }
   const SetComparison found = compareSets(setOf({}, 1), measureScans("halves", halves, testClasses(), {}));
-  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("set has 32 rings and halves 16")));
+  EXPECT_THAT(found.warnings, ElementsAre(HasSubstr("set has 32 rings, but halves has 16")));
   EXPECT_TRUE(compareSets(setOf({}, 1), setOf({}, 11)).warnings.empty());
 }
 

@@ -309,7 +309,7 @@ TEST(WithEffects, ReplacesTheListAndNothingElse) {
   EXPECT_THAT(messageOf([&] { withEffects("{model: a, elevation_deg: [1]}", "s.yaml", fitted); }),
               HasSubstr("a line of its own"));
   EXPECT_THAT(messageOf([&] { withEffects("scenes: []\n", "s.yaml", fitted); }), HasSubstr("pipeline"));
-  EXPECT_THAT(messageOf([&] { withEffects("", "s.yaml", fitted); }), HasSubstr("no sensor file"));
+  EXPECT_THAT(messageOf([&] { withEffects("", "s.yaml", fitted); }), HasSubstr("not a sensor file"));
 }
 
 // What is written is read back as the beam table that it was, with effects that a pipeline can make.
@@ -415,7 +415,7 @@ TEST(FitNoise, OfARealSensor) {
   EXPECT_GT(fit.sigmaAt(25), fit.sigmaAt(12));
   EXPECT_LT(fit.dropOut.share(), 0.02);
   const std::string effects = effectsYaml(fit, "today");
-  EXPECT_THAT(effects, AllOf(HasSubstr("# Measured up to 28 m; beyond, up to 120 m, the last value is used."),
+  EXPECT_THAT(effects, AllOf(HasSubstr("# Measured up to 28 m; from there to 120 m the last value is used."),
                              HasSubstr("# At 30-40 m the noise is 44 mm")));
 }
 

@@ -126,7 +126,7 @@ TEST_F(RepeatedScans, LooksAtTheNamedObject) {
   }
   EXPECT_NEAR(result.views[0].places[0].distance, 36.5, 1e-6);
   ASSERT_EQ(result.warnings.size(), 1u);
-  EXPECT_THAT(result.warnings[0], testing::AllOf(HasSubstr("no point falls on crate from 3 of 3 poses"),
+  EXPECT_THAT(result.warnings[0], testing::AllOf(HasSubstr("no point hits crate from 3 of 3 poses"),
                                                  HasSubstr("0 (36.5 m), 1 (33.5 m), 2 (27.5 m)")));
   const nlohmann::json json = nlohmann::json::parse(repeatabilityJson(result));
   EXPECT_TRUE(json["views"][0]["places"][0]["fitness_m2"][0]["unmoved"].is_null());
@@ -147,9 +147,9 @@ TEST_F(RepeatedScans, WarnsOfScansThatAreAllTheSame) {
   const auto warnings = [&](const std::string& effects) {
     return measure(pipeline("  scans: 2\n", effects), {"trajectories.0.poses=[{position: [-3, 0, 0]}]"}).warnings;
   };
-  EXPECT_THAT(warnings(""), testing::ElementsAre(HasSubstr("moves points: it has none")));
+  EXPECT_THAT(warnings(""), testing::ElementsAre(HasSubstr("moves points (it has no effects)")));
   EXPECT_THAT(warnings("effects: [{quantize: {step_m: 0.01}}]\n"),
-              testing::ElementsAre(HasSubstr("moves points: quantize;")));
+              testing::ElementsAre(HasSubstr("moves points (quantize)")));
   EXPECT_THAT(warnings("effects: [{range_noise: {sigma_m: 0.01}}]\n"), testing::IsEmpty());
   EXPECT_THAT(shells().warnings, testing::IsEmpty());  // its level `none` says so itself
 }
@@ -220,7 +220,7 @@ TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
   expectRefusedAt("  noise: [{name: a, effects: sensor}]\n", {"p.yaml:11", "has no effects: measure"});
   expectRefusedAt("  noise: [{name: a}]\n", {"p.yaml:11", "effects"});
   expectRefusedAt("  noise: [{name: a, effects: []}, {name: a, effects: []}]\n", {"p.yaml:11", "two noise levels"});
-  expectRefusedAt("  noise: [{name: a, effects: []}]\n  reference: b\n", {"p.yaml:12", "no noise level 'b'"});
+  expectRefusedAt("  noise: [{name: a, effects: []}]\n  reference: b\n", {"p.yaml:12", "unknown noise level 'b'"});
   expectRefusedAt("  methods: [ray_tracer]\n", {"p.yaml:11", "did you mean 'ray_tracing'?"});
   expectRefusedAt("  margin_m: -1\n", {"p.yaml:11", "margin_m"});
   expectRefusedAt("  icp: {iterations: 0}\n", {"p.yaml:11", "iterations"});

@@ -119,7 +119,7 @@ TEST(FitSensor, GuessesRingsWithoutPoints) {
 TEST(FitSensor, SaysWhatScansLack) {
   Scan scan;
   scan.position = {{1, 2, 3}};
-  EXPECT_THAT(messageOf([&] { fitSensor({scan}); }), HasSubstr("which beam a point belongs to"));
+  EXPECT_THAT(messageOf([&] { fitSensor({scan}); }), HasSubstr("the beams of the scans' points are unknown"));
   EXPECT_THAT(messageOf([] { fitSensor({}); }), HasSubstr("no scan"));
   const auto truth = sensor("columns: 360, elevation_deg: [1, 2, 3, 4], ring_order: bottom_up");
   Scan bare = scanOf(*truth, 0, true);

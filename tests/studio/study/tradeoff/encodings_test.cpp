@@ -135,7 +135,7 @@ TEST(Encodings, LostAndMovedPointsAreSeen) {
   EXPECT_EQ(given(moved).statedError, 0.5);
   Scan fewer = scans[0];
   fewer.position.pop_back();
-  EXPECT_THAT(given(fewer).failure, HasSubstr("255 points came back of 256"));
+  EXPECT_THAT(given(fewer).failure, HasSubstr("255 of 256 points were decoded"));
   Scan lost = scans[0];
   lost.position[9].x = NAN;
   EXPECT_THAT(given(lost).failure, HasSubstr("point 9 was lost"));

@@ -177,7 +177,7 @@ inline Study exampleStudy() {
   study.rings = {exampleRings("ray_tracing", 4e-4, 7.6e-5), exampleRings("depth_camera", 0.1, 1.6e-4),
                  exampleRings("particle", 3e-3, 2.6e-4)};
   study.showing = exampleRings("", 0.04, 3e-5);
-  study.left = {"depth_camera resolution=4096: the budget of 5 min was spent"};
+  study.left = {"depth_camera resolution=4096: the budget of 5 min was used up"};
   return study;
 }
 

@@ -126,7 +126,7 @@ TEST_F(RunStudy, ABlindSensorIsRefused) {
   quiet.quiet = true;
   const Plan plan =
       makePlan(readPipeline(withKey(three()), {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"}));
-  expectInputError([&] { runStudy(plan, quiet); }, {"study.yaml", "meets anything", "trajectory"});
+  expectInputError([&] { runStudy(plan, quiet); }, {"study.yaml", "hits anything", "trajectory"});
 }
 
 TEST_F(RunStudy, PicturesShowOnlyWhatErrs) {
@@ -259,7 +259,7 @@ TEST_F(RunStudy, RecordingsAreRefused) {
       [&] {
         runStudy(makePlan(readPipeline(pipeline_, {}, recording)), StudyOptions{0, true, nullptr});
       },
-      {"yard.yaml", "takes no recording"});
+      {"yard.yaml", "cannot use a recording"});
 }
 
 }  // namespace

@@ -91,12 +91,12 @@ TEST_F(TradeoffKey, EveryWrongTextHasItsPlaceAndAWayOut) {
   expectRefusedKey("  settings: ray_tracing", {"study.yaml:2:13", "must be a list"});
   expectRefusedKey("  settings:\n    - rays", {"study.yaml:3:7", "unknown method 'rays'"});
   expectRefusedKey("  settings:\n    - {particle: {voxel: 1}}", {"study.yaml:3:19", "unknown key 'voxel'"});
-  expectRefusedKey("  settings: [particle, particle]", {"study.yaml:2:24", "'particle' stands twice"});
+  expectRefusedKey("  settings: [particle, particle]", {"study.yaml:2:24", "'particle' is listed twice"});
   expectRefusedKey("  encodings: []", {"study.yaml:2:14", "tradeoff.encodings", "at least one item"});
   expectRefusedKey("  encodings: [laz]", {"study.yaml:2:15", "'laz'"});
   expectRefusedKey("  encodings: [{draco: {max_error: 1}}]", {"study.yaml:2:", "unknown key 'max_error'"});
   expectRefusedKey("  encodings: [{draco: {max_error_mm: [1, no]}}]", {"study.yaml:2:", "max_error_mm", "'no'"});
-  expectRefusedKey("  encodings: [pcd, pcd]", {"study.yaml:2:20", "'pcd' stands twice"});
+  expectRefusedKey("  encodings: [pcd, pcd]", {"study.yaml:2:20", "'pcd' is listed twice"});
   expectRefusedKey("  rings: 16", {"study.yaml:2:10", "tradeoff.rings must be a list"});
   expectRefusedKey("  rings: [16, 32]", {"study.yaml:2:10", "at least three"});
   expectRefusedKey("  rings: [1, 16, 32]", {"study.yaml:2:11", "tradeoff.rings"});

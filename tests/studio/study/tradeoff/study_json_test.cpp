@@ -166,9 +166,9 @@ TEST(StudyJson, RefusesWhatIsNoStudy) {
       {"/schema_version", Study::kSchemaVersion - 1, "older than this program"},
       {"/schema_version", 0, "/schema_version: 0 is not within 1"},
       {"/schema_version", "1", "/schema_version: is string"},
-      {"/kind", "scanmill repeatability", "no trade-off study"},
-      {"/shots", 0, "holds no beams"},
-      {"/beams_per_shot", 0, "holds no beams"},
+      {"/kind", "scanmill repeatability", "not a trade-off study"},
+      {"/shots", 0, "has no beams"},
+      {"/beams_per_shot", 0, "has no beams"},
       {"/shots", -3, "/shots: is number where a whole number"},
       {"/repeats", 1e300, "/repeats"},
       {"/settings/0/measured/cost/scan_s", "fast", "/settings/0/measured/cost/scan_s: is string where a number"},
@@ -190,7 +190,7 @@ TEST(StudyJson, SaysWhereATruncatedFileEnds) {
     const std::string cut = text.substr(0, i * (text.size() - 2) / 50);
     const auto lines = std::count(cut.begin(), cut.end(), '\n');
     const std::string message = messageOf<InputError>([&] { parseStudy(cut, "t.json"); });
-    EXPECT_THAT(message, HasSubstr("is no whole JSON")) << cut.size();
+    EXPECT_THAT(message, HasSubstr("is not complete JSON")) << cut.size();
     EXPECT_THAT(message, HasSubstr("t.json:" + std::to_string(lines + 1) + ":")) << cut.size();
   }
 }

@@ -135,7 +135,7 @@ TEST_F(BadFrames, AMemberThatIsNotThere) {
   writeMembers(shardOf(0), members);
   const ViewFrame frame = openFrames({.path = data})->load(0);
   EXPECT_THAT(namesOf(frame), ElementsAre("Rear"));
-  EXPECT_THAT(frame.problems, ElementsAre(AllOf(HasSubstr("lacks the member"), HasSubstr(".top.ray_tracing.pcd"))));
+  EXPECT_THAT(frame.problems, ElementsAre(AllOf(HasSubstr("has no member"), HasSubstr(".top.ray_tracing.pcd"))));
 }
 
 TEST_F(BadFrames, NoSuchFileOrKind) {
@@ -155,13 +155,13 @@ TEST_F(BadFrames, NoSuchFileOrKind) {
 }
 
 TEST_F(BadFrames, FoldersThatAreNoDatasets) {
-  EXPECT_THAT(refusalOf({.path = folder.path()}), AllOf(HasSubstr("is no dataset"), HasSubstr("manifest.json")));
+  EXPECT_THAT(refusalOf({.path = folder.path()}), AllOf(HasSubstr("is not a dataset"), HasSubstr("manifest.json")));
   EXPECT_THAT(refusalOf({.path = folder.write("recorded/recording.json", "{\"kind\": \"hits\"}").parent_path()}),
               HasSubstr("is a recording"));
   writeFile(data / "manifest.json", "{\"schema");
   EXPECT_THAT(refusalOf({.path = data}), HasSubstr("manifest.json"));
   writeMembers(folder.path() / "notes.tar", {{"a.txt", "x"}});
-  EXPECT_THAT(refusalOf({.path = folder.path() / "notes.tar"}), HasSubstr("holds no sample"));
+  EXPECT_THAT(refusalOf({.path = folder.path() / "notes.tar"}), HasSubstr("has no samples"));
 }
 
 TEST_F(BadFrames, OtherYamlFiles) {
