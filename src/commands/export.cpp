@@ -84,7 +84,8 @@ int runExport(const std::vector<std::string>& arguments) {
   for (const std::string& warning : summary.warnings) warn(warning);
   const std::string there =
       summary.resumedFrames == 0 ? std::string() : fmt::format(" ({} of them existed already)", summary.resumedFrames);
-  printText("{} frames{} of {} sequences in {}\n", summary.frames, there, summary.sequences, chosen.folder.string());
+  printText("wrote {} frames{} of {} sequences to {}\n", summary.frames, there, summary.sequences,
+            chosen.folder.string());
   return 0;
 }
 

@@ -56,13 +56,13 @@ PassChoice readPassList(const std::string& list) {
 int runRender(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("render");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the recording (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "passes",
-      "all, or some of depth, normal, instance, semantic, material, primitive, reflectance, and look (roughness, "
-      "metallic and retroreflectance), with commas",
-      cxxopts::value<std::string>()->default_value("all"),
-      "LIST")("overwrite", "replace a recording that is there already")(
-      "q,quiet", "print one line instead of progress and tables");
+  options.add_options()("o,out", "folder of the recording; it is made if it does not exist",
+                        cxxopts::value<std::string>(),
+                        "DIR")("passes",
+                               "the images to write: all, or a list with commas of depth, normal, instance, semantic, "
+                               "material, primitive, reflectance, and look (roughness, metallic and retroreflectance)",
+                               cxxopts::value<std::string>()->default_value("all"), "LIST")(
+      "overwrite", "replace an existing recording")("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
       command, options, arguments,

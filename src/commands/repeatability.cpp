@@ -82,9 +82,9 @@ void writeResult(const Repeatability& result, const std::string& date, const std
 int runRepeatability(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("repeatability");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a report that is there already")("q,quiet",
-                                                             "print one line instead of progress and tables");
+  options.add_options()("o,out", "folder of the report; it is made if it does not exist", cxxopts::value<std::string>(),
+                        "DIR")("overwrite", "replace an existing report")(
+      "q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(command, options, arguments,

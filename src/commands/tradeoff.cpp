@@ -183,10 +183,10 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
 int runTradeoff(const std::vector<std::string>& arguments) {
   const Command& command = commandNamed("tradeoff");
   cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the report (made where absent)", cxxopts::value<std::string>(), "DIR")(
-      "overwrite", "replace a report that is there already")(
-      "budget", "how long the study may take, about, in minutes (default: the pipeline's, or 5)",
-      cxxopts::value<double>(), "MINUTES")("q,quiet", "print one line instead of progress and tables");
+  options.add_options()("o,out", "folder of the report; it is made if it does not exist", cxxopts::value<std::string>(),
+                        "DIR")("overwrite", "replace an existing report")(
+      "budget", "about how many minutes the study may take (default: the pipeline's, or 5)", cxxopts::value<double>(),
+      "MINUTES")("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
       parseArguments(command, options, arguments,

@@ -19,12 +19,12 @@ namespace {
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",
-                .keys = "packet: 16 or 1, rays a call; "
+                .keys = "packet: 16 or 1, rays per call of Embree; "
                         "tile_columns: auto, 1, 2, 4, 8 or 16, columns of a packet; "
                         "robust: true, watertight at the edges of triangles; "
-                        "bvh: medium, low or high, quality of the hierarchy; "
+                        "bvh: medium, low or high, quality of the bounding volume hierarchy; "
                         "instancing: auto, always or never; "
-                        "simplify: 1, share of the triangles that is kept, as in collision meshes",
+                        "simplify: 1, share of the triangles to keep, below 1 as in collision meshes",
                 .can = {.footprints = true, .transmission = true, .motion = true, .moving = true, .reference = true},
                 .color = {235, 40, 40},
                 .autoSettings = "- ray_tracing\n- {ray_tracing: {simplify: [0.5, 0.25]}}\n",
@@ -32,15 +32,16 @@ constexpr std::array kMethods{
     MethodEntry{
         .name = "depth_camera",
         .summary = "images of depth, normals and ids, drawn from the sensor and sampled along the beams",
-        .keys = "renderer: vtk or blender, what draws; "
-                "layout: auto, three_120, four_90 or cube_6, where the cameras look; "
+        .keys = "renderer: vtk or blender, the program that draws the images; "
+                "layout: auto, three_120, four_90 or cube_6, number and field of the cameras; "
                 "resolution: 2048 pixels across an image, 128 to 4096; "
-                "sampling: plane, nearest, bilinear, row_hyperbola, equirectangular or pixel_row; "
+                "sampling: plane, nearest, bilinear, row_hyperbola, equirectangular or pixel_row, how a beam gets its "
+                "range from pixels; "
                 "depth: float32, uint24, uint16 or half_500, how depths are stored; "
                 "antialiasing: 1, 2 or 4, subpixels per side of a pixel; "
                 "near_m: 0.01 m, nearer surfaces are not drawn; "
                 "far_m: the sensor's range, m, farther surfaces are not drawn; "
-                "renders_per_turn: auto or a number, images of a moving sensor",
+                "renders_per_turn: auto or a number, times that a moving sensor is drawn in a revolution",
         .can = {.footprints = true, .motion = true, .passes = true, .openGl = true},
         .color = {80, 165, 255},
         .autoSettings =
@@ -48,12 +49,12 @@ constexpr std::array kMethods{
         .make = makeDepthCamera},
     MethodEntry{.name = "particle",
                 .summary = "one particle per beam marches through a distance field, on the processor or a GPU",
-                .keys = "field: sensor or scene, levels around each sensor or one for the whole scene; "
-                        "voxel_m: 0.1 m, voxels of the finest level; "
-                        "voxels: 256, across each level around a sensor, 64 to 1024; "
+                .keys = "field: sensor or scene, levels around each sensor or one level for the complete scene; "
+                        "voxel_m: 0.1 m, edge of the finest level's voxels; "
+                        "voxels: 256, voxels across each level around a sensor, 64 to 1024; "
                         "levels: auto or 1 to 16, each twice as coarse as the one before; "
                         "refine: triangle, normal or none, how hits are made exact; "
-                        "steps: 512, a particle's budget; "
+                        "steps: 512, the greatest number of steps of a particle; "
                         "backend: cpu, or gl for a graphics card",
                 .can = {.footprints = true, .motion = true, .openGl = true},
                 .color = {255, 190, 40},

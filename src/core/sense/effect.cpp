@@ -14,40 +14,40 @@ std::span<const EffectEntry> effects() {
       {"footprint", "beams of finite width: several rays per beam add up to echoes; mixed pixels at edges",
        "rays: required, 7, 19, 37, 61, 91 or 127 a beam", 0, makeFootprintEffect},
       {"light_paths", "rays continue behind glass and off mirrors: car windows, mirror images",
-       "panes: 4, of glass that a ray goes through at most; "
-       "bounces: 1, off mirrors, at most; "
+       "panes: 4, the greatest number of glass panes that a ray passes; "
+       "bounces: 1, the greatest number of mirrors that reflect a ray; "
        "least: 0.001, share of a beam's power below which a ray is not followed; "
-       "mirrored: class or unlabeled, the class of mirror images",
+       "mirrored: class or unlabeled, whether mirror images keep their class",
        0, makeLightPaths},
       {"ring_bias", "fixed errors of each laser in range, elevation and gain, random per sensor or as listed",
        "range_sigma_m: 0 m, spread of the range's offset over the rings; "
        "elevation_sigma_deg: 0 deg, spread of the elevation's error; "
        "gain_sigma: 0, spread of the gain's natural logarithm; "
-       "range_m: none, in place of the spread a list of offsets in m, one per ring; "
-       "elevation_deg: none, a list likewise; "
-       "gain: none, a list likewise, 1 is right",
+       "range_m: none, instead of the spread, a list of range offsets in m, one per ring; "
+       "elevation_deg: none, instead of the spread, a list of elevation errors in deg, one per ring; "
+       "gain: none, instead of the spread, a list of factors, one per ring, 1 is no error",
        0, makeRingBias},
       {"relief", "rough surfaces: grass, gravel, stone and bark reflect beams before or behind the mesh",
-       "strength: 1, times what the table of materials says", 0, makeRelief},
+       "strength: 1, factor on the values of the material table", 0, makeRelief},
       {"reflectance_variation", "reflectance that varies over a surface: patches, grass, bricks, dirt",
-       "strength: 1, times what the table of materials says", 0, makeReflectanceVariation},
+       "strength: 1, factor on the values of the material table", 0, makeReflectanceVariation},
       {"weather", "rain, snow, fog or dust: faint returns are lost, particles give returns, the ground is wet",
        "kind: required, rain, snow, fog or dust; "
        "severity: moderate, or light or heavy; "
-       "rate_mm_h: as the severity says, of rain or snow, in mm of water an hour; "
-       "visibility_m: as the severity says, of fog or dust, the meteorological optical range; "
-       "wet: as the severity says, share of the ground under standing water; "
-       "least: 0.001, power below which particles are not looked at, 1 is white at 10 m; "
+       "rate_mm_h: from the severity, precipitation of rain or snow in mm of water per hour; "
+       "visibility_m: from the severity, meteorological optical range in fog or dust; "
+       "wet: from the severity, share of the ground under standing water; "
+       "least: 0.001, power below which particles are ignored, 1 is a white target at 10 m; "
        "label: 0, class of the particles' returns, by its id or name",
        0, makeWeather},
       {"blooming", "retroreflectors give returns to beams that narrowly miss them",
-       "share: 0.001, part of a retroreflector's echo in beams close beside it; "
-       "angle_deg: 0.5 deg, where that has fallen to 1/e^2; "
-       "above: 10, least retroreflectance that blooms, in units of a white target; "
+       "share: 0.001, part of a retroreflector's echo that beams right beside it get; "
+       "angle_deg: 0.5 deg, angle from the retroreflector at which this part has fallen to 1/e^2 of its value; "
+       "above: 10, the least retroreflectance that blooms, in units of a white target; "
        "label: 0, class of these returns, by its id or name",
        0, makeBlooming},
       {"speckle", "speckle of laser light: the power of each return times a gamma-distributed factor",
-       "looks: required, 1 to 30 patterns that average, for a variance of 1 / looks", 0, makeSpeckle},
+       "looks: required, 1 to 30, number of averaged speckle patterns, the variance is 1 / looks", 0, makeSpeckle},
       {"intensity",
        "strength of the return: diffuse, specular and retroreflective, by range and air; then the sensor's response",
        "reference_range_m: 10 m, where a white diffuse target has power 1; "
@@ -55,46 +55,45 @@ std::span<const EffectEntry> effects() {
        "near_range_m: 1 m, nearer targets gain nothing; "
        "attenuation_per_m: 0 1/m, extinction of the air, counted both ways; "
        "gain: 1; "
-       "saturation: 1 for u8, none for float, the largest gain * power; "
+       "saturation: 1 for u8, none for float, the largest value of gain * power; "
        "gamma: 1, exponent of the response; "
        "output: float or u8 (0 to 255); "
-       "model: power or reflectivity, the power as from the reference range through clear air; "
-       "diffuse: lambertian or oren_nayar, rough surfaces that stay bright where the beam grazes them; "
-       "retro_full_scale: none, for bytes of reflectivity: 0 to 100 diffuse, 255 so many times a white target",
+       "model: power or reflectivity, which is the power corrected to the reference range and clear air; "
+       "diffuse: lambertian or oren_nayar, for rough surfaces that stay bright at grazing incidence; "
+       "retro_full_scale: none, for bytes of reflectivity, where 0 to 100 are diffuse: the retroreflectance that gives "
+       "255, in units of a white target",
        1, makeIntensity},
       {"detection", "echoes that exceed the receiver's noise, false positives, and which returns are reported",
-       "returns: strongest, first, last, dual (strongest and last), all, or so many of the strongest; "
-       "noise: 0, standard deviation in units of power, 1 is white at the reference range; "
-       "threshold: 4.8, least measure that is found, in units of the noise; "
+       "returns: strongest, first, last, dual (strongest and last), all, or a number N for the N strongest; "
+       "noise: 0, standard deviation in units of power, 1 is a white target at the reference range; "
+       "threshold: 4.8, the least signal of an echo that is found, in units of the noise; "
        "min_separation_m: 0 m, an echo nearer than this to a stronger one is not reported; "
-       "sun: none, {azimuth_deg:, elevation_deg:, noise:} of the daylight that surfaces send back; "
-       "interference: 0, probability a beam of a return from another sensor's pulse",
+       "sun: none, {azimuth_deg:, elevation_deg:, noise:} of daylight that surfaces reflect; "
+       "interference: 0, probability per beam of a return from another sensor's pulse",
        2, makeDetection},
       {"dropout", "returns that are not reported: too faint, or lost at random",
-       "threshold: 0, least power that is reported, 1 is white at the reference range; "
+       "threshold: 0, the least power that is reported, 1 is a white target at the reference range; "
        "probability: 0, share lost at random; "
        "things: false, true: only returns of things are lost at random; "
-       "rings: 0, share of the rings that report nothing, drawn once per sensor",
+       "rings: 0, share of the rings that report nothing, random per sensor",
        2, makeDropOut},
       {"range_noise", "Gaussian error of the range along the beam",
        "sigma_m: 0 m, constant part; "
        "sigma_per_m: 0 m/m, growth with the range; "
-       "table: none, in their place [[range m, sigma m], ...], linear between and constant beyond; "
-       "over_snr_m: 0 m, added in squares: this over the signal to noise ratio, times how much the echo is stretched",
+       "table: none, instead of these two, [[range m, sigma m], ...], linear between and constant beyond; "
+       "over_snr_m: 0 m, divided by the signal-to-noise ratio, times the echo's stretch, and added in quadrature",
        3, makeRangeNoise},
       {"range_walk", "strong returns seem nearer, since their pulses cross the threshold earlier",
-       "per_decade_m: required, for each factor of ten of the power; "
-       "above: 1, power beyond which it grows, 1 is white at the reference range",
+       "per_decade_m: required, m per factor of ten of the power, by which the range falls; above: 1, power above "
+       "which the range falls, 1 is a white target at the reference range",
        3, makeRangeWalk},
       {"shell", "random vector of fixed length added to the point; for comparison with published datasets",
-       "scale_m: 0 m, length at range 0; "
-       "growth_per_m: 0 m/m, growth with the range",
-       3, makeShellNoise},
-      {"quantize", "ranges rounded to whole steps", "step_m: required, m", 4, makeQuantize},
+       "scale_m: 0 m, length of the vector at range 0; growth_per_m: 0 m/m, growth with the range", 3, makeShellNoise},
+      {"quantize", "ranges rounded to whole steps", "step_m: required, m, the step", 4, makeQuantize},
       {"angular_jitter", "Gaussian error of the beam's azimuth and elevation",
-       "sigma_deg: 0 deg, of both; "
-       "azimuth_sigma_deg: sigma_deg, about the sensor's axis; "
-       "elevation_sigma_deg: sigma_deg",
+       "sigma_deg: 0 deg, standard deviation of both angles; "
+       "azimuth_sigma_deg: sigma_deg, standard deviation of the azimuth; "
+       "elevation_sigma_deg: sigma_deg, standard deviation of the elevation",
        5, makeAngularJitter},
   }};
   return kEffects;
