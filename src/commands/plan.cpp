@@ -24,6 +24,7 @@
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/scenes/shot_source.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 

@@ -32,8 +32,8 @@ const AddFuzzTarget kBeams("beams", readersOf({{".csv", readBeamTable},
                                                {".csv", readListedBeams},
                                                {".json", readOusterMetadata},
                                                {".yaml", [](const std::filesystem::path& file) {
-                                                  withCalibration(
-                                                      parseYaml("calibration: " + file.string() + "\n", "sensor.yaml"));
+                                                  static_cast<void>(withCalibration(parseYaml(
+                                                      "calibration: " + file.string() + "\n", "sensor.yaml")));
                                                 }}}));
 
 const AddFuzzTarget kPoses("poses", readersOf({{".txt", readKittiPoses},

@@ -3,7 +3,7 @@
 namespace scanmill {
 
 // Owns a file descriptor and closes it. `number` is negative if opening the file failed.
-struct Descriptor {
+struct [[nodiscard]] Descriptor {
   explicit Descriptor(int opened) : number(opened) {}
   ~Descriptor();
   Descriptor(const Descriptor&) = delete;

@@ -19,7 +19,7 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
 // name. Without commit(), because of an exception or an early return, the destructor removes the temporary file, and a
 // file of the final name stays as it was. All calls throw an Error with the path and the reason, such as "No space left
 // on device".
-class AtomicFile {
+class [[nodiscard]] AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
   ~AtomicFile();

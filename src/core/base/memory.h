@@ -9,7 +9,7 @@ namespace scanmill {
 std::uint64_t memoryLimitBytes();
 
 // Sets the user's limit of memory (bytes; 0: no limit) for as long as the object lives.
-class MemoryLimit {
+class [[nodiscard]] MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t bytes);
   ~MemoryLimit();

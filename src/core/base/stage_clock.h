@@ -1,6 +1,12 @@
 #pragma once
 
-// Measures how much time each stage of some work takes.
+// Measures how much time each stage of some work takes. Installed because pipeline/run/generate.h includes it.
+//
+//   StageClock clock;
+//   {
+//     const StageTimer timer(clock, "trace");
+//   }  // adds its time to the clock
+//   const double seconds = clock.seconds().at("trace");
 
 #include <initializer_list>
 #include <map>

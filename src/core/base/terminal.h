@@ -14,13 +14,13 @@ namespace scanmill {
 
 // Returns the text with control characters written as \x1b, except line breaks and tabs, and Unicode's controls of the
 // writing direction written as \u202e.
-std::string forTerminal(std::string_view text);
+[[nodiscard]] std::string forTerminal(std::string_view text);
 // Does the same as forTerminal(), and also writes line breaks and tabs as \n, \r and \t, so that the text stays on one
 // line.
-std::string oneLine(std::string_view text);
+[[nodiscard]] std::string oneLine(std::string_view text);
 // Does the same as forTerminal(), and indents the second and later lines, so that no line of the text looks like a
 // message of this program.
-std::string indented(std::string_view text);
+[[nodiscard]] std::string indented(std::string_view text);
 
 void writeText(std::string_view text);
 void writeError(std::string_view text);

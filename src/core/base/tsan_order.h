@@ -30,7 +30,7 @@ class TaskOrder {
 #endif
 
   // Lives while a task runs: takes from `from` at the start and gives to `to` at the end, also after an exception.
-  class Task {
+  class [[nodiscard]] Task {
    public:
     Task(TaskOrder& from, TaskOrder& to) : to_(to) { from.take(); }
     ~Task() { to_.give(); }
@@ -42,7 +42,7 @@ class TaskOrder {
   };
 
   // Lives in the thread that starts tasks and waits for them: gives to `to` at the start, takes from `from` at the end.
-  class Wait {
+  class [[nodiscard]] Wait {
    public:
     Wait(TaskOrder& to, TaskOrder& from) : from_(from) { to.give(); }
     ~Wait() { from_.take(); }

@@ -1,6 +1,10 @@
 #pragma once
 
-// Vectors, rotations and transforms. Frames are right-handed, in metres and radians; x forward, y left, z up (REP 103).
+// Vectors, rotations and transforms. Frames are right-handed, in metres and radians; x forward, y left, z up (REP
+// 103). Installed because scan/scan.h includes it.
+//
+//   const Pose worldFromSensor{fromYawPitchRoll(radians(90), 0, 0), {0, 0, 1.9}};
+//   const Vec3d point = worldFromSensor * Vec3d{10, 0, 0};  // (0, 10, 1.9)
 
 #include <algorithm>
 #include <array>
@@ -57,7 +61,7 @@ T length(const Vec3<T>& v) {
 
 // Returns the unit vector of the same direction. The zero vector stays zero.
 template <class T>
-Vec3<T> normalized(const Vec3<T>& v) {
+[[nodiscard]] Vec3<T> normalized(const Vec3<T>& v) {
   const T l = length(v);
   return l > T(0) ? v * (T(1) / l) : v;
 }
@@ -90,12 +94,12 @@ inline bool isSingular(const Mat3& m) {
   return !(volume > 1e-12 * length(m.x) * length(m.y) * length(m.z)) || !std::isfinite(1.0 / volume);
 }
 
-constexpr Mat3 transposed(const Mat3& m) {
+[[nodiscard]] constexpr Mat3 transposed(const Mat3& m) {
   return {{m.x.x, m.y.x, m.z.x}, {m.x.y, m.y.y, m.z.y}, {m.x.z, m.y.z, m.z.z}};
 }
 
 // Returns the inverse matrix, which is undefined for a singular matrix: check determinant() first.
-constexpr Mat3 inverse(const Mat3& m) {
+[[nodiscard]] constexpr Mat3 inverse(const Mat3& m) {
   const double s = 1.0 / determinant(m);
   return transposed({cross(m.y, m.z) * s, cross(m.z, m.x) * s, cross(m.x, m.y) * s});
 }
@@ -112,7 +116,7 @@ struct Affine {
   constexpr bool operator==(const Affine&) const = default;
 };
 
-constexpr Affine inverse(const Affine& a) {
+[[nodiscard]] constexpr Affine inverse(const Affine& a) {
   const Mat3 linear = inverse(a.linear);
   return {linear, -(linear * a.translation)};
 }
@@ -171,7 +175,7 @@ inline double headingOf(const Quat& q) {
 }
 
 // Interpolates spherically along the shorter arc: t = 0 gives a, t = 1 gives b.
-inline Quat slerp(const Quat& a, Quat b, double t) {
+[[nodiscard]] inline Quat slerp(const Quat& a, Quat b, double t) {
   double c = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
   if (c < 0) {
     b = {-b.w, -b.x, -b.y, -b.z};
@@ -200,7 +204,7 @@ struct Pose {
   constexpr bool operator==(const Pose&) const = default;
 };
 
-constexpr Pose inverse(const Pose& p) {
+[[nodiscard]] constexpr Pose inverse(const Pose& p) {
   const Quat r{p.rotation.w, -p.rotation.x, -p.rotation.y, -p.rotation.z};
   return {r, -(toMatrix(r) * p.translation)};
 }

@@ -1,5 +1,10 @@
 #pragma once
 
+// Measures wall-clock time. Installed because base/stage_clock.h includes it.
+//
+//   const WallTimer timer;
+//   const double seconds = timer.seconds();
+
 #include <chrono>
 
 namespace scanmill {

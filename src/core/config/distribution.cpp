@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/hash.h"
+#include "base/random.h"
 #include "config/fields.h"
 #include "config/flow_text.h"
 

@@ -1,5 +1,9 @@
 #pragma once
 
+// Random values in files. Installed because scene/scene.h includes it.
+//
+//   const bool random = holdsDistribution(parseYaml("length: {uniform: [200, 400]}", "scene.yaml"));  // true
+//
 // A file may give a distribution in place of a value. The program then samples the value at random:
 //
 //   length: {uniform: [200, 400]}                      # all numbers between the two are equally likely
@@ -15,10 +19,11 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
 #include "config/value.h"
 
 namespace scanmill {
+
+struct RandomAddress;
 
 // A value that was sampled for a key. If the sampled item of a choice contains distributions, `value` shows their
 // sampled values too.
@@ -48,6 +53,6 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
 // a reader accepts all cases, it therefore accepts all random values, unless it checks two values against each other. A
 // value without distributions has one case.
 std::size_t countCases(const Value& value);
-Value withCase(const Value& value, std::size_t number);
+[[nodiscard]] Value withCase(const Value& value, std::size_t number);
 
 }  // namespace scanmill

@@ -1,6 +1,13 @@
 #pragma once
 
 // Strict reading of maps: every key is read by its name and type, and finish() refuses keys that were never read.
+// Installed because formats/format.h includes it.
+//
+//   const Value file = parseYaml("name: top", "sensor.yaml");
+//   Fields fields(file, "sensor");
+//   const double hz = fields.number("rate_hz", {0.01, 1000}, 10.0);  // optional, with a default
+//   const std::string name = fields.text("name");                    // required
+//   fields.finish();                                                 // any other key is an error
 
 #include <cstdint>
 #include <filesystem>
@@ -43,11 +50,6 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
 std::string suggestion(std::string_view word, const std::vector<std::string>& names);
 
 // Reads one map. Keeps a reference to the Value, which must outlive this object.
-//
-//   Fields f(value, "sensor");
-//   const double hz = f.number("rate_hz", {0.01, 1000}, 10.0);   // optional, with a default
-//   const std::string name = f.text("name");                     // required
-//   f.finish();                                                  // anything else is an error
 class Fields {
  public:
   // `what` names the map in messages ("sensor", "effect range_noise"). Throws an InputError unless `value` is a map; an

@@ -26,7 +26,7 @@ std::string expandVariables(std::string_view text, const Location& where);
 std::string quotedForMessage(std::string_view text);
 
 // Returns the text with the letters A to Z in lower case.
-std::string lowerCase(std::string_view text);
+[[nodiscard]] std::string lowerCase(std::string_view text);
 
 // Returns the extension of a file's name, such as ".jpg", in lower case.
 std::string lowerExtension(const std::filesystem::path& file);

@@ -1,6 +1,11 @@
 #pragma once
 
-// A YAML document as a checked tree in which every node knows its place in the file.
+// A YAML document as a checked tree in which every node knows its place in the file. Installed because
+// sensors/sensor.h includes it.
+//
+//   Value pipeline = readYaml("pipelines/quickstart.yaml");
+//   setValue(pipeline, "seed=7");
+//   const std::string seed = pipeline.valueOf("seed").text;  // "7"
 
 #include <filesystem>
 #include <string>

@@ -68,7 +68,7 @@ class DatasetFolder {
 
   // Changes the lock so that only this process may write the folder. Returns false, and leaves a shared folder to the
   // others, if other processes work on it. Must be called before publish().
-  bool makeAlone();
+  [[nodiscard]] bool makeAlone();
   // Moves the shards of the manifest, all of which must have records, to their final paths, replaces the shards of an
   // earlier dataset, and finally writes the manifest. If the descriptions of all samples take more than
   // `mostSampleBytes`, they are written to files beside the shards. Throws Error if the disk fails, or if the folder

@@ -129,7 +129,7 @@ std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std
 std::string toJson(const Manifest& manifest);
 // Returns the problem with the digest in a manifest's text: the digest is missing or does not match. Empty if it
 // matches.
-std::string digestProblem(std::string text);
+[[nodiscard]] std::string digestProblem(std::string text);
 // Parses a manifest. Throws an InputError that names `file`, the place in the text, and the problem.
 Manifest parseManifest(const std::string& text, const std::string& file);
 // Reads manifest.json in a dataset's folder, and also the files beside the shards if they describe the samples. Throws

@@ -40,6 +40,6 @@ DatasetPart parsePart(const std::string& text, const std::string& file);
 
 // Returns the manifest of the complete dataset, from all parts, in the order of the plan's shards. Throws Error if a
 // sample is missing or occurs twice.
-Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts);
+[[nodiscard]] Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts);
 
 }  // namespace scanmill

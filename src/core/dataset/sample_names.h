@@ -20,7 +20,7 @@ MemberName partsOfMember(const std::string& member);
 
 // Returns the text with the letters A to Z in lower case. Members' names are in lower case even if the sensor's name is
 // not.
-std::string lowerCase(std::string text);
+[[nodiscard]] std::string lowerCase(std::string text);
 
 // Returns the index of the key that `wanted` specifies: the full key, an index from 0 ("12", "#12"), or a part of
 // exactly one key. If `wanted` is empty, returns the index of the middle key. Throws an InputError that lists the most

@@ -12,7 +12,7 @@ namespace scanmill {
 
 // Returns one line for each fault; none for a sound scan. `record`: the scan's record in the manifest, which must list
 // the record's sensor. `maxError`: largest error of a position in the scan's format (m).
-std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,
-                                   double maxError);
+[[nodiscard]] std::vector<std::string> checkScan(const Scan& scan, const ScanRecord& record, const Manifest& manifest,
+                                                 double maxError);
 
 }  // namespace scanmill

@@ -73,7 +73,7 @@ class ScanStore {
   std::optional<std::string> voxels(std::size_t sample, const std::string& sensor) const;
   // Returns the known damage of the sample's shard, even if the sample itself is intact. Empty if no damage is known,
   // or if the shard cannot be opened at all. May be called from any thread.
-  std::string damage(std::size_t sample) const;
+  [[nodiscard]] std::string damage(std::size_t sample) const;
   // Returns the indices, ascending, of the samples that are already known to be unreadable: their shard is missing, is
   // not a tar file, or was truncated before them. May be called from any thread.
   std::vector<std::size_t> unreadableSamples() const;

@@ -173,7 +173,7 @@ class ComputeReadbacks {
 
   // Exclusive use of one readback of the pool, from construction to destruction. The constructor waits until a readback
   // is free.
-  class Lease {
+  class [[nodiscard]] Lease {
    public:
     explicit Lease(ComputeReadbacks& all);
     ~Lease();

@@ -1,8 +1,10 @@
 #pragma once
 
 // The table of the columns that a point of a scan may have besides its position. Each column is defined only here: all
-// code that writes, reads, checks, plans, describes or colours columns iterates over this table. To add a column, add a
-// row here and the lines in sense/gather.cpp that fill it.
+// code that writes, reads, checks, plans, describes or colours columns iterates over this table. To add a column, add
+// a row here and the lines in sense/gather.cpp that fill it. Installed because scan/scan.h includes it.
+//
+//   const ColumnSet columns = ColumnSet::byDefault().with(kRangeTrue).without(kTime);
 
 #include <array>
 #include <cstddef>
@@ -414,7 +416,7 @@ std::vector<std::string> allColumnNames();
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 
 // Returns a text followed by its unit in brackets, such as "time (s)"; only the text if the unit is empty.
-std::string withUnit(std::string_view text, std::string_view unit);
+[[nodiscard]] std::string withUnit(std::string_view text, std::string_view unit);
 
 // Returns a stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".
 std::string displayText(const Column& column, double value);

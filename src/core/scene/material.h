@@ -1,6 +1,10 @@
 #pragma once
 
-// How surfaces reflect near-infrared light. The figures come from labels/materials.yaml and from assets.
+// How surfaces reflect near-infrared light. The figures come from labels/materials.yaml and from assets. Installed
+// because scene/scene.h includes it.
+//
+//   const MaterialLibrary library = readMaterials("labels/materials.yaml", 905);
+//   const float reflectance = library.require("asphalt", {}).reflectance;
 
 #include <cstddef>
 #include <cstdint>

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/path.h"
 #include "config/fields.h"
 #include "config/waypoints.h"
 

@@ -1,15 +1,19 @@
 #pragma once
 
-// The rigid motion of an object of a scene, over the time of a drive.
+// The rigid motion of an object of a scene, over the time of a drive. Installed because scene/scene.h includes it.
+//
+//   const Movement movement(Vec3d{5, 0, 0});           // m/s
+//   const Vec3d moved = movement.at(2.0).translation;  // (10, 0, 0) m
 
 #include <memory>
 #include <vector>
 
-#include "base/path.h"
 #include "base/vec.h"
 #include "config/value.h"
 
 namespace scanmill {
+
+class Path;
 
 class Movement {
  public:

@@ -11,6 +11,6 @@ namespace scanmill {
 // "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997). Surfaces keep their materials, classes and
 // objects. No triangle crosses from one surface to another, a closed mesh stays closed between surfaces, and no surface
 // vanishes, even if that needs more triangles. Meshes of up to 32 triangles stay unchanged.
-Scene simplified(const Scene& scene, double keep);
+[[nodiscard]] Scene simplified(const Scene& scene, double keep);
 
 }  // namespace scanmill

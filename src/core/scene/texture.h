@@ -26,7 +26,8 @@ std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t
 // Returns a texture with the colour of `color` and the alpha of an opacity map: the map's alpha if it has one, else its
 // brightness; `inverted` inverts that alpha. If `color` is null, the colour is white. The result has the larger width
 // and the larger height of the two images, which are sampled at the nearest texel.
-std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity, bool inverted = false);
+[[nodiscard]] std::shared_ptr<const Texture> withOpacity(const Texture* color, const Texture& opacity,
+                                                         bool inverted = false);
 
 // Returns the linear luminance of an sRGB colour, from 0 to 1 (IEC 61966-2-1, weights of Rec. 709).
 float luminance(const std::uint8_t* rgb);

@@ -37,7 +37,7 @@ const SemanticClass* classOf(const Concept& what, const Ontology& ontology);
 
 // Returns a name in lower case, without accents, digits and signs, with blanks between its words: "Haupt-Straße_01",
 // "BusStop2" and "grass.001" become "haupt strasse", "bus stop" and "grass".
-std::string foldedName(std::string_view name);
+[[nodiscard]] std::string foldedName(std::string_view name);
 
 // Returns the concept of the word that ends last in a name, or of the longest word if several end at the same place;
 // null if the name contains no word of a concept.

@@ -60,6 +60,7 @@
 #include "assets/asset.h"
 #include "assets/asset_files.h"
 #include "assets/surveys/height_asset.h"
+#include "base/random.h"
 #include "config/distribution.h"
 #include "config/file_kind.h"
 #include "config/text.h"

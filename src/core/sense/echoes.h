@@ -1,6 +1,8 @@
 #pragma once
 
-// Detection: combines the rays of a beam into echoes.
+// Detection: combines the rays of a beam into echoes. Installed because sense/returns.h includes it.
+//
+//   const std::vector<Echo> echoes = findEchoes(hits, {}, 0.9);  // a pulse of 6 ns is 0.9 m long
 
 #include <cstddef>
 #include <cstdint>

@@ -2,6 +2,11 @@
 
 // An effect turns the returns of an ideal receiver into the returns of a real one: it changes, removes and adds rows of
 // the table of returns. A new effect needs a new file and a row in effects().
+//
+//   const Value keys = parseYaml("sigma_m: 0.02", "effects.yaml");
+//   Fields options(keys, "effect range_noise");
+//   const EffectEntry& noise = requireEffect("range_noise", {});
+//   const Effects effects{{&noise, noise.make(options), "{sigma_m: 0.02}"}};  // for Receiver::effects
 
 #include <memory>
 #include <span>
@@ -40,8 +45,8 @@ class Effect {
   virtual void check(const BeamTable& /*beams*/) const {}
   // Sets `power` to the power that the receiver gets from each ray, weighted by the ray's fraction of the beam's power,
   // so that the power of an echo is the sum over its rays. Returns false if this effect does not compute power.
-  virtual bool powerOfRays(const Hits& /*hits*/, std::span<const Material> /*materials*/,
-                           std::vector<float>& /*power*/) const {
+  [[nodiscard]] virtual bool powerOfRays(const Hits& /*hits*/, std::span<const Material> /*materials*/,
+                                         std::vector<float>& /*power*/) const {
     return false;
   }
   // Changes the returns. `hits` are exact and never change. A beam without a return stays without one, unless the

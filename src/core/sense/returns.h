@@ -2,6 +2,12 @@
 
 // The table of returns: the receiver's measurements, one row per return. Detection starts the table from the hits;
 // effects change, remove and add rows; gathering turns the remaining rows into a scan.
+//
+//   Returns returns;
+//   detect(hits, shot, {}, scene.materials, returns);
+//   for (std::size_t row = 0; row < returns.size(); ++row) {
+//     if (returns.range[row] > 100) returns.remove(row);
+//   }
 
 #include <cstddef>
 #include <cstdint>

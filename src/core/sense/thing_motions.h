@@ -1,6 +1,9 @@
 #pragma once
 
 // The motion of a scene's object instances during a shot, for the columns and classes that depend on motion.
+//
+//   const ThingMotions motions(scene, shot);
+//   const Vec3d velocity = motions.velocity(17, {10, 0, 0});  // of the object 17 at a place (m/s)
 
 #include <cstdint>
 #include <map>

@@ -1,6 +1,9 @@
 #pragma once
 
-// Beams are data: a sensor is a table of directions, origins and firing times.
+// Beams are data: a sensor is a table of directions, origins and firing times. Installed because sensors/sensor.h
+// includes it.
+//
+//   const Vec3d firstOfRing3 = beams->direction[3 * beams->columns];
 
 #include <array>
 #include <cstdint>
@@ -106,6 +109,6 @@ void fillBeams(BeamTable& table);
 
 // Returns the beams of the revolution that starts at `time` (s since the start of the drive). The result is `table`
 // itself, except for rosettes, whose pattern differs from revolution to revolution.
-std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time);
+[[nodiscard]] std::shared_ptr<const BeamTable> beamsAt(const std::shared_ptr<const BeamTable>& table, double time);
 
 }  // namespace scanmill

@@ -19,6 +19,6 @@ namespace scanmill {
 // ranges and intensities in the files are ignored. Throws InputError with the place, also if the map has both
 // `calibration` and one of the first five keys. `preset`: the preset that the map overrides, whose ring order
 // Velodyne's lasers then follow; null if there is no preset.
-Value withCalibration(const Value& value, const Value* preset = nullptr);
+[[nodiscard]] Value withCalibration(const Value& value, const Value* preset = nullptr);
 
 }  // namespace scanmill

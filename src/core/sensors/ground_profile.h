@@ -55,7 +55,7 @@ class GroundProfile {
 
   // Places a pose on the ground: the result has the pose's horizontal position and heading, and the ground's height,
   // pitch and roll. `at`: the position on the path.
-  Pose place(const Pose& pose, double at) const;
+  [[nodiscard]] Pose place(const Pose& pose, double at) const;
   // Returns the fraction of the path's samples that have no ground, where heights of neighbouring samples are used.
   double bare() const { return bare_; }
 
@@ -73,6 +73,6 @@ class GroundProfile {
 
 // Places a single pose on the ground and adds the pose's pitch and roll to those of the ground. Throws InputError if
 // there is no ground under the pose.
-Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground);
+[[nodiscard]] Pose onGround(const GroundOptions& options, const Pose& pose, const Ground& ground);
 
 }  // namespace scanmill

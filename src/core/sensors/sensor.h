@@ -57,7 +57,7 @@ struct SensorSize {
 // Returns the complete map of a sensor: the keys of its preset, if it names one, overridden by the keys of `value`.
 // `value` is a sensor of a pipeline, {name:, preset: sensors/os1_128.yaml, mount: {...}, any sensor key}. Each key
 // keeps its location in its file. Throws InputError.
-Value resolveSensor(const Value& value);
+[[nodiscard]] Value resolveSensor(const Value& value);
 
 // Read a sensor map, from a sensor file or a pipeline. A sensor has 1 to 4096 rings and 1 to 65536 columns. Throw
 // InputError with the place.

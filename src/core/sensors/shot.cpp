@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/fields.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 

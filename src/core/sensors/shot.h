@@ -15,9 +15,10 @@
 #include "base/vec.h"
 #include "config/value.h"
 #include "sensors/beams.h"
-#include "sensors/trajectory.h"
 
 namespace scanmill {
+
+class Trajectory;
 
 struct Shot {
   std::uint64_t seed = 0;    // seed, scene, frame and sensor are the address of the shot's random numbers

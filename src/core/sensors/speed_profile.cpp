@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/path.h"
+
 namespace scanmill {
 
 namespace {

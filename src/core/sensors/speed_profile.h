@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "base/path.h"
-
 namespace scanmill {
+
+class Path;
 
 // A place on the path at which a vehicle stops for some time.
 struct DriveStop {

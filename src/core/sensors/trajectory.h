@@ -79,9 +79,9 @@ class Trajectory {
   const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
   // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomWay() requires.
-  Trajectory along(const std::vector<Vec3d>& way) const;
+  [[nodiscard]] Trajectory along(const std::vector<Vec3d>& way) const;
   // Returns this trajectory placed on the ground. Throws InputError if no part of the path has ground.
-  Trajectory onGround(const Ground& ground) const;
+  [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bare() : 0; }
 

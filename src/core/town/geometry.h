@@ -26,10 +26,10 @@ struct Nearest {
 Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
-Line evenLine(const Line& line, double step);
+[[nodiscard]] Line evenLine(const Line& line, double step);
 // Returns points on the line about `step` apart, with corners rounded as vehicles drive: each point is averaged with
 // its neighbours. The ends do not move.
-Line smoothLine(const Line& line, double step);
+[[nodiscard]] Line smoothLine(const Line& line, double step);
 // Returns the points of a line in the square about the origin with sides of 2 * half. Each sequence of successive
 // points becomes a separate line.
 std::vector<Line> runsWithin(const Line& line, double half);
@@ -45,6 +45,6 @@ models::Footprint rectangleAbout(const Polygon& ring);
 // Returns the part of a polygon in the square about the origin with sides of 2 * half: Sutherland and Hodgman,
 // "Reentrant polygon clipping", Communications of the ACM 17 (1974). If clipping separates the polygon into parts, the
 // parts stay connected along the square's sides.
-Polygon clipped(Polygon ring, double half);
+[[nodiscard]] Polygon clipped(Polygon ring, double half);
 
 }  // namespace scanmill::town

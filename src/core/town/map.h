@@ -86,7 +86,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
 // Joins roads that meet end to end, and at crossings roads that continue straight ahead.
-std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
+[[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
 // Returns the length in metres at the start of a tag's value, such as "12", "12.5 m" or "40'"; nullopt for other
 // values.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "base/path.h"
 #include "town/placer.h"
 
 namespace scanmill::town {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/path.h"
 #include "town/fleet.h"
 #include "town/flow.h"
 #include "town/lanes.h"

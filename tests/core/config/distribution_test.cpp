@@ -10,6 +10,7 @@
 #include <numbers>
 #include <set>
 
+#include "base/random.h"
 #include "config/fields.h"
 #include "config/flow_text.h"
 #include "tests/support/message_of.h"

@@ -82,17 +82,17 @@ TEST(DatasetParts, AreJoinedInTheOrderOfThePlan) {
 TEST(DatasetParts, GapsAndDoublesAreRefused) {
   std::vector<DatasetPart> twice = allParts();
   twice[1].numbers = {4};
-  EXPECT_THAT(messageOf<Error>([&] { joinParts(kPlan, twice); }),
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, twice); }),
               HasSubstr("k-4 is in two shards, train/train-000000.tar and train/train-000001.tar"));
   std::vector<DatasetPart> inOne = allParts();
   inOne[2].numbers = {1, 1};
-  EXPECT_THAT(messageOf<Error>([&] { joinParts(kPlan, inOne); }), HasSubstr("is in two shards"));
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, inOne); }), HasSubstr("is in two shards"));
   std::vector<DatasetPart> fewer = allParts();
   fewer.pop_back();
-  EXPECT_THAT(messageOf<Error>([&] { joinParts(kPlan, fewer); }), HasSubstr("sample 1 of 5 is in no shard"));
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, fewer); }), HasSubstr("sample 1 of 5 is in no shard"));
   std::vector<DatasetPart> beyond = allParts();
   beyond[1].numbers = {5};
-  EXPECT_THAT(messageOf<Error>([&] { joinParts(kPlan, beyond); }), HasSubstr("the plan has 5 samples"));
+  EXPECT_THAT(messageOf<Error>([&] { return joinParts(kPlan, beyond); }), HasSubstr("the plan has 5 samples"));
 }
 
 }  // namespace

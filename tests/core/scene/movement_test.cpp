@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/path.h"
 #include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/path.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"
 

@@ -9,6 +9,7 @@
 
 #include "sensors/sensor.h"
 #include "sensors/shot.h"
+#include "sensors/trajectory.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

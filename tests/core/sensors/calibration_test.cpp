@@ -99,7 +99,7 @@ TEST(Calibration, StandsInPlaceOfThePresetsAngles) {
   EXPECT_TRUE(beams->origin.empty());
   EXPECT_THAT(beams->source, AllOf(HasSubstr("unit.yaml"), HasSubstr("SHA-256"), HasSubstr("data sheet")));
   folder.write("sensor.yaml", "columns: 10\nrate_hz: 5\nelevation_deg: [3, 2, 1]\nrange_m: [1, 50]\n");
-  EXPECT_THAT(messageOf([&] { resolveSensor(readYaml(file)); }),
+  EXPECT_THAT(messageOf([&] { return resolveSensor(readYaml(file)); }),
               AllOf(HasSubstr("p.yaml:1"), HasSubstr("2 lasers"), HasSubstr("3 rings")));
 }
 

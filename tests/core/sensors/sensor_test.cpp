@@ -221,7 +221,7 @@ TEST(ResolveSensor, InlineSensorNeedsNoPreset) {
 
 TEST(ResolveSensor, MissingPresetIsNamed) {
   const Value own = parseYaml("{name: a, preset: sensors/no_such.yaml}", "/nowhere/p.yaml");
-  expectInputError([&] { resolveSensor(own); }, {"no_such.yaml"});
+  expectInputError([&] { return resolveSensor(own); }, {"no_such.yaml"});
 }
 
 struct BadSensor {

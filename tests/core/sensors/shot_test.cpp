@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sensors/sensor.h"
+#include "sensors/trajectory.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "base/path.h"
+
 namespace scanmill {
 namespace {
 

@@ -23,7 +23,7 @@ class GlWindow
 };
 
 // Collects VTK's messages as long as this object exists; VTK would print them to standard error.
-class Quiet {
+class [[nodiscard]] Quiet {
  public:
   Quiet();
   ~Quiet();

@@ -56,7 +56,7 @@ class BrickMaker {
 
   // Defined in dense_brick.cpp.
   void makeDense(const BrickPlace& place);
-  bool makeBlock(const BrickPlace& place, int block);
+  [[nodiscard]] bool makeBlock(const BrickPlace& place, int block);
   void searchBlock(const BrickPlace& place, int block);
   void scatter(const BrickPlace& place, std::uint32_t triangle);
   void sortListings();

@@ -1,7 +1,11 @@
 #pragma once
 
 // The interface of a method, which turns a shot into Hits. To add a method, add a file and a row in methods()
-// (methods/method.h).
+// (methods/method.h). Installed because methods/method.h includes it.
+//
+//   const Value defaults;
+//   Fields options(defaults, "particle");
+//   const std::unique_ptr<Method> method = requireMethod("particle", {}).make(scene, options);
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,11 @@
 #pragma once
 
-// The time that a call of a method took, and its warnings for the user.
+// The time that a call of a method took, and its warnings for the user. Installed because methods/interface/method.h
+// includes it.
+//
+//   TraceAccount account;
+//   account += makeReference(scene)->trace(shot, Channel::Range, hits);
+//   const std::vector<std::string> warnings = account.warningTexts();
 
 #include <cstdint>
 #include <string>

@@ -11,6 +11,7 @@
 
 #include "base/grouped.h"
 #include "scenefile/concepts.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 

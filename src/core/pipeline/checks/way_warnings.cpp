@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/short_text.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 namespace {

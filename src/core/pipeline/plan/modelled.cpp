@@ -14,6 +14,7 @@
 #include "pipeline/read/drawn_sensors.h"
 #include "pipeline/read/effects.h"
 #include "scenefile/scene_file.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 

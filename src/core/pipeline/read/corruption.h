@@ -27,7 +27,7 @@ const std::vector<std::string>& severities();
 // list replaces only the keys that the corruption states. It replaces the whole effect if the list has the effect with
 // the value `none`, as a random choice or with another kind of weather. Effects of the corruption that are not in the
 // list are appended. `effects` may be Null or the word `sensor`. Throws InputError.
-Value withCorruption(const Value& effects, const Value& corruption);
+[[nodiscard]] Value withCorruption(const Value& effects, const Value& corruption);
 
 // Returns the names of the corruptions that come with the program, in alphabetical order.
 std::vector<std::string> corruptionNames();

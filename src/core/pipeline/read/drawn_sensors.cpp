@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/random.h"
 #include "config/fields.h"
 #include "config/flow_text.h"
 #include "pipeline/read/effects.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "config/fields.h"
 #include "config/flow_text.h"
 #include "config/named_options.h"

@@ -51,10 +51,10 @@ void readEffects(const Value& written, Pipeline& pipeline);
 Effects readSensorEffects(const Value& list, const EffectClasses& classes, const MountedSensor& sensor);
 
 // Returns the effect `own` as an item of an effects list, with its options replaced or extended by those of `change`.
-Value withKeysOf(const NamedOptions& own, const NamedOptions& change);
+[[nodiscard]] Value withKeysOf(const NamedOptions& own, const NamedOptions& change);
 
 // Returns the effects list `items` with the word `sensor` replaced by the effects in the sensor's file. Each returned
 // item is a name or a map with one key. Throws InputError.
-std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor);
+[[nodiscard]] std::vector<Value> sensorEffectItems(const std::vector<Value>& items, const MountedSensor& sensor);
 
 }  // namespace scanmill

@@ -42,6 +42,7 @@
 #include <set>
 
 #include "base/file.h"
+#include "base/random.h"
 #include "config/file_kind.h"
 #include "config/named_options.h"
 #include "config/waypoints.h"

@@ -12,6 +12,7 @@
 #include "config/waypoints.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 

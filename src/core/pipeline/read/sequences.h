@@ -1,6 +1,9 @@
 #pragma once
 
-// Reads the keys `scenes` and `trajectories` of a pipeline: which trajectories are driven in which scenes.
+// Reads the keys `scenes` and `trajectories` of a pipeline: which trajectories are driven in which scenes. Installed
+// because pipeline/read/pipeline.h includes it.
+//
+//   const std::string firstSample = plan.pipeline.sequences.front().key(0);  // "street-s1-lane-000000"
 
 #include <cstdint>
 #include <filesystem>
@@ -12,9 +15,10 @@
 #include "config/fields.h"
 #include "config/value.h"
 #include "dataset/recording.h"
-#include "sensors/trajectory.h"
 
 namespace scanmill {
+
+class Trajectory;
 
 // One scene with one procedural seed, driven along one trajectory. All its frames belong to the same split.
 struct Sequence {

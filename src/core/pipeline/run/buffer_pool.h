@@ -12,7 +12,7 @@ namespace scanmill {
 template <class Buffers>
 class BufferPool {
  public:
-  std::unique_ptr<Buffers> take() {
+  [[nodiscard]] std::unique_ptr<Buffers> take() {
     const std::scoped_lock lock(mutex_);
     if (idle_.empty()) return std::make_unique<Buffers>();
     auto buffers = std::move(idle_.back());

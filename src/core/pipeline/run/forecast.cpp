@@ -13,6 +13,7 @@
 
 #include "base/hash.h"
 #include "base/parallel.h"
+#include "base/random.h"
 #include "base/wall_timer.h"
 #include "config/distribution.h"
 #include "config/flow_text.h"

@@ -15,10 +15,11 @@
 
 #include "base/stage_clock.h"
 #include "dataset/manifest.h"
-#include "dataset/parts.h"
 #include "pipeline/plan/plan.h"
 
 namespace scanmill {
+
+struct DatasetPlan;
 
 // The shards of the plan that a process makes. With Listed and Any, other processes, also on other machines, may work
 // in the same folder at the same time. The process then skips complete shards, and waits for shards that another

@@ -7,6 +7,7 @@
 
 #include "formats/reasons_png.h"
 #include "methods/depth_camera/depth_camera.h"
+#include "pipeline/read/drawn_sensors.h"
 #include "pipeline/run/object_list.h"
 #include "pipeline/run/run_records.h"
 #include "pipeline/run/voxel_view.h"

@@ -21,7 +21,7 @@ struct RecordingVerification {
 // Returns all problems with scans and images: missing or damaged files, wrong sizes, steps that do not cover the
 // columns, classes that are not in the recording's ontology, and materials that are not in its table. Throws InputError
 // only if recording.json or the folder cannot be read. progress(done, total) counts images.
-RecordingVerification verifyRecording(const std::filesystem::path& folder,
-                                      const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
+[[nodiscard]] RecordingVerification verifyRecording(
+    const std::filesystem::path& folder, const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 
 }  // namespace scanmill

@@ -8,6 +8,7 @@
 
 #include "pipeline/read/pipeline.h"
 #include "pipeline/scenes/scene_probe.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "pipeline/scenes/drawn_settings.h"
 
 namespace scanmill {
 

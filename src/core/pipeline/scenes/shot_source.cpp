@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "pipeline/scenes/drawn_settings.h"
 #include "pipeline/scenes/drive.h"
 #include "pipeline/scenes/own_vehicle.h"
 #include "pipeline/scenes/recorded_method.h"
@@ -27,7 +28,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
   return choice.entry->make(scene, options);
 }
 
-ShotSource::ShotSource(const Plan& plan) : plan_(plan), pipeline_(plan.pipeline) {
+ShotSource::ShotSource(const Plan& plan)
+    : plan_(plan), pipeline_(plan.pipeline), drawn_(std::make_unique<DrawnSettings>()) {
   if (!pipeline_.vehicle.empty()) {
     SceneOptions options;
     options.ontology = pipeline_.ontology;
@@ -38,6 +40,8 @@ ShotSource::ShotSource(const Plan& plan) : plan_(plan), pipeline_(plan.pipeline)
   for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
   settings_ = std::make_shared<const FrameSettings>(settingsOf(pipeline_, traceOwnVehicle(mounts)));
 }
+
+ShotSource::~ShotSource() = default;
 
 VehicleHits ShotSource::traceOwnVehicle(const std::vector<Pose>& mounts) const {
   VehicleHits hits;
@@ -128,8 +132,8 @@ std::unique_ptr<Method> ShotSource::method(const Scene& scene) const {
 
 std::shared_ptr<const FrameSettings> ShotSource::settings(std::size_t sequence, std::uint32_t frame) {
   if (pipeline_.drawn == nullptr) return settings_;
-  return drawn_.of(pipeline_, sequence, frame, *settings_,
-                   [&](const std::vector<Pose>& mounts) { return traceOwnVehicle(mounts); });
+  return drawn_->of(pipeline_, sequence, frame, *settings_,
+                    [&](const std::vector<Pose>& mounts) { return traceOwnVehicle(mounts); });
 }
 
 Shot ShotSource::recordedShot(const std::string& sample, std::uint32_t frame, std::size_t sensor) const {

@@ -19,9 +19,11 @@
 #include "pipeline/scenes/frame_settings.h"
 #include "scene/scene.h"
 #include "sensors/shot.h"
-#include "sensors/trajectory.h"
 
 namespace scanmill {
+
+class DrawnSettings;
+class Trajectory;
 
 // Creates the method that a pipeline or a study names; `method: auto` must have been replaced before. Throws InputError
 // for wrong options, and if the scene has moving objects that the method cannot trace.
@@ -40,6 +42,7 @@ class ShotSource {
   // Throws InputError.
   explicit ShotSource(const Plan& plan);
   explicit ShotSource(Plan&&) = delete;
+  ~ShotSource();
   ShotSource(const ShotSource&) = delete;
   ShotSource& operator=(const ShotSource&) = delete;
 
@@ -78,7 +81,7 @@ class ShotSource {
   const Pipeline& pipeline_;
   std::shared_ptr<const Scene> vehicle_;           // null: no ego vehicle
   std::shared_ptr<const FrameSettings> settings_;  // settings of the first frame of the first sequence
-  DrawnSettings drawn_;
+  std::unique_ptr<DrawnSettings> drawn_;
   std::mutex mutex_;  // guards drives_
   // Trajectories that depend on scenes, by index of their sequence.
   std::map<std::size_t, std::shared_ptr<const Trajectory>> drives_;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "base/path.h"
 #include "scene/movement.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/same_hits.h"

@@ -8,6 +8,7 @@
 
 #include "pipeline/read/pipeline.h"
 #include "scene/scene.h"
+#include "sensors/trajectory.h"
 
 namespace scanmill {
 namespace {

@@ -63,7 +63,8 @@ TEST(Corruption, OfOnesOwnIsAFile) {
   Value corruption = parseYaml("{mud.yaml: light}", (folder.path() / "pipeline.yaml").string());
   EXPECT_EQ(flowText(withCorruption({}, corruption)), "[{quantize: {step_m: 1}}]");
   folder.write("mud.yaml", "summary: mud\nlight: [quantize: {step_m: 1}]\n");
-  EXPECT_THAT(messageOf([&] { withCorruption({}, corruption); }), AllOf(HasSubstr("mud.yaml"), HasSubstr("moderate")));
+  EXPECT_THAT(messageOf([&] { return withCorruption({}, corruption); }),
+              AllOf(HasSubstr("mud.yaml"), HasSubstr("moderate")));
 }
 
 TEST(Corruption, RefusesWhatIsNone) {

@@ -1,6 +1,7 @@
 #include "pipeline/read/pipeline.h"
 
 #include "scenefile/scene_file.h"
+#include "sensors/trajectory.h"
 #include "tests/core/pipeline/small_world.h"
 
 namespace scanmill {
