@@ -20,7 +20,8 @@ namespace {
 // Meshes with at most this many triangles are not simplified.
 constexpr std::size_t kFewTriangles = 32;
 
-// Largest error in units of the mesh's extent: so large that only the share of triangles ends the simplification.
+// Largest error in units of the mesh's extent: so large that the simplification always reaches the number of triangles
+// that is wanted.
 constexpr float kAnyError = 1e6f;
 
 // The vertices of triangles with equal Welds are merged. Vertices of different surfaces are never merged, so that every

@@ -37,7 +37,7 @@ class Arrangement {
   Arrangement(Fields& object, const Ontology& ontology);
 
   bool random() const { return scatter_ || vary_; }
-  // Materials of which each copy gets one at random; if empty, every copy keeps the object's material.
+  // Returns the materials from which each copy gets one at random; if empty, every copy keeps the object's material.
   const std::vector<std::string>& materials() const { return materials_; }
   bool needsSurfaces() const { return scatter_ || standOn_; }
 

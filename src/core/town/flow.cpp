@@ -84,7 +84,7 @@ class Flow {
         if (j == i || gone(j)) continue;
         for (const Leg& other : routeOf(j).legs) {
           if (other.lane != leg.lane || states_[j].at < other.from || states_[j].at > other.to) continue;
-          const double there = states_[j].at + other.shift - leg.shift;  // m along this route
+          const double there = states_[j].at + other.shift - leg.shift;  // of j, m along i's route
           const bool ahead = there > s.at || (there == s.at && j < i);
           if (!ahead || there > s.at + kSight || there < leg.from || there > leg.to) continue;
           const double gap = there - s.at - (d.length + drivers_[j].length) / 2;

@@ -86,7 +86,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, roads_);
     const Footprint& about = frontage.about;
-    const double yaw = about.yaw + kPi / 2;  // yaw of a house here, whose front faces its own -y
+    const double yaw = about.yaw + kPi / 2;  // yaw of a house; in the house's frame the front faces -y
     const bool house = isHouse(b, about);
     if (house) {
       House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);
