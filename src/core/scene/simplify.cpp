@@ -20,8 +20,7 @@ namespace {
 // Meshes with at most this many triangles are not simplified.
 constexpr std::size_t kFewTriangles = 32;
 
-// Largest error in units of the mesh's extent: so large that the simplification always reaches the number of triangles
-// that is wanted.
+// Largest error in units of the mesh's extent: so large that the error never ends the simplification.
 constexpr float kAnyError = 1e6f;
 
 // The vertices of triangles with equal Welds are merged. Vertices of different surfaces are never merged, so that every

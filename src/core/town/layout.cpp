@@ -185,7 +185,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
 }
 
 // Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
-// leave a bank of snow on verges, and beside roads that have no pavement.
+// leave a bank of snow on verges and shoulders.
 double Layout::snowOn(const Beside& b, const Point2& p) const {
   if (character_.snow <= 0) return 0;
   constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow

@@ -76,7 +76,8 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 
 }  // namespace
 
-// Turns rectangular buildings into houses and all other buildings into blocks. Buildings that face a road get a plot.
+// Turns rectangular buildings of a house's size into houses and all others into blocks. Buildings that face a road get
+// a plot.
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];

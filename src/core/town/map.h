@@ -88,8 +88,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored = false);
 // Joins roads that meet end to end, and at crossings roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
-// Returns the length in metres at the start of a tag's value, such as "12", "12.5 m" or "40'"; nullopt for other
-// values.
+// Returns the length (m) that a tag's value such as "12", "12.5 m" or "40'" gives; nullopt for other values.
 std::optional<double> metresOf(const std::string& value);
 
 }  // namespace scanmill::town

@@ -21,7 +21,7 @@ constexpr double kOverhang = 0.5;                             // m that crowns m
 constexpr double kFar = 25;         // m from the nearest road, beyond which trees have fewer and larger leaves
 constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees beyond kFar
 constexpr int kBushForms = 6;
-constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods
+constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods together
 
 // The models of the town's trees; a model is built when it is first needed.
 class Nursery {
