@@ -23,7 +23,7 @@ enum class LockKind {
 };
 
 // Holds a lock file. The destructor removes the file if it is certain that no other process holds the lock. The file
-// states which process took the lock last, on which host, since when. The lock is the operating system's (flock; on
+// states which process took the lock last, on which host, and since when. The lock is the operating system's (flock; on
 // network file systems Linux turns it into a lock of the server). A process that dies therefore loses the lock and
 // leaves only a file that nobody holds. On a file system without locks no process can be kept from sharing the folder,
 // and a file that was taken alone counts as held if its process still runs on this host, or if it was written on

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSignSunk = 0.1;  // m that posts extend below the ground
 
-// Returns the frame that sets a drawing in x, y upright, facing +x: x of the drawing becomes y, y becomes z.
+// Returns a frame in which a drawing in the x, y plane stands upright and faces +x: its x becomes y, its y becomes z.
 Affine facing(const Vec3d& center) {
   return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
 }

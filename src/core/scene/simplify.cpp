@@ -85,7 +85,7 @@ Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_
   return welded;
 }
 
-// Simplifies the chosen triangles of `from`, and appends the result to `to`, with indices of vertices of `from`.
+// Simplifies the chosen triangles of `from`, and appends the result to `to`. The new triangles use vertices of `from`.
 void appendFewer(const Scene& scene, const Mesh& from, const std::vector<std::uint32_t>& chosen, double keep,
                  Mesh& to) {
   const Welded welded = weld(scene, from, chosen);

@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Reads an image with readImage() (images/images.h), and throws the same errors. A file is decoded
-// again only if it has changed, or if its texture is no longer in use anywhere. Any thread may call this function.
+// Reads an image with readImage() (images/images.h), and throws the same errors. A file is decoded again only
+// if it has changed, or if its texture is no longer in use anywhere. Any thread may call this function.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
 // Decodes an image that is inside another file. `name` is its name in messages and in Texture::file.

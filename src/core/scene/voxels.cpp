@@ -175,7 +175,7 @@ VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid
   VoxelLabels labels;
   labels.label.resize(grid.voxels());
   std::vector<std::vector<std::uint32_t>> unlabeled(slabs);
-  // One thread processes a slab and sums areas in the order of the triangles, so that rounding is always the same.
+  // A single thread processes a slab, in the order of the triangles, so that sums are always rounded in the same way.
   parallelFor(slabs, 1, [&](std::size_t from, std::size_t to) {
     for (std::size_t slab = from; slab < to; ++slab) {
       const std::size_t firstX = slab * kSlab;

@@ -210,7 +210,7 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   };
   std::uint64_t misses = 0;
   // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives kTries tries per
-  // copy, with `distance_from` kMisses tries per copy; after kMisses misses in a row the search ends.
+  // copy (kMisses with `distance_from`); after kMisses misses in a row the search ends.
   const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);

@@ -30,8 +30,7 @@ namespace scanmill {
 //
 // Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
 // a random yaw; a place along the path has the heading of the path. `vary` turns a copy about the vertical axis through
-// the copy's own position. Random numbers depend only on the scene's seed and on `thing` or, without it, the object's
-// name.
+// the copy's own position. Random numbers depend only on the scene's seed and the object's name (or its `thing`).
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.

@@ -47,7 +47,7 @@ struct Character {
   double foliage = 1;    // fraction of the leaves that are still on the trees
   double snow = 0;       // m, depth of snow where it is not cleared
   double snowBanks = 0;  // m, height of the snow banks that ploughs leave beside roads
-  double wear = 0;       // wear of the roads, 0 to 1; more wear: more potholes and repairs
+  double wear = 0;       // wear of the roads, 0 to 1; it sets the number of potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
   double bend = 0.4;                      // rad, amplitude of the variation of the main road's heading

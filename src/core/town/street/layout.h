@@ -49,11 +49,11 @@ enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, 
 struct Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
 
-  static constexpr double kCurb = 0.15;            // m, width of a curb stone
-  static constexpr double kRamp = 0.45;            // m, width of the slope in the sidewalk at a driveway
-  static constexpr double kLoweredCurb = 0.03;     // m, height of a lowered curb
-  static constexpr double kDrivewayDepth = 7;      // m that driveways extend beyond the front line
-  static constexpr double kPathDepth = 1.5;        // m, as kDrivewayDepth, of paths: the greatest setback of a house
+  static constexpr double kCurb = 0.15;         // m, width of a curb stone
+  static constexpr double kRamp = 0.45;         // m, width of the slope in the sidewalk at a driveway
+  static constexpr double kLoweredCurb = 0.03;  // m, height of a lowered curb
+  static constexpr double kDrivewayDepth = 7;   // m, length of driveways beyond the front line
+  static constexpr double kPathDepth = 1.5;     // m, length of paths beyond the front line; largest setback of a house
   static constexpr double kCrossSidewalkEnd = 18;  // m that the cross street's sidewalks extend beyond the gardens
 
   Ground kindAt(double x, double y) const;
