@@ -52,7 +52,7 @@ std::string readFile(const std::filesystem::path& path) {
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  // A rename would replace a device such as /dev/null, and onto a folder it would fail only after all the work.
+  // A rename would replace a device such as /dev/null. A rename onto a folder would fail only after all the work.
   struct stat status {};
   if (::stat(path_.c_str(), &status) == 0 && !S_ISREG(status.st_mode)) {
     throw Error(fmt::format("{}: cannot be written: it exists and is not a file", path_.string()));

@@ -23,7 +23,7 @@ enum class LockKind {
 };
 
 // Holds a lock file. The destructor removes the file if it is certain that no other process holds the lock. The file
-// states which process took the lock last, on which host, since when. The lock is the operating system's (flock; on
+// states which process took the lock last, on which host, and since when. The lock is the operating system's (flock; on
 // network file systems Linux turns it into a lock of the server). A process that dies therefore loses the lock and
 // leaves only a file that nobody holds. On a file system without locks no process can be kept from sharing the folder,
 // and a file that was taken alone counts as held if its process still runs on this host, or if it was written on
@@ -31,8 +31,8 @@ enum class LockKind {
 class [[nodiscard]] FolderLock {
  public:
   // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below
-  // it, none of which may be a link. Throws an InputError that says who holds the lock, ForeignFile, and Error if the
-  // file cannot be created.
+  // it, none of which may be a link. Throws an InputError that names the holder if another process holds the lock;
+  // ForeignFile; and Error if the file cannot be created.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

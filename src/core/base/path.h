@@ -48,7 +48,7 @@ class Path {
   void add(const Segment& segment);
 
   std::vector<Segment> segments_;
-  std::vector<double> travelled_{0};      // m from the path's start to each part (kParts per segment), and to the end
+  std::vector<double> travelled_{0};  // m along the path to the start of each part (kParts per segment) and to the end
   std::vector<std::size_t> partOfPoint_;  // for each waypoint, its index into travelled_
 };
 

@@ -18,7 +18,7 @@ namespace scanmill {
 // Returns an empty path if there is no such file.
 std::filesystem::path findProgram(const std::string& name);
 
-// Thrown if the child has not finished in time what the caller waited for. The child still runs.
+// Thrown if the event that a call waits for does not happen in time. The child still runs.
 class TimeOut : public Error {
  public:
   using Error::Error;

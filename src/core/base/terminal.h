@@ -12,11 +12,10 @@
 
 namespace scanmill {
 
-// Returns the text with control characters written as \x1b, except line breaks and tabs, and Unicode's controls of the
-// writing direction written as \u202e.
+// Returns the text with escapes in place of control characters and bytes that are not UTF-8 (\x1b), and of Unicode's
+// controls of the writing direction (\u202e). Line feeds and tabs stay; a carriage return becomes \r.
 [[nodiscard]] std::string forTerminal(std::string_view text);
-// Does the same as forTerminal(), and also writes line breaks and tabs as \n, \r and \t, so that the text stays on one
-// line.
+// Does the same as forTerminal(), and also writes line feeds and tabs as \n and \t, so that the text stays on one line.
 [[nodiscard]] std::string oneLine(std::string_view text);
 // Does the same as forTerminal(), and indents the second and later lines, so that no line of the text looks like a
 // message of this program.

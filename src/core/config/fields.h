@@ -56,7 +56,7 @@ class Fields {
   // empty value counts as an empty map.
   Fields(const Value& value, std::string what);
 
-  bool has(std::string_view key) const;        // does not mark the key as known; an empty value counts as absent
+  bool has(std::string_view key) const;        // true if the key has a non-empty value; does not mark it as known
   const Value* find(std::string_view key);     // marks the key as known; null if absent or empty
   const Value& require(std::string_view key);  // throws if absent; an empty value (Null) is returned
   const Location& where() const { return value_.where; }

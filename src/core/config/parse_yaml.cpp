@@ -23,8 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNodes = 1'000'000;
-constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // of all scalars together, with aliases and variables
-                                                          // expanded
+constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // all scalars together, with aliases and variables expanded
 
 struct Extent {
   std::size_t nodes = 1;
@@ -179,7 +178,7 @@ class TreeBuilder : public YAML::EventHandler {
     if (awaitsKey()) throw InputError(place(mark), fmt::format("a key must be text, but this key {}", what));
   }
 
-  // True if the tag makes a scalar text even if it looks like a number: yaml-cpp gives "!" to all scalars in quotes.
+  // True if the tag says that a scalar is text, even if it looks like a number: scalars in quotes have the tag "!".
   bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
     if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;

@@ -25,7 +25,7 @@ bool isThere(const fs::path& path) {
   return fs::exists(path, ignored);
 }
 
-// Returns the file at this path, with or without the suffix .yaml; nullopt if there is none.
+// Returns the file at this path, with or without the suffix .yaml; nullopt if there is no such file.
 std::optional<fs::path> fileAt(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path, ignored) && !fs::is_directory(path, ignored)) return path;

@@ -31,7 +31,7 @@ struct Value {
   std::string folder;  // folder in which relative paths start, if --set made the value; empty: the folder of where.file
 
   const Value* find(std::string_view key) const;     // Map: the value of a key; null if absent
-  const Value& valueOf(std::string_view key) const;  // Map: the same, but a value of kind Null if absent
+  const Value& valueOf(std::string_view key) const;  // Map: the value of a key; a value of kind Null if absent
 };
 
 struct Value::Entry {

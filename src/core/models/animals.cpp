@@ -1,4 +1,4 @@
-// Builds animals from a trunk and a neck of pipes, a head, legs and a tail. They stand or graze.
+// Builds animals that stand or graze. Trunk and neck are pipes; a head, legs and a tail are added.
 
 #include <array>
 #include <cmath>

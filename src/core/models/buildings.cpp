@@ -76,8 +76,8 @@ class HouseMaker {
   }
 
  private:
-  // Adapts the house to the given height of its top (m). The storeys get the height that fits, at least kLeastStorey.
-  // If the house is still too high, the slope of the roof is reduced, to no less than 6 degrees.
+  // Adapts the house to the given height of its top (m). A storey is at least kLeastStorey high. If the house would
+  // then be too high, the slope of the roof is reduced, to no less than 6 degrees.
   void reach(double top) {
     constexpr double kLeastStorey = 2.3;  // m, least height of a storey
     const double shorter = std::min(h_.width, h_.depth);

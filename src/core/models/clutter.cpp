@@ -36,7 +36,7 @@ void appendBarrier(Shape& s) {
   for (const double z : {0.3, 0.95}) s.box(board, {0, 0, z}, {2, 0.03, 0.22});
 }
 
-// Appends a rubble container that is full.
+// Appends a container full of rubble.
 void appendSkip(Shape& s, Draw& draw) {
   const SurfaceIndex metal = s.surface("object", "painted_metal");
   const SurfaceIndex rubble = s.surface("object", "soil");

@@ -55,7 +55,7 @@ class FacadeMaker {
     constexpr double kFrame = 0.07;  // m, width of the casing
     const double w = -kReveal;
     s_.quad(look_.glass, {u0, v0, w}, {u1, v0, w}, {u1, v1, w}, {u0, v1, w});
-    // The casing begins behind the reveals' plane, so that no two faces are in the same plane.
+    // The casing extends a little into the wall and behind the glass, so that no two faces are in the same plane.
     const double middleU = (u0 + u1) / 2;
     const double middleV = (v0 + v1) / 2;
     const double inside = v1 - v0 - kFrame * 2;

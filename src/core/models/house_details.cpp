@@ -182,8 +182,7 @@ class Details {
     s_.box(m_.wood, {x, -out + 0.06, top - 0.06}, {2 * half - 0.02, 0.1, 0.12});
   }
 
-  // Adds leaves of ivy up to 0.35 m in front of the front wall, from the ground upwards, but not over windows and the
-  // door.
+  // Adds leaves of ivy up to 0.35 m in front of the front wall, from the ground upwards. Windows and door stay free.
   void ivy() {
     const SurfaceIndex leaf = s_.surface("vegetation", "leaf");
     const double from = draw_.in(0, 0.6) * h_.width;

@@ -168,7 +168,7 @@ struct Span {
   bool holds(double v) const { return v > low && v < high; }
 };
 
-constexpr double kGarageFrom = 6.2;  // m behind the front of the house
+constexpr double kGarageFrom = 6.2;  // m from the front of a house back to its garage
 constexpr double kGarageBeside = 0.25;
 constexpr double kGarageWidth = 3.3;
 constexpr double kGarageDepth = 5.8;
@@ -184,7 +184,7 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
-  std::optional<double> top;  // m, top of the roof; not set: it follows from floors and slope
+  std::optional<double> top;  // m, top of the roof; not set: the height follows from floors and slope
   // Depth (m) of the ground in front of the house that details may cover, see house_details.h. If it is not set, the
   // house has bare walls and no rooms.
   std::optional<double> forecourt;
@@ -215,17 +215,17 @@ struct TreeModel {
   double crownRadius = 2;
 };
 constexpr int kTreeForms = 8;
-constexpr int kBroadleafForms = 6;  // these come first among the tree forms
-// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of its leaves that a
-// broadleaf tree still has, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown, 0 (round)
-// to 1: heavier on one side, with limbs that protrude and gaps between them.
+constexpr int kBroadleafForms = 6;  // broadleaf trees are the first of the tree forms
+// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that
+// are still on a broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is
+// round, 1 is heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
                    double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
 Model makeHedge(SceneBuilder& builder, std::uint64_t seed);  // 2 m along x, 0.6 m wide
-// 2 m along x, filled with leaves; height and depth depend on the form.
+// Builds 2 m of hedgerow along x, filled with leaves. Height and depth depend on the form.
 Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form);
-// Shrubs of 1.4 to 3.2 m height.
+// Builds a group of shrubs 1.4 to 3.2 m high.
 Model makeUndergrowth(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);
 
 enum class CarForm { Hatchback, Sedan, Wagon, Suv, Van, Pickup, Delivery };
@@ -246,7 +246,7 @@ Model makeBicycle(SceneBuilder& builder, std::uint64_t seed, int form, BicycleFi
 Model makeMotorcycle(SceneBuilder& builder, std::uint64_t seed, int form);
 
 Model makePedestrian(SceneBuilder& builder, std::uint64_t seed, int form);
-// A walking person: one mesh for each of the moments of a stride, in order and evenly spaced in time.
+// A walking person: one mesh for each moment of a stride, in order and evenly spaced in time.
 struct Walker {
   std::vector<Model> moments;
   double stride = 1.3;  // m walked in one cycle of all moments
@@ -261,7 +261,7 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };
 constexpr int kSigns = 6;
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // faces +x
-Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // its arm reaches to +x
+Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // the arm reaches to +x
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // faces +x
 // A wooden pole with its crossarm along y, and the points where its wires are attached (m).
 struct UtilityPole {

@@ -8,9 +8,9 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kSignSunk = 0.1;  // m below the ground
+constexpr double kSignSunk = 0.1;  // m that posts extend below the ground
 
-// Returns the frame that sets a drawing in x, y upright, facing +x: x of the drawing becomes y, y becomes z.
+// Returns a frame in which a drawing in the x, y plane stands upright and faces +x: its x becomes y, its y becomes z.
 Affine facing(const Vec3d& center) {
   return {{{0, 1, 0}, {0, 0, 1}, {1, 0, 0}}, center};
 }
@@ -36,7 +36,7 @@ struct SignForm {
   double halfHeight;  // m
 };
 
-// In the order of TrafficSign.
+// The boards in the order of TrafficSign.
 constexpr std::array<SignForm, kSigns> kSignForms{{{24, 0.3, 0, 0.3},
                                                    {3, 0.42, kPi / 2, 0.42},
                                                    {4, 0.36, 0, 0.36},

@@ -94,7 +94,8 @@ class Raggedness {
     return 1 + share_ * (0.3 * std::cos(angle - heavy_) + 0.22 * std::cos(2 * (angle - long_)));
   }
   double size() { return share_ > 0 ? lerp(1, draw_.in(0.45, 1.4), share_) : 1; }
-  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }  // as a fraction of the crown's height
+  // Returns how much a cluster is raised, as a fraction of the crown's height.
+  double raised() { return share_ > 0 ? share_ * draw_.in(-0.13, 0.13) : 0; }
   bool missing() { return share_ > 0 && draw_.chance(0.22 * share_); }
 
  private:

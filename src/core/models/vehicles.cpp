@@ -1,4 +1,4 @@
-// Cars, vans, trucks and buses: proportions of the bodies, and what is attached to them.
+// Cars, vans, trucks and buses: proportions of the bodies, and the parts attached to them.
 
 #include <algorithm>
 #include <array>
@@ -13,11 +13,11 @@ namespace {
 // The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
 struct CarShape {
   double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm
-  double nose, hood, height, tail;                                     // z
+  double nose, hood, height, tail;                                     // z of bonnet's tip and base, roof, boot
   double windBase, windTop, roofEnd, rearBase;                         // x of the ends of windscreen, roof, rear window
 };
 
-// In the order of CarForm.
+// The bodies in the order of CarForm.
 // clang-format off
 constexpr std::array<CarShape, 7> kCarShapes{{
     {4.1,  1.78, 0.2,  0.92, 0.02, 0.56, 0.31,   0.74, 0.98, 1.48, 0.95,   0.85, 0.2,  -1.45, -1.9},

@@ -40,7 +40,7 @@ class SceneBuilder {
 
   // Places a mesh in the world (m). Its things get the next instance ids, counted from 1, so that ids depend only on
   // the order of placement. With a movement, `worldFromMesh` is relative to the movement's pose. All instances that are
-  // placed with the same `thing` are one thing with one id, unless the name is empty. Throws an InputError at `where`
+  // placed with the same `thing`, if it is not empty, are one thing with one id. Throws an InputError at `where`
   // for a transform that is singular or not finite, and for a mesh of several things that is placed with a `thing`. The
   // returned reference is valid until the next call.
   Instance& place(std::uint32_t mesh, const Affine& worldFromMesh, std::string name, const Location& where = {},

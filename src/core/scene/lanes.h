@@ -14,7 +14,7 @@ namespace scanmill {
 // Points on the road's surface, some metres apart (m, world frame).
 struct SceneLanes {
   std::vector<Vec3d> lane;   // the main road's right-hand lane
-  std::vector<Vec3d> turns;  // path from a side road into `lane` and into another side road; may be empty
+  std::vector<Vec3d> turns;  // `lane` with turns from and into side roads, as far as the town has them
   int turnCount = 0;         // number of turns along `turns`
 };
 

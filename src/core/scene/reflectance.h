@@ -20,7 +20,7 @@ struct CompactMaterial {
   // Returns the reflectance at these texture coordinates: the texture's luminance at that point, scaled so that the
   // texture's mean luminance gives the material's reflectance, and at most 1. The material must be textured.
   float texturedAt(const Vec2f& uv) const;
-  float ofTexel(const std::uint8_t* texel) const;  // returns the same for a texel (RGBA) of the texture
+  float ofTexel(const std::uint8_t* texel) const;  // returns the reflectance at a texel (RGBA)
 };
 
 CompactMaterial compact(const Material& material);

@@ -32,8 +32,8 @@ struct Surface {
   std::uint16_t material = 0;  // index into Scene::materials
   std::uint16_t semantic = 0;  // class id
   std::uint32_t object = 0;    // 0: stuff; n > 0: the n-th thing of this mesh (see Instance::firstInstanceId)
-  // For reports: names in the asset, and the place in the scene file of the rule or of the key `class` that gave the
-  // class. The place has no file if the class comes from neither.
+  // For reports: `node` and `texture` are names in the asset. `labelledBy` is the place in the scene file of the rule
+  // or the key `class` that gave the class; it has no file if the class comes from neither.
   std::string node, texture;
   Location labelledBy;
 };
@@ -71,7 +71,7 @@ struct Dropped {
 // of the period, and is shown while it is the nearest in time. All meshes have the same things.
 struct Animation {
   std::vector<std::uint32_t> meshes;
-  double period = 1;  // s, in which all meshes are shown once
+  double period = 1;  // s, time in which all meshes are shown once
   double until = 0;   // s, time at which the animation stops
 
   std::uint32_t at(double time) const;
@@ -119,7 +119,7 @@ struct WholeScene {
   bool moves = false;
   std::uint64_t placedTriangles = 0;
   std::vector<std::uint64_t> copies;  // number of instances, by mesh
-  std::vector<std::string> absent;    // classes to take out of which the scene had no triangle
+  std::vector<std::string> absent;    // classes to be taken out that had no triangle in the scene
 };
 
 struct Scene {

@@ -22,7 +22,7 @@ namespace scanmill {
 enum class Supply : std::uint8_t { Greenery, Vehicles, People };
 constexpr std::size_t kSupplies = 3;
 
-// Factors by which the numbers of objects that the seed gives are multiplied, indexed by Supply.
+// Factors on the numbers of objects that the seed gives, indexed by Supply.
 using SupplyFactors = std::array<double, kSupplies>;
 
 // Bounds on the share of some classes in the hits of a sensor above the lane.

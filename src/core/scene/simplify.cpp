@@ -20,7 +20,7 @@ namespace {
 // Meshes with at most this many triangles are not simplified.
 constexpr std::size_t kFewTriangles = 32;
 
-// Largest error in units of the mesh's extent: so large that only the share of triangles ends the simplification.
+// Largest error in units of the mesh's extent: so large that the error never ends the simplification.
 constexpr float kAnyError = 1e6f;
 
 // The vertices of triangles with equal Welds are merged. Vertices of different surfaces are never merged, so that every
@@ -85,7 +85,7 @@ Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_
   return welded;
 }
 
-// Simplifies the chosen triangles of `from`, and appends the result to `to`, with indices of vertices of `from`.
+// Simplifies the chosen triangles of `from`, and appends the result to `to`. The new triangles use vertices of `from`.
 void appendFewer(const Scene& scene, const Mesh& from, const std::vector<std::uint32_t>& chosen, double keep,
                  Mesh& to) {
   const Welded welded = weld(scene, from, chosen);

@@ -18,9 +18,9 @@ constexpr double kSteepestGround = kPi / 3;    // rad, largest slope of ground
 constexpr double kSteepestGroundCosine = 0.5;  // cosine of kSteepestGround
 
 // Returns the ground under a point at the height `z` (m). `surfaces` are all surfaces above and below the point, the
-// highest first; `heightOf` returns the height of a surface, and `holds` is true if the surface counts. The result is
-// the highest surface that is at most kAboveGround higher than `z`; if all are higher, the lowest; null if no surface
-// counts.
+// highest first; `heightOf` returns the height of a surface, and `holds` is true for a surface that counts. The
+// result is the highest surface that counts and is at most kAboveGround higher than `z`; if all are higher, the lowest
+// that counts; null if no surface counts.
 template <class Surface, class HeightOf, class Holds>
 const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const HeightOf& heightOf,
                            const Holds& holds) {

@@ -12,8 +12,8 @@
 
 namespace scanmill {
 
-// Reads an image with readImage() (images/images.h), and throws the same errors. While the texture of a file is in use
-// anywhere, the file is not decoded again unless it has changed. Any thread may call this function.
+// Reads an image with readImage() (images/images.h), and throws the same errors. A file is decoded again only
+// if it has changed, or if its texture is no longer in use anywhere. Any thread may call this function.
 std::shared_ptr<const Texture> loadTexture(const std::filesystem::path& path);
 
 // Decodes an image that is inside another file. `name` is its name in messages and in Texture::file.
@@ -32,7 +32,7 @@ std::shared_ptr<const Texture> plainTexture(std::string_view rgba, std::uint32_t
 // Returns the linear luminance of an sRGB colour, from 0 to 1 (IEC 61966-2-1, weights of Rec. 709).
 float luminance(const std::uint8_t* rgb);
 
-// Returns the mean of luminance() over the texels whose alpha is at least `minimumAlpha`; 1 if there are none.
+// Returns the mean of luminance() over the texels whose alpha is at least `minimumAlpha`; 1 if there is no such texel.
 float meanLuminance(const Texture& texture, float minimumAlpha = 0.0f);
 
 }  // namespace scanmill

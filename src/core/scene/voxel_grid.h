@@ -3,7 +3,7 @@
 // A grid of cubes, which finds the voxel of a point. Installed because pipeline/read/pipeline.h includes it.
 //
 //   const VoxelGrid grid;
-//   const std::optional<std::size_t> voxel = grid.at({10, 0, -1.5});  // of a point in the grid's frame (m)
+//   const std::optional<std::size_t> voxel = grid.at({10, 0, -1.5});  // the point is in the grid's frame (m)
 
 #include <array>
 #include <cstddef>

@@ -13,8 +13,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kBlock = 128;  // consecutive triangles that share a box
-constexpr std::uint32_t kSlab = 8;   // layers of voxels along x that a thread processes at a time
+constexpr std::size_t kBlock = 128;  // number of consecutive triangles that share a box
+constexpr std::uint32_t kSlab = 8;   // number of layers of voxels along x that a thread processes at a time
 constexpr double kTie = 1e-9;        // areas that differ by at most this fraction count as equal
 constexpr double kMargin = 1e-6;     // voxels; boxes are enlarged by this margin, which exceeds rounding errors
 
@@ -82,7 +82,7 @@ class ClassAreas {
  private:
   std::vector<double> area_;
   std::vector<std::uint16_t> class_;
-  std::unordered_map<std::uint64_t, double> others_;  // by voxel << 16 | class
+  std::unordered_map<std::uint64_t, double> others_;  // areas of the voxels' further classes, by voxel << 16 | class
 };
 
 }  // namespace
@@ -175,7 +175,7 @@ VoxelLabels SceneVoxels::labels(const VoxelGrid& grid, const Pose& worldFromGrid
   VoxelLabels labels;
   labels.label.resize(grid.voxels());
   std::vector<std::vector<std::uint32_t>> unlabeled(slabs);
-  // One thread processes a slab and sums areas in the order of the triangles, so that rounding is always the same.
+  // A single thread processes a slab, in the order of the triangles, so that sums are always rounded in the same way.
   parallelFor(slabs, 1, [&](std::size_t from, std::size_t to) {
     for (std::size_t slab = from; slab < to; ++slab) {
       const std::size_t firstX = slab * kSlab;

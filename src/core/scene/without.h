@@ -9,10 +9,10 @@
 
 namespace scanmill {
 
-// Each item of `what` is either a number, which takes out the thing with this instance id, or a word, which takes out
-// the objects of this name, with all their copies, and the triangles of this class. All other things keep their ids,
-// and all other hits stay the same to the last bit. Throws an InputError at the place of an item that is neither a
-// class of the scene's ontology nor in the scene.
+// Takes out of the scene what the items of `what` name. A number is the instance id of a thing. A word is the
+// name of objects, which are taken out with all their copies, and of a class, whose triangles are taken out. All other
+// things keep their ids, and all other hits stay the same to the last bit. Throws an InputError at the place of an item
+// that is neither a class of the scene's ontology nor in the scene.
 void takeOut(Scene& scene, const std::vector<Value>& what);
 
 }  // namespace scanmill

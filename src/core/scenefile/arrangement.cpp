@@ -17,7 +17,7 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;       // tries to find a free place, per copy, if `count` is given
+constexpr std::uint64_t kTries = 30;       // tries per copy to find a free place, if `count` is given
 constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after which the search ends
 constexpr double kOverhead = 0.05;         // m; a surface is covered if another surface lies more than this above it
 constexpr double kSame = 1e-3;             // m; surfaces whose heights differ by less are the same surface
@@ -46,7 +46,7 @@ std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontolog
   return ids;
 }
 
-// Accepts places that are at least `spacing` (m), as seen from above, from every place accepted before.
+// Accepts a place if its horizontal distance from every place accepted before is at least `spacing` (m).
 class Spaced {
  public:
   explicit Spaced(double spacing) : spacing_(spacing) {}
@@ -209,8 +209,8 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
     return true;
   };
   std::uint64_t misses = 0;
-  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives each copy kTries
-  // tries on average; but if `distance_from` excludes much of the surface, only kMisses ends the search.
+  // A density gives each copy one try, and leaves out a copy whose place is not free. A count gives kTries tries per
+  // copy (kMisses with `distance_from`); after kMisses misses in a row the search ends.
   const std::uint64_t tries = s.count ? (s.distances.empty() ? kTries : kMisses) * most : most;
   for (std::uint64_t n = 0; n < tries && places.size() < most && (!s.count || misses < kMisses); ++n) {
     const RandomBlock b = draw(seed, object, n, 0);

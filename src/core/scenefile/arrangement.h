@@ -30,14 +30,14 @@ namespace scanmill {
 //
 // Each scattered place, and each place along the path, gets all copies of the object's placement. A scattered place has
 // a random yaw; a place along the path has the heading of the path. `vary` turns a copy about the vertical axis through
-// the copy's own position. Random numbers depend only on the scene's seed and the object's name.
+// the copy's own position. Random numbers depend only on the scene's seed and the object's name (or its `thing`).
 class Arrangement {
  public:
   // Reads `copies.scatter`, `copies.along`, `vary` and `stand_on`. Throws InputError with the place.
   Arrangement(Fields& object, const Ontology& ontology);
 
   bool random() const { return scatter_ || vary_; }
-  // Materials of which each copy gets one at random; if empty, every copy keeps the object's material.
+  // Returns the materials from which each copy gets one at random; if empty, every copy keeps the object's material.
   const std::vector<std::string>& materials() const { return materials_; }
   bool needsSurfaces() const { return scatter_ || standOn_; }
 

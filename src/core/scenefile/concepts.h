@@ -23,9 +23,9 @@ struct Concept {
   std::vector<std::string> classes;  // in order of preference: the first that the ontology has is used
   std::string material;              // a name in labels/materials.yaml; empty: none
   ConceptKind kind = ConceptKind::Whole;
-  std::vector<std::string> of;     // only of a detail: names of the concepts that it belongs to; it has their classes
-                                   // unless it has its own
-  std::optional<Between> size;     // m, along the longest edge
+  // Only for a detail: names of the concepts that it belongs to. A detail without classes of its own gets theirs.
+  std::vector<std::string> of;
+  std::optional<Between> size;     // m, lengths of the longest edge of such things
   std::vector<std::string> words;  // folded: see foldedName()
 };
 

@@ -19,7 +19,7 @@ namespace {
 constexpr double kMoment = 0.05;  // s
 constexpr double kMostMoments = 48;
 
-// Returns a key of a file with its options and rules. Objects with equal keys share a mesh.
+// Returns a key of a file with its options and rules. Objects with equal keys share their meshes.
 std::string meshKey(const std::filesystem::path& file, const AssetOptions& asset, const Labelling& labelling) {
   std::error_code ignored;
   const std::filesystem::path canonical = std::filesystem::weakly_canonical(file, ignored);
@@ -83,9 +83,9 @@ std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path
   return known = animation;
 }
 
-// If some rule sets a material, the asset is first read without textures, and read again with textures only if some
-// part shows its own texture. Decoding textures can cost more than all other work on the file, and materials of the
-// library seldom use them.
+// If some rule sets a material and no rule tests colours, the asset is first read without textures, and read again with
+// textures only if some part shows its own texture. Decoding textures can cost more than all other work on the file,
+// and materials of the library seldom use them.
 Asset FileMeshes::load(const std::filesystem::path& file, const AssetOptions& options, const Labelling& labelling,
                        const Location& where) const {
   try {

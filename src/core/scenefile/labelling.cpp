@@ -32,7 +32,7 @@ Material withMaterial(const Material& material, const Material& own) {
   return m;
 }
 
-// The triangles of a part whose class comes from one rule and whose material comes from one rule.
+// Triangles of a part that all get their class from the same rule and their material from the same rule.
 struct LabelledPart {
   AssetPart part;
   const Rule* classRule = nullptr;  // null if no rule gives these triangles a class or drops them
@@ -48,8 +48,8 @@ std::vector<std::size_t> rulesFor(const AssetPart& part, const Labelling& labell
   return found;
 }
 
-// Sets `classRule` and `materialRule` to a rule if they are null and the rule has a class or a material. Returns true
-// if one of them was set.
+// Sets `classRule` to the rule if it is null and the rule gives a class or drops triangles, and `materialRule` if it is
+// null and the rule gives a material. Returns true if one of them was set.
 bool decide(const Rule& rule, const Rule*& classRule, const Rule*& materialRule) {
   const bool decides = rule.decides() && classRule == nullptr;
   const bool covers = !rule.materialName.empty() && materialRule == nullptr;
@@ -236,8 +236,8 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
   return objects;
 }
 
-// Adds one mesh of several parts of a file. Returns the mesh's index; nothing if none of the triangles can be traced.
-// Adds the triangles that are left out here to `dropped`.
+// Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if none of the triangles can be traced.
+// Counts the triangles that it leaves out in `dropped`.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                       const Labelling& labelling, const Location& where, RuleCounts& counts,
                                       Dropped& dropped) {

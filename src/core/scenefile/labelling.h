@@ -21,8 +21,8 @@ struct Labelling {
                             // triangles
 };
 
-// Returns true if the texture of some part is used: the part has a texture, and no rule gives the part a material
-// without texture.
+// Returns true if the texture of some part is used: a rule tests its colours, or no rule gives the complete part a
+// material without texture.
 bool showsTextures(const SceneBuilder& builder, const Asset& asset, const Labelling& labelling);
 
 // A mesh of an asset and its poses in the asset's frame. Without poses the mesh is placed once, untransformed.

@@ -14,8 +14,8 @@
 namespace scanmill {
 namespace {
 
-// Largest number of characters in a name: longer names could exhaust the stack, because std::regex recurses over the
-// text.
+// Largest number of characters in a name that a regular expression tests. Longer names could exhaust the stack, because
+// std::regex recurses over the text.
 constexpr std::size_t kLongestName = 4096;
 
 bool isRegex(const std::string& pattern) {
@@ -176,7 +176,7 @@ std::vector<Rgb> readColors(const Value* value) {
   return colors;
 }
 
-constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes and heights
+constexpr Range kLengths{-1e7, 1e7};  // m, limits of boxes, heights and sizes; deg, limits of slopes
 
 std::optional<Between> readBetween(Fields& match, std::string_view key) {
   const Value* const value = match.find(key);

@@ -34,7 +34,7 @@ struct Rule {
   Location where;
   std::string node, material, texture, file;  // patterns of names; empty: any name matches
   std::vector<Rgb> colors;                    // sRGB; base colours that match at the triangle's centre
-  int within = 16;                            // largest difference in red, green or blue from one of `colors`, of 255
+  int within = 16;                            // largest difference in red, green or blue (0 to 255) from a colour
   std::optional<Box> box;                     // m, in the asset's frame; must contain the triangle's centre
   std::optional<Between> height;              // m, of the triangle's centre above the asset's lowest point
   std::optional<Between> slope;               // rad, between the triangle and the horizontal

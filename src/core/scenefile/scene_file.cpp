@@ -140,7 +140,7 @@ class SceneReader {
   // Returns true if something in the scene depends on the seed.
   bool procedural() const { return procedural_ > 0 || random_; }
 
-  // Returns the seed of the next street or town, if the scene has `before` earlier ones. Multiples of this odd constant
+  // Returns the seed of a street or town that follows `before` others in the scene. Multiples of this odd constant
   // keep these seeds apart from the seeds of a scene whose seed is one higher.
   static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
     return seed + 0x9E3779B97F4A7C15 * before;
@@ -167,8 +167,8 @@ class SceneReader {
     return copies;
   }
 
-  // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns these for
-  // all files that it lists and for all files in the folders that it lists.
+  // Returns the path of the object's file and its name as the scene writes it. For {one_of: [...]}, returns both
+  // for every listed file and for every file in a listed folder.
   std::vector<std::pair<std::filesystem::path, std::string>> filesOf(Fields& f, const Value& value) const {
     const auto isFolder = [](const std::filesystem::path& path) {
       std::error_code error;

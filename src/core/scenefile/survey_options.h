@@ -25,7 +25,7 @@ PointOptions readPointOptions(const Value& value);
 //     image: photo.tif               # colours, for reflectances and rules
 HeightOptions readHeightOptions(const Value& value);
 
-// Returns a text that is the same only if all options are equal.
+// Returns a key for comparison: two keys are equal only if all options are equal.
 std::string keyOf(const PointOptions& points, const HeightOptions& heights);
 
 }  // namespace scanmill

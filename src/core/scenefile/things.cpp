@@ -16,7 +16,7 @@ namespace {
 
 using Numbers = std::vector<std::vector<std::uint32_t>>;
 
-// Numbers the keys from 1, in the order of the lowest node with each key. Returns, for each part and each of its
+// Numbers the keys from 1, in the order of the lowest node index of each key. Returns, for each part and each of its
 // triangles, the number of the part's key.
 template <class KeyOf>
 Numbers byKeys(const std::vector<ThingTriangles>& triangles, const KeyOf& keyOf) {

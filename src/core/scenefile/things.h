@@ -18,7 +18,7 @@ struct ThingBounds {
                         // one thing
   Location where;
 
-  std::string text() const;  // the same only if all bounds are equal
+  std::string text() const;  // returns a key for comparison: equal only if all bounds are equal
 };
 
 // Reads `instances: object | node | part | /regular expression/`. Throws InputError with the place.

@@ -19,7 +19,8 @@ class Areas {
   void add(MapArea area);
   const std::vector<MapArea>& all() const { return areas_; }
 
-  // at() returns the kind of the smallest area at a point, indexAt() its index in all(); nullopt if there is no area.
+  // at() returns the kind of the smallest area at a point, indexAt() its index in all(); nullopt if no area
+  // contains the point.
   std::optional<Land> at(const Point2& p) const;
   std::optional<std::uint32_t> indexAt(const Point2& p) const;
   // Returns the distance (m) to the nearest water, parking lot or square: negative inside of it, at most kReach.

@@ -44,10 +44,10 @@ struct Character {
 
   District district = District::Suburban;
   Season season = Season::Summer;
-  double foliage = 1;    // fraction of their leaves that trees still have
+  double foliage = 1;    // fraction of the leaves that are still on the trees
   double snow = 0;       // m, depth of snow where it is not cleared
   double snowBanks = 0;  // m, height of the snow banks that ploughs leave beside roads
-  double wear = 0;       // wear of the roads, 0 to 1: the number of potholes and repairs
+  double wear = 0;       // wear of the roads, 0 to 1; it sets the number of potholes and repairs
   CrossSection main, side;
   int sideRoads = 3;
   double bend = 0.4;                      // rad, amplitude of the variation of the main road's heading

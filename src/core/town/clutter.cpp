@@ -32,8 +32,8 @@ class Store {
   std::vector<std::optional<Model>> made_;
 };
 
-// Returns a random position on the main road (m along it) from which `length` metres of the road have no crossing;
-// nullopt if no attempt finds such a position.
+// Returns a random distance along the main road (m) after which no other road joins for `length` metres; nullopt if no
+// attempt finds such a place.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   const Road& road = l.roads().roads().front();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
@@ -75,7 +75,7 @@ bool isLevel(const Layout& l, const Point2& p) {
   return high - low < 0.35;
 }
 
-// Places roadworks in the lane that is not driven by the sensor's vehicle.
+// Places roadworks in the lane that the sensor's vehicle does not use.
 void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
@@ -186,7 +186,7 @@ void placeGardenThings(Placer& placer, Store& store) {
     const bool square = l.character().district != District::Rural && !plot.bare && draw.chance(0.5);
     water += tryAt(plot, draw, square ? Clutter::Fountain : Clutter::Pond, draw.in(3.5, 8)) ? 1 : 0;
   }
-  // Tries more often if no water has been placed: a town without water is rare.
+  // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
   Draw draw(l.seed(), Kind::Clutter, 900000);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
     const Plot& plot = l.plots()[static_cast<std::size_t>(draw.below(static_cast<int>(l.plots().size())))];
@@ -238,7 +238,7 @@ void placeClutter(Placer& placer) {
   placeSquares(placer, store);
 }
 
-// Places dogs and cats on pavements and in front gardens; in rural towns also herds on the land behind them.
+// Places dogs and cats on pavements and in front gardens; in rural towns also herds behind the gardens.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters().people <= 0) return;

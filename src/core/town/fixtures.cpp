@@ -101,8 +101,8 @@ void placeFixtures(Placer& placer) {
   along(l, Kind::Sign, rural ? 1.5 : 5, [&](Draw& draw, const Road& road, double at, int side, std::uint32_t number) {
     Spot spot;
     if (!beyondEdge(l, road, at, side, road.section.curb + draw.in(0.35, 0.7), spot)) return false;
-    // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in its
-    // direction.
+    // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in the
+    // line's direction.
     spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
     return placer.tryPut(sign(kOnTheWay[static_cast<std::size_t>(draw.below(4))]), spot,
                          fmt::format("sign {}", number));

@@ -9,7 +9,7 @@
 
 namespace scanmill::town {
 
-constexpr double kMiddle = 0.4;  // m between vehicles and the centre line
+constexpr double kMiddle = 0.4;  // m, least distance between a vehicle and the centre line
 
 class Fleet {
  public:

@@ -51,7 +51,7 @@ class Flow {
     return std::min(d.speed, limit[static_cast<std::size_t>(cell)]);
   }
 
-  // Returns a speed (m/s) at which the driver can still stop at all lines that have no traffic light.
+  // Returns the speed (m/s) at the start: at most the limit, and low enough to stop at lines without a traffic light.
   double firstSpeed(const Driver& d) const {
     double speed = limitAt(d, d.at);
     for (const StopLine& stop : routes_[d.route].stops) {
@@ -84,7 +84,8 @@ class Flow {
         if (j == i || gone(j)) continue;
         for (const Leg& other : routeOf(j).legs) {
           if (other.lane != leg.lane || states_[j].at < other.from || states_[j].at > other.to) continue;
-          const double there = states_[j].at + other.shift - leg.shift;  // m along this route
+          // position of vehicle j, m along the route of vehicle i
+          const double there = states_[j].at + other.shift - leg.shift;
           const bool ahead = there > s.at || (there == s.at && j < i);
           if (!ahead || there > s.at + kSight || there < leg.from || there > leg.to) continue;
           const double gap = there - s.at - (d.length + drivers_[j].length) / 2;

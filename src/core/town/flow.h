@@ -19,10 +19,9 @@ struct Leg {
 struct StopLine {
   double at = 0;  // m along the route
   // For a traffic light: red for the first `red` of every `period` seconds, counted from the time `offset`. If `period`
-  // is 0, the line is always closed, unless `givesWay` is set.
+  // is 0 and `givesWay` is false, the line is always closed.
   double period = 0, red = 0, offset = 0;
-  // If vehicles must give way at the line: it is closed while a vehicle is between `from` and `to` (m along the lane)
-  // on `lane`.
+  // If `givesWay` is true, the line is closed while a vehicle on `lane` is between `from` and `to` (m along the lane).
   bool givesWay = false;
   std::uint32_t lane = 0;
   double from = 0, to = 0;

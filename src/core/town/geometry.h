@@ -15,7 +15,7 @@ using Polygon = std::vector<Point2>;  // counter-clockwise; the first point is n
 double distance(const Point2& a, const Point2& b);
 
 double lengthOf(const Line& line);
-Point2 pointAt(const Line& line, double along);  // the end of the line if `along` exceeds its length
+Point2 pointAt(const Line& line, double along);  // returns the line's end if `along` exceeds its length
 
 // The point of a line that is nearest to another point.
 struct Nearest {
@@ -27,11 +27,11 @@ Nearest nearestOn(const Line& line, const Point2& p);
 
 // Returns points on the line about `step` apart, including both ends.
 [[nodiscard]] Line evenLine(const Line& line, double step);
-// Returns points on the line about `step` apart, with corners rounded as vehicles drive: each point is averaged with
-// its neighbours. The ends do not move.
+// Returns points on the line about `step` apart, with rounded corners: each point is averaged with its neighbours. The
+// ends do not move.
 [[nodiscard]] Line smoothLine(const Line& line, double step);
-// Returns the points of a line in the square about the origin with sides of 2 * half. Each sequence of successive
-// points becomes a separate line.
+// Returns the parts of a line that lie in the square about the origin with sides of 2 * half. Successive points in the
+// square form a part.
 std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside by the even-odd rule over all rings.

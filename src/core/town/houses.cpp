@@ -30,7 +30,7 @@ class Boundaries {
   explicit Boundaries(Placer& placer) : placer_(placer) {}
 
   // Places a row of panels from a to b, each at the height of the ground at its middle. Panels that would be on an
-  // object or a path are left out.
+  // object, a path or a road are left out.
   void row(Fencing what, int form, const Point2& a, const Point2& b) {
     const double length = std::hypot(b.x - a.x, b.y - a.y);
     const int count = static_cast<int>(std::lround(length / kPanel));

@@ -36,8 +36,8 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
 // Returns the distance along a side road (m) at which its lanes begin, which is the same for all side roads.
 double mouthOf(const Layout& l);
-double stopAtMouth(const Layout& l);                    // m along a side road where vehicles stop that leave it
-double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road, end of its lanes
+double stopAtMouth(const Layout& l);                    // m along a side road; vehicles that leave the road stop here
+double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road; its lanes end here
 // Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
 double cornerOf(const Layout& l, std::uint32_t sideRoad);
 

@@ -12,7 +12,7 @@ using models::Footprint;
 using models::smooth;
 
 constexpr double kPatchCell = 8;   // m, side of a grid cell
-constexpr double kPatchReach = 4;  // m, largest distance of a point from a patch that is looked up
+constexpr double kPatchReach = 4;  // m, largest distance from a patch at which the patch is still found
 
 std::uint64_t keyAt(double x, double y) {
   const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kPatchCell)); };
@@ -142,7 +142,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double edge = b.known ? b.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
-    // Adds the crown of the road, a gutter, and ruts from years of lorries.
+    // Adds the crown of the road, a gutter, and ruts.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
     double hole = 0;
@@ -185,7 +185,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
 }
 
 // Returns the depth of snow (m). Pavements, driveways and paths are cleared, and the snow slopes down to them. Ploughs
-// leave a bank of snow on verges, and beside roads that have no pavement.
+// leave a bank of snow on verges and shoulders.
 double Layout::snowOn(const Beside& b, const Point2& p) const {
   if (character_.snow <= 0) return 0;
   constexpr double kSlope = 0.3;  // m, width of the slope at the edge of snow
@@ -209,7 +209,8 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   return depth * cleared;
 }
 
-// Returns the height (m) to add at a point so that the ground is level with the buildings beside it.
+// Returns the height (m) to add to the natural height at a point, so that the ground under and beside buildings is
+// level; beyond kPatchReach from all buildings it is 0.
 double Layout::levelling(const Point2& p, double natural) const {
   const auto cell = terraceCells_.find(keyAt(p.x, p.y));
   if (cell == terraceCells_.end()) return 0;

@@ -121,8 +121,8 @@ class Layout {
   void addPlots(std::uint32_t road, int side, double from, double to);
   models::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
   models::Fencing drawFencing(Draw& draw, double setback) const;
-  // Adds a strip of ground from `inner`, a point at a house with this yaw, towards the road. `half` is half of its
-  // width (m).
+  // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
+  // half of the strip's width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area of water below the lowest point of its shore.
   void findWaterLevels();

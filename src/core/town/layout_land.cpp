@@ -37,13 +37,13 @@ bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double 
   if (!taken_.isFree({place.center, place.halfX + 2, place.halfY + 2, yaw})) return false;
   taken_.add(place);
   areas_.add({land, cornersOf(place), {}});
-  // Adds the entrance.
+  // Adds the entrance of a parking lot.
   const double front = depth / 2 - 1;
   const Point2 inner{place.center.x + std::sin(yaw) * front, place.center.y - std::cos(yaw) * front};
   const double way = kBend + 1.5 + road.section.outer();
   if (land == Land::Lot) addStrip(inner, yaw, 3, way, GroundKind::Driveway);
   if (land != Land::Park) return true;
-  // Adds two paths that cross in the park.
+  // Adds the entrance of a park and two paths that cross in it.
   addStrip(inner, yaw, kPathHalf, way, GroundKind::Path);
   patches_.push_back({{place.center, kPathHalf, place.halfY - 1, yaw}, GroundKind::Path});
   patches_.push_back({{place.center, place.halfX - 1, kPathHalf, yaw}, GroundKind::Path});

@@ -13,7 +13,7 @@ namespace {
 
 using models::Kind;
 
-constexpr double kOnRoad = 1.6;  // m; buildings that are nearer to a centre line are on the road
+constexpr double kOnRoad = 1.6;  // m; buildings that are nearer to a centre line count as on the road
 
 Parameters inDistrict(Parameters parameters, District district) {
   if (parameters.district != "any") return parameters;
@@ -21,8 +21,8 @@ Parameters inDistrict(Parameters parameters, District district) {
   return parameters;
 }
 
-// Returns the cross section of a road on the map. Widths that the map lacks are usual for the road's class, or those of
-// the town's random roads.
+// Returns the cross section of a road on the map. A width that the map lacks is the usual width for the road's class,
+// or the width of the town's random roads.
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   const bool small = road.kind >= RoadClass::Service;
   const double lane = c.main.half - c.main.parking;

@@ -76,7 +76,8 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 
 }  // namespace
 
-// Turns rectangular buildings into houses and all other buildings into blocks. Buildings that face a road get a plot.
+// Turns rectangular buildings of a house's size into houses and all others into blocks. Buildings that face a road get
+// a plot.
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
@@ -86,7 +87,7 @@ void Layout::takeBuildings(const MapPlace& map) {
     const int floors = b.floorsSaid().value_or(drawn);
     const Frontage frontage = frontageOf(b.outline, roads_);
     const Footprint& about = frontage.about;
-    const double yaw = about.yaw + kPi / 2;  // yaw of a house here, whose front faces its own -y
+    const double yaw = about.yaw + kPi / 2;  // yaw of a house; in the house's frame the front faces -y
     const bool house = isHouse(b, about);
     if (house) {
       House made = drawHouse(draw, number, 2 * about.halfY, 2 * about.halfX, floors);

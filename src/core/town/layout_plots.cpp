@@ -140,8 +140,8 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       plot.built = true;
       house.forecourt = plot.setback;
       house.ivy = draw.chance(0.2 * parameters_.greenery);
-      // Sets the house's frame: x along its front, to the right as seen from the road; the front wall in y = 0, facing
-      // -y.
+      // Sets the house's frame: the front wall is in the plane y = 0 and faces -y; x points to the right as seen from
+      // the road.
       const double cy = std::cos(yaw);
       const double sy = std::sin(yaw);
       const Point2 corner{body.center.x - cy * body.halfX + sy * body.halfY,
@@ -162,7 +162,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       houses_.push_back(house);
     }
     start = plot.to;
-    // A plot without a house is a garden; in parks, lots and squares there are none.
+    // Leaves out empty plots in parks, lots and squares. Elsewhere a plot without a house becomes a garden.
     if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
     plots_.push_back(plot);
   }

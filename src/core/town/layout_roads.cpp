@@ -36,7 +36,8 @@ void Layout::drawRoads() {
   mainFrom_ = middle - parameters_.length / 2;
   mainTo_ = middle + parameters_.length / 2;
 
-  // Side roads end at the main road or cross it. Two side roads at the same side are far enough apart for plots.
+  // Side roads begin at the main road, and some continue on its other side. Two side roads at the same side are far
+  // enough apart for plots.
   constexpr double kApart = 45;  // m, least distance between two side roads at the same side
   std::vector<std::pair<double, int>> taken;
   for (int i = 0; i < character_.sideRoads; ++i) {

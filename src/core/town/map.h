@@ -26,9 +26,9 @@ struct MapRoad {
   // OpenStreetMap's id of each point of `line`. Roads join where they share a node.
   std::vector<std::int64_t> nodes;
   bool oneWay = false;   // true: vehicles drive in only one direction
-  bool against = false;  // true: one-way traffic is against the line
+  bool against = false;  // true: the vehicles of a one-way road drive against the line
   bool ring = false;     // true: the road is a roundabout
-  // Not set if the map does not give the value.
+  // The next three values are not set if the map does not give them.
   std::optional<double> width;  // m, width of the carriageway without parking lanes
   std::optional<bool> sidewalk;
   std::optional<bool> parking;
@@ -42,7 +42,7 @@ struct MapBuilding {
   std::optional<double> top;         // m, top of the roof
   std::optional<double> height;      // m, height of the eaves
   std::optional<int> floors;         // number of floors above the ground
-  std::optional<models::Roof> roof;  // not set: the map has no shape, or one that houses do not have
+  std::optional<models::Roof> roof;  // not set: the map gives no shape, or a shape that houses do not have
   bool shop = false;
   bool shed = false;  // true: a garage, shed or similar building without windows
 
@@ -88,8 +88,7 @@ Map makeMap(const OsmExtract& extract, bool mirrored = false);
 // Joins roads that meet end to end, and at crossings roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
-// Returns the length in metres at the start of a tag's value, such as "12", "12.5 m" or "40'"; nullopt for other
-// values.
+// Returns the length (m) that a tag's value such as "12", "12.5 m" or "40'" gives; nullopt for other values.
 std::optional<double> metresOf(const std::string& value);
 
 }  // namespace scanmill::town

@@ -114,7 +114,7 @@ class Cutter {
   }
 
   void addMain(const MapRoad& main, double half) {
-    // The parts of the main road in the square. The part through the origin comes first.
+    // Finds the parts of the main road in the square. The part through the origin comes first.
     std::vector<std::vector<Point2>> runs = runsWithin(smoothLine(moved(main.line), kRoadStep), reach_);
     std::erase_if(runs, [](const std::vector<Point2>& run) { return run.size() < 3; });
     std::stable_sort(runs.begin(), runs.end(), [](const auto& a, const auto& b) {
@@ -140,8 +140,8 @@ class Cutter {
     place_.mainTo = std::min(length - kEnd, at + half);
   }
 
-  // Adds a road. It is cut where it crosses the main road, and reversed if it ends there, so that it begins at the main
-  // road.
+  // Adds a road. It is cut where it crosses the main road. A piece that ends at the main road is reversed, so that it
+  // begins there.
   void addOther(const MapRoad& road) {
     std::size_t from = 0;
     const auto meets = [&](std::size_t i) { return mainNodes_.contains(road.nodes[i]); };

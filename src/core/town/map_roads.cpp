@@ -14,8 +14,8 @@ constexpr double kSharpest = 2.4;  // rad, sharpest corner within a joined road
 
 struct Piece {
   MapRoad road;
-  // The piece that continues this piece at its start (joints[0]) and at its end (joints[1]), and which end of that
-  // piece touches this one (0: start, 1: end). Piece -1: none.
+  // `piece` continues this piece at its start (joints[0]) or its end (joints[1]); -1: no piece does. `end` tells which
+  // end of `piece` touches this piece (0: start, 1: end).
   struct Joint {
     int piece = -1;
     int end = 0;

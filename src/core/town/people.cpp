@@ -45,8 +45,8 @@ std::optional<Place> besidePeople(const Placer& placer, Draw& draw) {
   return place;
 }
 
-// Returns how far (m) a pedestrian can walk from a place without leaving the pavement or hitting an object; at most
-// `most`.
+// Returns how far (m) a pedestrian can walk from a place before an object, another road or the end of the road is in
+// the way; at most `most`.
 double freeWay(const Placer& placer, Place place, double most) {
   const double start = place.along;
   for (const double done : models::steps(0, most, 0.5)) {

@@ -21,7 +21,7 @@ constexpr double kOverhang = 0.5;                             // m that crowns m
 constexpr double kFar = 25;         // m from the nearest road, beyond which trees have fewer and larger leaves
 constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees beyond kFar
 constexpr int kBushForms = 6;
-constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods
+constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods together
 
 // The models of the town's trees; a model is built when it is first needed.
 class Nursery {
@@ -158,8 +158,8 @@ void placeWoods(Placer& placer) {
   Nursery nursery(placer);
   const std::vector<Model> bushes = models::makeForms(
       4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
-  // About the fraction `woods` of the field exceeds this threshold: its values are nearly normal with a standard
-  // deviation of a quarter.
+  // The field exceeds this threshold on about the fraction `woods` of the land, since its values are nearly normal with
+  // a standard deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed(), Kind::Wood);
   const double spacing = lattice.in(3.2, 4.6);

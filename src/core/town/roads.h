@@ -14,8 +14,8 @@ namespace scanmill::town {
 
 using models::Point2;
 
-// The cross section of a road (m). At both sides of the carriageway follow, outwards, curb stone, verge (grass) and
-// sidewalk; beyond them the plots begin.
+// The cross section of a road (m). On both sides the carriageway is followed, outwards, by curb stone, verge (grass),
+// sidewalk and plots.
 struct CrossSection {
   double half = 3.5;      // half of the width of the carriageway, with its parking lanes
   double parking = 0;     // width of the parking lane at each edge, part of `half`; 0: none
@@ -38,7 +38,7 @@ struct Road {
   // road is at the left of the main road's line.
   std::optional<double> joins;
   bool joinsLeft = false;
-  // True if vehicles may drive in the direction of the line, and true if they may drive against it.
+  // `along` is true if vehicles may drive in the direction of the line, `against` if they may drive against it.
   bool along = true, against = true;
 
   double length() const { return at.back(); }

@@ -15,7 +15,7 @@ using models::SurfaceIndex;
 using models::UtilityPole;
 
 constexpr double kFarthest = 60;  // m, largest distance between two poles that a wire connects
-constexpr double kToHouse = 26;   // m, largest distance of a house to which a pole has a wire
+constexpr double kToHouse = 26;   // m, largest distance between a pole and a house that a wire connects
 
 // Adds a wire between two points as a parabola, which is close to a catenary if the sag is only a few hundredths of the
 // length.

@@ -55,7 +55,7 @@ Parameters readParameters(Fields& fields) {
 
 namespace {
 
-// m beyond the front line in which the plot is flat: the depth of the deepest house with its setback.
+// m beyond the front line in which the plot is flat; more than the depth of the deepest house with its setback.
 constexpr double kPlotDepth = 18;
 constexpr double kUndulation = 0.5;  // m, amplitude of each wave of the terrain
 

@@ -22,7 +22,7 @@ struct Parameters {
   double length = 200, roadWidth = 7, parkingWidth = 2.2, curbHeight = 0.12, sidewalkWidth = 2.5, frontGarden = 4;
   double terrain = 80, beyond = 150;
   bool crossStreet = true;
-  double buildings = 0.9, boundaries = 0.6;  // fractions of the lots that have a house, and a hedge or fence
+  double buildings = 0.9, boundaries = 0.6;  // fraction of the lots with a house, fraction with a hedge or fence
   double trees = 22, bushes = 20, cars = 14, traffic = 2, trucks = 1, buses = 0.5, motorcycles = 2, bicycles = 6;
   double cyclists = 1, pedestrians = 10, signs = 6, lamps = 5, furniture = 10, shelters = 1;
 
@@ -49,11 +49,11 @@ enum class Ground { Road, Parking, Curb, LoweredCurb, Sidewalk, Ramp, Driveway, 
 struct Layout {
   Layout(const Parameters& parameters, std::uint64_t seed);
 
-  static constexpr double kCurb = 0.15;            // m, width of a curb stone
-  static constexpr double kRamp = 0.45;            // m, width of the slope in the sidewalk at a driveway
-  static constexpr double kLoweredCurb = 0.03;     // m that driveways extend beyond the front line
-  static constexpr double kDrivewayDepth = 7;      // m beyond the front line
-  static constexpr double kPathDepth = 1.5;        // m beyond the front line: the greatest setback of a house
+  static constexpr double kCurb = 0.15;         // m, width of a curb stone
+  static constexpr double kRamp = 0.45;         // m, width of the slope in the sidewalk at a driveway
+  static constexpr double kLoweredCurb = 0.03;  // m, height of a lowered curb
+  static constexpr double kDrivewayDepth = 7;   // m, length of driveways beyond the front line
+  static constexpr double kPathDepth = 1.5;     // m, length of paths beyond the front line; largest setback of a house
   static constexpr double kCrossSidewalkEnd = 18;  // m that the cross street's sidewalks extend beyond the gardens
 
   Ground kindAt(double x, double y) const;

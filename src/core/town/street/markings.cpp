@@ -24,7 +24,7 @@ class Painter {
   }
 
  private:
-  // Adds a polygon, counter-clockwise as seen from above, with sides and without its underside.
+  // Adds the top and the sides of a marking; `polygon` is counter-clockwise as seen from above.
   void patch(const std::vector<Point2>& polygon) {
     const std::size_t n = polygon.size();
     const auto low = [&](std::size_t i) { return Vec3d{polygon[i % n].x, polygon[i % n].y, 0}; };
@@ -35,7 +35,7 @@ class Painter {
 
   void bar(double x0, double x1, double y0, double y1) { patch({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}); }
 
-  // Returns half of the length (m) between the two stop lines of the crossing. There are no lines along x between them.
+  // Returns the distance from the middle of the crossing (m) within which there are no lines along x.
   double crossingReach() const { return l_.cross ? l_.crossWalk + 1.7 : 0; }
 
   bool inCrossing(double x0, double x1) const {

@@ -41,8 +41,8 @@ void placeTrafficLights(Placer& placer) {
   int number = 0;
   for (const int sx : {-1, 1}) {
     for (const int sy : {-1, 1}) {
-      // Each light is at the right-hand curb of an approach and faces the vehicles that come. The two lights with sx =
-      // sy are for the main road.
+      // Each light is at the right-hand curb of an approach and faces the approaching vehicles. The two lights with
+      // sx = sy are for the main road.
       const Spot s{l.crossX + sx * (l.crossEdge + out), sy * (l.roadEdge + out),
                    sx == sy ? (sx > 0 ? 0.0 : kPi) : (sy > 0 ? kPi / 2 : -kPi / 2), 1, 0};
       placer.tryPut(m, s, fmt::format("traffic light {}", ++number));
@@ -75,7 +75,7 @@ void placeBoundaries(Placer& placer) {
       placeRow(placer, count, m, {from, lot.side * (l.walkOuter + inset)}, {gap.low, lot.side * (l.walkOuter + inset)});
       from = std::max(from, gap.high);
     }
-    // Adds the boundary along the end of the lot, from the sidewalk back to the front of the house.
+    // Adds the boundary along the lot's side at high x, from the sidewalk back to the front of the house.
     const double x = lot.x.high - 0.35;
     placeRow(placer, count, m, {x, lot.side * (l.walkOuter + inset + 0.45)}, {x, lot.side * (l.front - 0.2)});
   }

@@ -98,7 +98,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     const Bay& b = free[i];
     const Model& m = fleet.anyCar(draw);
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
-    const double room = l.p.parkingWidth / 2 - half;  // m between the car and both edges of the bay
+    const double room = l.p.parkingWidth / 2 - half;  // m between a car in the bay's middle and each edge
     const bool against = draw.chance(0.08);
     const double yaw = (b.side > 0) == against ? 0 : kPi;  // on the left side traffic drives to -x
     const double error = draw.in(-0.02, 0.02);
