@@ -13,7 +13,7 @@ namespace scanmill {
 
 struct ShardMember {
   std::string name;
-  std::uint64_t offset = 0;  // of the member's first byte in the file
+  std::uint64_t offset = 0;  // position of the member's first byte in the file
   std::uint64_t bytes = 0;
 };
 

@@ -13,9 +13,9 @@ namespace scanmill {
 class ClassMap {
  public:
   ClassMap() = default;
-  // Maps a class of `from` to the class of `to` with the same name, or with one of its aliases as name. A class for
-  // moving objects without such a counterpart is mapped as the class for objects of its kind that stand still. All
-  // other classes without a counterpart are mapped to 0 (unlabeled).
+  // Maps a class of `from` to its counterpart: the class of `to` with the same name, or with one of its aliases as
+  // name. A class for moving objects without a counterpart is mapped as the class for objects of its kind that stand
+  // still. All other classes without a counterpart are mapped to 0 (unlabeled).
   ClassMap(const Ontology& from, Ontology to);
 
   const Ontology& target() const { return target_; }
