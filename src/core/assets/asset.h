@@ -23,7 +23,7 @@ struct AssetPart {
   std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
   std::string material;         // name of the material in the file
   std::string texture;    // base colour file as the file names it (decoded, such as "textures/leaf.png"), or empty
-  Material fileMaterial;  // as the file states it; its reflectance is the luminance of the base colour
+  Material fileMaterial;  // material in the file; its reflectance is the luminance of the base colour
   std::array<float, 3> color{1, 1, 1};  // base colour, or the factor on the texture; linear
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
@@ -91,13 +91,13 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
   // True: files that an asset names may be outside of its folder. False: such names are refused.
   bool allowOutside = false;
-  PointOptions points = {};    // for point clouds
-  HeightOptions heights = {};  // for height rasters
+  PointOptions points = {};    // options for point clouds
+  HeightOptions heights = {};  // options for height rasters
 };
 
 // Parts that the file places several times: by EXT_mesh_gpu_instancing of glTF, or as models of a world.
 struct InstancedParts {
-  std::vector<AssetPart> parts;  // in a frame of their own, which assetFromParts transforms
+  std::vector<AssetPart> parts;  // in a frame of their own; assetFromParts places copies of them
   std::vector<Affine> assetFromParts;
 };
 

@@ -159,7 +159,7 @@ bool isOurs(const std::string& name, const Recording& earlier) {
 }
 
 // Removes the files of an earlier recording by this program. Throws InputError if the folder contains other files, such
-// as images that a user has rendered, whose names look similar.
+// as images with similar names that a user has rendered.
 void removeEarlier(const fs::path& folder) {
   const std::optional<RecordingKind> kind = recordingIn(folder);
   if (!kind) {

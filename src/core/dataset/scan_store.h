@@ -23,9 +23,9 @@ namespace scanmill {
 
 // One scan of a sample, in all formats in which it was written.
 struct StoredScan {
-  std::string sensor;                  // from the manifest or, without one, from the members' names; empty: unknown
-  std::string method;                  // from the manifest or, without one, from the members' names; empty: unknown
-  std::vector<std::string> members;    // names of the shard's members that contain the scan, in the shard's order
+  std::string sensor;                // from the manifest or, if there is none, from the members' names; empty: unknown
+  std::string method;                // from the manifest or, if there is none, from the members' names; empty: unknown
+  std::vector<std::string> members;  // names of the shard's members that contain the scan, in the shard's order
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 

@@ -20,7 +20,7 @@ struct ShardMember {
 // How to treat a shard whose end is missing or damaged.
 enum class DamagedShard {
   Refused,           // the constructor throws
-  ReadAsFarAsWhole,  // the members before the damage can be read; the constructor throws if there are none
+  ReadAsFarAsWhole,  // the members before the damage can be read; the constructor throws if the first is damaged
 };
 
 class ShardIndex {

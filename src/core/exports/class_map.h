@@ -19,7 +19,7 @@ class ClassMap {
   ClassMap(const Ontology& from, Ontology to);
 
   const Ontology& target() const { return target_; }
-  // Returns the target's class for the class `id` of the first ontology; 0 if the target has no such class.
+  // Returns the target's class for the class `id` of `from`; 0 if this class has no counterpart.
   std::uint16_t of(std::uint16_t id) const { return id < of_.size() ? of_[id] : 0; }
   const SemanticClass& classOf(std::uint16_t id) const { return *target_.find(of(id)); }
   // Returns the target's class for an object of the class `id` that moves: the class for moving objects of its kind, if
@@ -30,7 +30,7 @@ class ClassMap {
 
  private:
   Ontology target_;
-  std::vector<std::uint16_t> of_;  // by class id of the first ontology: class id of the target
+  std::vector<std::uint16_t> of_;  // by class id of `from`: class id of the target
   std::vector<std::string> lost_;
 };
 

@@ -49,7 +49,7 @@ struct ExportSample {
   std::size_t frame = 0;                 // number of the frame in the sequence, from 0
   std::vector<ExportScan> scans;         // scans of the exported sensors, in the order of ExportPlan::sensors
   std::optional<SampleObjects> objects;  // none: the dataset lists no objects
-  std::optional<ScanVoxels> voxels;      // around the first exported sensor; none: absent, or not read by the layout
+  std::optional<ScanVoxels> voxels;      // voxels around the first exported sensor; none: absent or not read
 };
 
 // The parts of a dataset that are exported, and the mapping of its classes.
@@ -75,7 +75,7 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& given);
 // to 1), float32.
 std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
 // Returns the scan of the first exported sensor, for layouts with one sensor. Throws InputError if the sample has no
-// such scan.
+// scan of this sensor.
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample);
 
 using ReadSample = std::function<ExportSample(std::size_t sequence, std::size_t frame)>;

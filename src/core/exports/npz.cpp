@@ -4,7 +4,7 @@
 // revolution, two poses, at its first and its last column. M is the number of boxes.
 //
 //   xyz                float32 (N, 3)    in the sensor's frame (m)
-//   a column's name    (N,)              each of the scan's columns, in its own type; classes are the exported ones
+//   a column's name    (N,)              each of the scan's columns, in its own type; classes of the exported ontology
 //   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
 //
 // If the dataset lists objects: all objects whose boxes are within the sensor's range, even objects without points:

@@ -194,7 +194,7 @@ class Tables {
     const ExportSequence& sequence = plan_.sequences[s];
     const auto tokenAt = [&](std::string_view of, std::size_t frame) {
       return frame < sequence.samples.size() ? token(of, plan_.manifest.samples[sequence.samples[frame]].key)
-                                             : std::string();  // before the first frame and after the last
+                                             : std::string();  // empty: there is no such frame
     };
     const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
     const ScanRecord& scan = onlyScanOf(plan_, sample);

@@ -172,7 +172,7 @@ class SemanticKitti : public Layout {
  private:
   // Returns a configuration in the form of the API's config/semantic-kitti.yaml. The trained classes are the classes
   // that points can have, in the order of their ids; a class of moving objects is trained as the class of the same
-  // objects standing still. The split `val` is called `valid` there.
+  // objects standing still. The split `val` is called `valid` in this configuration.
   static std::string configuration(const ExportPlan& plan) {
     std::string text = "# Of a simulated dataset, in the form of SemanticKITTI's configuration.\nname: \"" +
                        plan.classes.target().name + "\"\nlabels:\n";

@@ -52,7 +52,7 @@ constexpr Channels operator|(Channel a, Channel b) {
 
 struct ChannelRow {
   Channel channel;
-  std::string_view name;  // in messages and plans
+  std::string_view name;  // name in messages and plans
   std::string_view exr;   // name in EXR files of hits; for a vector the name of its x component
   bool drawn;             // true: renderers render it as an image
   bool kept;              // true: `generate --keep-hits` stores it

@@ -33,7 +33,7 @@ enum class ColumnOrigin : std::uint8_t {
 // The error that a format with bounded errors (Draco) may add to a column. Integers are always exact.
 enum class ColumnLoss : std::uint8_t {
   Exact,
-  AsPositions,  // at most the error of the format's positions
+  AsPositions,  // an error of at most the format's largest error of positions
   Bounded,      // an error of at most Column::lossBound
 };
 

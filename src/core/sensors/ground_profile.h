@@ -1,6 +1,6 @@
 #pragma once
 
-// Places a vehicle on the ground, whatever the heights of its path are.
+// Places a vehicle on the ground instead of at the heights of its path.
 
 #include <array>
 #include <functional>

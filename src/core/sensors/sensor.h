@@ -17,7 +17,8 @@
 //   elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16}
 //   ring_order: top_down               # or bottom_up; a list may be `unordered` (default top_down)
 //   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a list that is repeated (default 0)
-//   origin_offset_m: 0.0158            # distance from axis to beam origin along the head's azimuth (default 0)
+//   origin_offset_m: 0.0158            # distance of the beam origin from the axis of rotation, along the head's
+//                                      # azimuth (default 0)
 //   origin_height_m: 0.036             # height of the beam origin above the sensor's origin (default 0)
 //   origin_left_m: [0.026, ...]        # further offset of the beam origin to the left of the beam: one per ring or one
 //                                      # for all
