@@ -51,7 +51,7 @@ struct ClipTime {
 
 // How the points of a cloud are turned into discs: see assets/surveys/surfels.h.
 struct SurfelOptions {
-  int neighbors = 12;  // number of points from which normal and radius are estimated, 3 to 100
+  int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
   double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface
   std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
 };
