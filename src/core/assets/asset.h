@@ -23,12 +23,12 @@ struct AssetPart {
   std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
   std::string material;         // name of the material in the file
   std::string texture;    // base colour file as the file names it (decoded, such as "textures/leaf.png"), or empty
-  Material fileMaterial;  // from the file; reflectance from the luminance of the base colour
-  std::array<float, 3> color{1, 1, 1};  // linear; the base colour, or the factor on the texture
+  Material fileMaterial;  // material in the file; its reflectance is the luminance of the base colour
+  std::array<float, 3> color{1, 1, 1};  // base colour, or the factor on the texture; linear
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
   std::vector<Triangle> triangles;
-  std::string ownClass;  // class that the file states, such as a labelled point cloud; empty: none
+  std::string ownClass;  // class that the file states, as labelled point clouds do; empty: none
 };
 
 // How the alpha of a base colour decides whether beams pass through a surface.
@@ -51,7 +51,7 @@ struct ClipTime {
 
 // How the points of a cloud are turned into discs: see assets/surveys/surfels.h.
 struct SurfelOptions {
-  int neighbors = 12;  // number of points from which normal and radius are estimated, 3 to 100
+  int neighbors = 12;  // number of neighbours from which normal and radius are estimated, 3 to 100
   double cover = 1.5;  // ratio of a disc's radius to the radius that covers the point's share of the surface
   std::array<double, 2> radius{0.005, 0.2};  // m, least and greatest radius
 };
@@ -59,18 +59,18 @@ struct SurfelOptions {
 // How a point cloud is turned into surfaces.
 struct PointOptions {
   enum class Reflectance { Auto, Intensity, Color, None };
-  double spacing = 0;  // m, edge of the grid cubes in which one point each is kept; 0: all points are kept
+  double spacing = 0;  // m, edge of grid cubes, in each of which one point is kept; 0: all points are kept
   SurfelOptions surfels = {};
   Reflectance reflectance = Reflectance::Auto;       // Auto: from intensities if the file has them, else from colours
-  double full = 0;                                   // intensity that means a reflectance of 1; 0: guessed from the
-                                                     // greatest intensity
+  double full = 0;                                   // intensity that means a reflectance of 1; 0: it is guessed
+                                                     // from the greatest intensity
   std::map<std::uint32_t, std::string> labels = {};  // class names by label; empty: names from the file format, if it
                                                      // has them
 };
 
 // The part of a height raster that is read, and the classes and colours of its surface.
 struct HeightOptions {
-  int every = 1;  // reduces squares of this many samples a side to one
+  int every = 1;  // a square of every x every samples becomes one sample
   std::optional<std::array<double, 4>> within =
       std::nullopt;                    // least x, least y, greatest x, greatest y, in the raster's coordinates
   std::filesystem::path classes = {};  // a raster of class numbers; empty: none
@@ -91,13 +91,13 @@ struct AssetOptions {
   std::optional<ClipTime> clip = std::nullopt;  // animation time to load (only glTF and GLB)
   // True: files that an asset names may be outside of its folder. False: such names are refused.
   bool allowOutside = false;
-  PointOptions points = {};    // for point clouds
-  HeightOptions heights = {};  // for height rasters
+  PointOptions points = {};    // options for point clouds
+  HeightOptions heights = {};  // options for height rasters
 };
 
 // Parts that the file places several times: by EXT_mesh_gpu_instancing of glTF, or as models of a world.
 struct InstancedParts {
-  std::vector<AssetPart> parts;  // in the frame of the parts
+  std::vector<AssetPart> parts;  // in a frame of their own; assetFromParts places copies of them
   std::vector<Affine> assetFromParts;
 };
 

@@ -17,7 +17,8 @@ constexpr double kLeastLow = 0.01;
 constexpr double kMostGraded = 0.3;
 constexpr double kMostGone = 0.15;
 
-// Sums over triangles of area times number of sample points: all points, and points of each kind.
+// Sums, over triangles, of the triangle's area times the number of its sample points: of all its points, and of the
+// points that each member of AlphaShares counts.
 struct Sum {
   double all = 0;
   AlphaShares parts;

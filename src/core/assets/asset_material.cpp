@@ -42,7 +42,7 @@ class MaterialReader {
     color.colored = color.image != nullptr;
     // If there is a texture, the colour factor is ignored: exporters leave arbitrary values in it, often black.
     if (!color.colored) read.color = color.factor;
-    // An opacity map that is the colour's own file means that file's alpha, which the image already has.
+    // If the opacity map is the same file as the base colour, it means that file's alpha, which the image already has.
     const ImportedMap& opacity = from.opacityMap;
     if (color.alpha.wanted && !opacity.name.empty() && opacity.name != from.base.name) {
       if (const auto mask = load(opacity, false, true))

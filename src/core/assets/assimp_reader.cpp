@@ -226,7 +226,7 @@ class Importer {
     struct Item {
       const aiNode* node;
       Affine assetFromParent;
-      std::string name;  // name of the nearest named ancestor, except the root, which the importer often adds
+      std::string name;  // name of the nearest named ancestor below the root, which the importer often adds
     };
     std::vector<Item> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
     for (std::uint32_t index = 0; !open.empty(); ++index) {
@@ -295,7 +295,7 @@ class Importer {
     if (channel >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !mesh.HasTextureCoords(channel)) channel = 0;
     const bool has = mesh.HasTextureCoords(channel);
     if (!has && part.uvs.empty()) return;
-    part.uvs.resize(base + mesh.mNumVertices);  // zero for meshes without coordinates
+    part.uvs.resize(base + mesh.mNumVertices);  // zeros for meshes without texture coordinates
     for (unsigned i = 0; has && i < mesh.mNumVertices; ++i) {
       part.uvs[base + i] = {mesh.mTextureCoords[channel][i].x, mesh.mTextureCoords[channel][i].y};
     }

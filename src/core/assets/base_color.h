@@ -38,7 +38,7 @@ class ColorImages {
  public:
   // `allowOutside`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
-  // Warns in one line of missing images, and in another line of missing images whose alpha may be cut-outs.
+  // Warns of all missing images in one line, and in another line of those whose alpha may be cut-outs.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;

@@ -22,7 +22,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;  // bytes; 64 bytes are added for every byte of the file
+constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;  // bytes for the child process, plus 64 per byte of the file
 constexpr unsigned kSeconds = 300;
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {

@@ -46,7 +46,7 @@ std::filesystem::path findTexture(const std::filesystem::path& asset, const std:
     }
   }
   for (const std::string& spelling : {plain, decodeUri(plain)}) {
-    const std::filesystem::path path = folder / spelling;  // if the spelling is absolute, `folder` is ignored
+    const std::filesystem::path path = folder / spelling;  // `folder` is ignored if the spelling is absolute
     if (allowOutside || !leadsOutside(spelling)) {
       candidates.push_back(path);
     } else if (isFile(path)) {

@@ -207,7 +207,7 @@ void DatasetFolder::share() {
 }
 
 void DatasetFolder::begin(FolderUse use) {
-  // Only one of the processes that share the folder may be here at a time.
+  // Of the processes that share the folder, only one at a time may run the code below.
   std::unique_ptr<FolderLock> turn;
   std::string holder;
   const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -228,8 +228,8 @@ void DatasetFolder::begin(FolderUse use) {
         "has an unfinished dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
         "the pipeline names, or of another version of this program: choose another folder, or add --overwrite");
   }
-  // If there is no manifest, shards are left over from a run that was killed while it replaced a dataset. If there is a
-  // manifest, the complete dataset stays until the new one is complete.
+  // Shards without a manifest are left over from a run that was killed while it replaced a dataset. Shards with a
+  // manifest are a complete dataset, which stays until the new dataset is complete.
   if (!fs::exists(folder_ / kManifestName)) {
     for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
   }
@@ -262,7 +262,7 @@ DatasetFolder::~DatasetFolder() {
   if (created_ && !whole && !published_) fs::remove(folder_, ignored);
 }
 
-// Returns the path of a shard: in staging_, or the final path if a process has moved the shard there and was then
+// Returns the path of a shard: in staging_, or its final path if an earlier process moved the shard there before it was
 // killed in publish().
 fs::path DatasetFolder::placeOf(const std::string& name) const {
   return isThere(staging_ / name) ? staging_ / name : folder_ / name;
@@ -331,7 +331,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
       syncFolder(folder_);
     }
     for (const std::string& name : listedIn(staging_ / kReplacedName)) {
-      // A shard of the new dataset must stay, if a process has moved it here and was then killed.
+      // Do not remove a shard of the new dataset, which a process moved here before it was killed.
       const bool moved = fs::exists(staging_ / (name + kRecordSuffix)) && !fs::exists(staging_ / name);
       checkPlace();
       if (!moved) removeShard(folder_, name);

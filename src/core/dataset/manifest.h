@@ -35,7 +35,7 @@ struct ScanRecord {
   std::string method;
   double time = 0;                             // s since the start of the sequence
   std::optional<Pose> vehicleFromSensor = {};  // set only if the mounting pose differs between sequences
-  std::vector<Pose> worldFromSensor;  // at the start of the revolution and, if the sensor moves, also at its last step
+  std::vector<Pose> worldFromSensor;  // poses at the first and, if the sensor moves, at the last step of the revolution
   std::uint64_t beams = 0;
   std::uint64_t points = 0;
   std::uint64_t unresolved = 0;  // beams that the method could not trace: neither hit nor miss
@@ -69,7 +69,7 @@ struct SampleRecord {
   // Counts of the objects in the member `<key>.objects.json`, by class; nothing if the pipeline does not ask for
   // objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
-  std::vector<DrawnValue> draws = {};  // random values that keys in the scene file and the pipeline got
+  std::vector<DrawnValue> draws = {};  // random values chosen for keys in the scene file and the pipeline
 };
 
 struct ShardRecord {
@@ -98,10 +98,10 @@ struct MethodRecord {
 };
 
 struct Manifest {
-  static constexpr int kSchemaVersion = 2;  // the manifest states 1 if it describes the samples itself
+  static constexpr int kSchemaVersion = 2;  // a manifest that describes the samples itself states 1
   std::string programVersion;
   std::string name;
-  std::string pipelineText;  // with the overrides of --set applied
+  std::string pipelineText;  // text of the pipeline, with the overrides of --set applied
   std::string pipelineSha256;
   std::string planSha256;  // see datasetPlan(); empty in manifests of earlier versions
   std::uint64_t seed = 0;

@@ -238,7 +238,7 @@ std::string toJson(const Manifest& manifest) {
     samples.reserve(manifest.samples.size());
     for (const SampleRecord& sample : manifest.samples) samples.push_back(layOut(sampleEntry(sample, manifest), 2));
   }
-  constexpr std::string_view kPlace = "\n \"samples\": null";  // unique: in a JSON string, \\n is escaped
+  constexpr std::string_view kPlace = "\n \"samples\": null";  // occurs once, since JSON strings escape line breaks
   text.replace(text.rfind(kPlace) + kPlace.size() - 4, 4, layOutList(samples, 1));
   text.replace(text.rfind(kNoDigest), kNoDigest.size(), sha256(text));
   return text;

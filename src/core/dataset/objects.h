@@ -24,7 +24,7 @@ std::string objectsMember(const std::string& key);
 // How a sensor sees an object in one revolution.
 struct ObjectView {
   std::string sensor;
-  // Firing time (s) of the middle one of the beams that point at the object; the time of the scan if nothing in the
+  // Firing time (s) of the middle beam among those that point at the object; the time of the scan if nothing in the
   // scene moves during a revolution.
   double time = 0;
   Pose sensorFromBox;            // pose of the box at `time`, in the frame of the scan's points
@@ -32,7 +32,7 @@ struct ObjectView {
   std::uint32_t beams = 0;       // number of beams whose axis hits the object first, within the sensor's range
   std::uint32_t beamsAlone = 0;  // number of beams whose axis would hit the object if nothing occluded it
   double truncation = 0;         // fraction of the box, as seen from the sensor, outside its field of view or range
-  std::optional<double> nearestRange{};  // m, noise-free, least range of `beams`; none if `beams` is 0
+  std::optional<double> nearestRange{};  // m, least noise-free range of these `beams`; none if `beams` is 0
 
   // Returns the fraction of the beams towards the object that nothing occludes, 0 to 1; nothing if no beam would hit
   // the object.
@@ -49,12 +49,12 @@ struct ObjectRecord {
   Vec3d size;                      // m: length along x, width along y, height along z
   bool headingKnown = true;        // false: x is along the box's longer side, and may point forward or backward
   Vec3d velocity;                  // m/s over ground, world axes
-  std::vector<ObjectView> views;   // of the sensors whose range reaches the box
+  std::vector<ObjectView> views;   // one for each sensor whose range reaches the box
 };
 
 struct SampleObjects {
   std::string key;
-  double time = 0;  // s, of the sample's first scan
+  double time = 0;  // s, time of the sample's first scan
   std::vector<ObjectRecord> objects;
 
   // Returns the number of objects of each class, by class id.

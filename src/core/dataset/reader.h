@@ -22,7 +22,7 @@ namespace scanmill {
 // the offset if the file is truncated or not a tar file.
 void readTar(const std::filesystem::path& file, const std::function<void(const std::string&, std::string_view)>& visit);
 
-// Decodes a member of a shard in the format that the suffix of its name stands for. Throws an InputError that names the
+// Decodes a member of a shard. The suffix of its name determines the format. Throws an InputError that names the
 // member, also if no format has this suffix.
 Scan decodeMember(const std::string& name, std::string_view bytes);
 

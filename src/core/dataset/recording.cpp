@@ -143,8 +143,8 @@ RecordedSequence sequenceOf(const JsonNode& node, std::size_t tables) {
   return s;
 }
 
-// Returns true if an earlier run of this program wrote the file. "street-s1-lane-000012.top.json" is
-// its file if the earlier recording has this sequence and this sensor.
+// Returns true if a file has the name of a file that this program writes for the recording `earlier`, such as
+// "street-s1-lane-000012.top.json" for its sequences and sensors.
 bool isOurs(const std::string& name, const Recording& earlier) {
   if (name == kIndex || name.find(".partial-") != std::string::npos) return true;
   if (!name.ends_with(".exr") && !name.ends_with(".json")) return false;
@@ -159,7 +159,7 @@ bool isOurs(const std::string& name, const Recording& earlier) {
 }
 
 // Removes the files of an earlier recording by this program. Throws InputError if the folder contains other files, such
-// as images that a user has rendered, whose names look similar.
+// as images with similar names that a user has rendered.
 void removeEarlier(const fs::path& folder) {
   const std::optional<RecordingKind> kind = recordingIn(folder);
   if (!kind) {

@@ -38,7 +38,7 @@ struct RecordedStep {
   std::uint32_t firstColumn = 0;
   std::uint32_t endColumn = 0;
   Pose worldFromRig;                // pose of the sensor from which the images were rendered
-  std::vector<std::string> images;  // names of files
+  std::vector<std::string> images;  // file names of the images
 };
 
 // A revolution of a sensor in a sample.
@@ -46,9 +46,9 @@ struct RecordedShot {
   std::string sample;  // key of the sample
   std::string sensor;
   double time = 0;                    // s since the start of the sequence
-  std::vector<Pose> worldFromSensor;  // as in Shot
-  std::string hits;                   // name of a file; only for kind hits
-  std::vector<RecordedStep> steps;    // only for kind passes
+  std::vector<Pose> worldFromSensor;  // see Shot::worldFromSensor
+  std::string hits;                   // name of the file with the hits; only for kind hits
+  std::vector<RecordedStep> steps;    // steps of the revolution; only for kind passes
 };
 
 struct RecordedSequence {

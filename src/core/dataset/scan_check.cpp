@@ -76,8 +76,8 @@ class ScanCheck {
     return manifest_.organised && std::isnan(p.x) && std::isnan(p.y) && std::isnan(p.z);
   }
 
-  // Returns true if the point may not come from a surface: its cause is not Surface, or the scan lacks the column
-  // cause.
+  // Returns true if the point possibly does not come from a surface: its cause is not Surface, or the scan lacks the
+  // column cause.
   bool mayComeFromNothing(std::size_t i) const {
     return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(1);
   }

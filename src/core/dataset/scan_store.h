@@ -23,21 +23,21 @@ namespace scanmill {
 
 // One scan of a sample, in all formats in which it was written.
 struct StoredScan {
-  std::string sensor;                  // from the manifest or, without one, from the members' names; empty: unknown
-  std::string method;                  // from the manifest or, without one, from the members' names; empty: unknown
-  std::vector<std::string> members;    // names of the shard's members that contain the scan, in the shard's order
+  std::string sensor;                // from the manifest or, if there is none, from the members' names; empty: unknown
+  std::string method;                // from the manifest or, if there is none, from the members' names; empty: unknown
+  std::vector<std::string> members;  // names of the shard's members that contain the scan, in the shard's order
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 
 class ScanStore {
  public:
-  // Whether the bytes of each member are compared with the XXH3 that the manifest states for it, if any. Reading a
-  // member that differs then throws an InputError.
+  // Compared: the bytes of a member are compared with the XXH3 that the manifest states for it, if any, and reading a
+  // member that differs throws an InputError.
   enum class Digests { Ignored, Compared };
 
   // Reads the manifest of a dataset, the headers of a shard, a single scan, or the list of scans in a folder whose
   // layout imports/scan_folder.h supports. The manifest of a shard is searched beside and above the shard; a shard
-  // without a manifest can also be read. Of a truncated shard, the complete members can be read. Throws InputError.
+  // without a manifest can also be read. If a shard is truncated, its complete members can be read. Throws InputError.
   explicit ScanStore(std::filesystem::path path, Digests digests = Digests::Ignored);
   ScanStore(const ScanStore&) = delete;
   ScanStore& operator=(const ScanStore&) = delete;

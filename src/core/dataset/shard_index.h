@@ -13,14 +13,14 @@ namespace scanmill {
 
 struct ShardMember {
   std::string name;
-  std::uint64_t offset = 0;  // of the member's first byte in the file
+  std::uint64_t offset = 0;  // position of the member's first byte in the file
   std::uint64_t bytes = 0;
 };
 
 // How to treat a shard whose end is missing or damaged.
 enum class DamagedShard {
   Refused,           // the constructor throws
-  ReadAsFarAsWhole,  // the members before the damage can be read; the constructor throws if there are none
+  ReadAsFarAsWhole,  // the members before the damage can be read; the constructor throws if the first is damaged
 };
 
 class ShardIndex {

@@ -9,7 +9,7 @@
 
 namespace scanmill {
 
-// Returns the text for some numbers, which must be sorted: "0-9,12".
+// Returns the text for the numbers, which must be sorted: "0-9,12".
 std::string shardRanges(const std::vector<std::uint64_t>& numbers);
 
 // Returns the numbers in `text`, sorted and without duplicates. Throws InputError if the text is not a list of ranges,

@@ -22,9 +22,9 @@ constexpr std::string_view kJsonSuffix = "json";
   throw Error(fmt::format("sample '{}' cannot be written: {}", sample.key, why));
 }
 
-// Throws Error for names that WebDataset would misread. WebDataset groups consecutive members whose names agree up to
-// the first dot, and uses the remainder of the name, in lower case, as the member's key. Names must be printable ASCII,
-// so that all tar readers read the same names.
+// Throws Error for names that WebDataset would misread. WebDataset joins consecutive members to a sample if their names
+// agree up to the first dot, and uses the rest of the name, in lower case, as the member's key. Names must be printable
+// ASCII, so that all tar readers read the same names.
 void checkNames(const Sample& sample) {
   const auto plain = [](char c) { return c > ' ' && c < 0x7f && c != '/' && c != '\\'; };
   if (sample.key.empty() ||

@@ -49,7 +49,7 @@ class ShardWriter {
 
   // Throws Error for names that readers of WebDataset would misread. After any other failure no sample can be added.
   void add(const Sample& sample);
-  std::uint64_t bytes() const { return bytes_; }  // size of the file if finished now
+  std::uint64_t bytes() const { return bytes_; }  // size that the file would have after finish()
   [[nodiscard]] ShardPart finish();
 
  private:

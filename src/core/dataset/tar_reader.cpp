@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kTarBlock = 512;
 constexpr std::uint64_t kEndBytes = 2 * kTarBlock;
-constexpr std::size_t kMostNameBytes = 4096;  // bytes, the usual limit of paths
+constexpr std::size_t kMostNameBytes = 4096;  // largest name of a member (bytes), the usual limit of paths
 
 }  // namespace
 

@@ -24,7 +24,7 @@ class TarReader {
 
   // The following calls refer to the current member.
   const std::string& name() const { return name_; }
-  std::uint64_t offset() const { return begin_; }  // of the member's first byte in the file
+  std::uint64_t offset() const { return begin_; }  // position of the member's first byte in the file
   std::uint64_t bytes() const { return memberBytes_; }
   // Replaces `bytes` by the bytes of the member.
   void readInto(std::string& bytes);

@@ -21,10 +21,10 @@ struct Verification {
   std::vector<std::string> problems;  // one line each, with shard and member; empty: the dataset is sound
 };
 
-// Lists all faults of the data; it continues after each one. Faults are a missing shard, a wrong hash, a member that
-// cannot be decoded, counts that differ, a class id that the ontology does not have, members out of order, and files
-// that the manifest does not list. Throws an InputError only if the manifest cannot be read. progress(done, total)
-// counts shards; it is called after each.
+// Lists all faults of the data, not only the first. Faults are a missing shard, a wrong hash, a member that cannot be
+// decoded, counts that differ, a class id that the ontology does not have, members out of order, and files that the
+// manifest does not list. Throws an InputError only if the manifest cannot be read. Calls progress(done, total), the
+// numbers of shards, after each shard.
 [[nodiscard]] Verification verifyDataset(const std::filesystem::path& folder,
                                          const std::function<void(std::uint64_t, std::uint64_t)>& progress = {});
 

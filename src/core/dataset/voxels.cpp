@@ -119,7 +119,7 @@ ScanVoxels decodeVoxels(std::string_view bytes, const std::string& what) {
 
 std::uint64_t mostVoxelsBytes(const VoxelGrid& grid) {
   const std::uint64_t plain = std::uint64_t{grid.voxels()} * (sizeof(std::uint16_t) + 3);
-  return plain + plain / 100 + 4096;  // deflate stores bytes that it cannot compress as they are
+  return plain + plain / 100 + 4096;  // deflate stores incompressible bytes unchanged
 }
 
 }  // namespace scanmill

@@ -30,7 +30,7 @@ struct ScanVoxels {
   std::vector<std::uint16_t> label;   // class id of most of the surface in the voxel; 0: empty, or without a class
   std::vector<std::uint8_t> input;    // 1: the voxel contains at least one point of the scan
   std::vector<std::uint8_t> invalid;  // 1: nothing is known about the voxel: it has surfaces without a class, or it is
-                                      // neither seen nor connected to seen voxels through empty ones, as inside of
+                                      // neither seen nor connected to seen voxels through empty voxels, as inside of
                                       // objects
   std::vector<std::uint8_t> unseen;   // 1: no beam of the scan passes through the voxel or ends in it
 };

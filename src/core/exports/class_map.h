@@ -13,13 +13,13 @@ namespace scanmill {
 class ClassMap {
  public:
   ClassMap() = default;
-  // Maps a class of `from` to the class of `to` with the same name, or with one of its aliases as name. A class for
-  // moving objects without such a counterpart is mapped as the class for objects of its kind that stand still. All
-  // other classes without a counterpart are mapped to 0 (unlabeled).
+  // Maps a class of `from` to its counterpart: the class of `to` with the same name, or with one of its aliases as
+  // name. A class for moving objects without a counterpart is mapped as the class for objects of its kind that stand
+  // still. All other classes without a counterpart are mapped to 0 (unlabeled).
   ClassMap(const Ontology& from, Ontology to);
 
   const Ontology& target() const { return target_; }
-  // Returns the target's class for the class `id` of the first ontology; 0 if the target has no such class.
+  // Returns the target's class for the class `id` of `from`; 0 if this class has no counterpart.
   std::uint16_t of(std::uint16_t id) const { return id < of_.size() ? of_[id] : 0; }
   const SemanticClass& classOf(std::uint16_t id) const { return *target_.find(of(id)); }
   // Returns the target's class for an object of the class `id` that moves: the class for moving objects of its kind, if
@@ -30,7 +30,7 @@ class ClassMap {
 
  private:
   Ontology target_;
-  std::vector<std::uint16_t> of_;  // by class id of the first ontology: class id of the target
+  std::vector<std::uint16_t> of_;  // by class id of `from`: class id of the target
   std::vector<std::string> lost_;
 };
 

@@ -21,7 +21,7 @@ struct ExportOptions {
   std::vector<std::string> splits{};   // names; empty: all
   bool resume = false;
   const std::atomic<bool>* stop = nullptr;
-  // Called, from any thread, after each frame that has been read to be checked or written. `all`: number of frames.
+  // Called from any thread after a frame has been read, either to be checked or to be written. `all`: number of frames.
   std::function<void(const char* stage, std::uint64_t done, std::uint64_t all)> progress{};
 };
 

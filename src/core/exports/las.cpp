@@ -9,8 +9,8 @@
 //   classification       class ids of the ontology that is exported, up to 255, not ASPRS's own; their names are in the
 //                        classification lookup record
 //   synthetic            set, since the points are simulated
-//   GPS time             s since the start of the sequence: of the point if the scan has the column `time`, else of the
-//                        scan. The global encoding says GPS week time, but the time belongs to no week
+//   GPS time             seconds since the start of the sequence: the point's time if the scan has the column `time`,
+//                        else the scan's time. The global encoding says GPS week time, but the time belongs to no week
 //   point source ID      1 for the first sensor that is exported, 2 for the second, and so on
 //   extra bytes          the other columns in their own types, and the unscaled intensity as `intensity_f`
 //

@@ -24,8 +24,8 @@ struct LasPoints {
   double step = 0;  // m; coordinates are stored as multiples of the step, relative to the offset
   Vec3d offset;     // m, world: subtracted from coordinates before they are stored as steps
   std::uint64_t count = 0;
-  std::array<std::uint64_t, kMostReturns> byReturn{};  // number of first returns, of second returns, and so on
-  std::array<std::int32_t, 3> least{}, greatest{};     // of the coordinates, in steps; zero if there are no points
+  std::array<std::uint64_t, kMostReturns> byReturn{};  // number of points that are first returns, second returns, ...
+  std::array<std::int32_t, 3> least{}, greatest{};     // bounds of the coordinates (steps); zero if there are no points
   bool returnsAreMadeUp = false;                       // true if return numbers do not come from the sensor
 };
 

@@ -68,7 +68,7 @@ bool hasVoxels(const ExportPlan& plan, std::size_t sequence, std::size_t frame) 
 std::vector<std::size_t> velodyneOrder(const ExportScan& given) {
   const Scan& scan = given.scan;
   struct Place {
-    std::int64_t down;  // number of the ring from the top
+    std::int64_t down;  // number of the ring, counted from the top
     double azimuth;     // rad, at least 0, counter-clockwise from straight ahead
     std::size_t point;
   };

@@ -47,9 +47,9 @@ struct ExportSample {
   const SampleRecord* record = nullptr;
   std::size_t sequence = 0;              // index into ExportPlan::sequences
   std::size_t frame = 0;                 // number of the frame in the sequence, from 0
-  std::vector<ExportScan> scans;         // of the exported sensors, in the order of ExportPlan::sensors
+  std::vector<ExportScan> scans;         // scans of the exported sensors, in the order of ExportPlan::sensors
   std::optional<SampleObjects> objects;  // none: the dataset lists no objects
-  std::optional<ScanVoxels> voxels;      // around the first exported sensor; none: absent, or not read by the layout
+  std::optional<ScanVoxels> voxels;      // voxels around the first exported sensor; none: absent or not read
 };
 
 // The parts of a dataset that are exported, and the mapping of its classes.
@@ -75,7 +75,7 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& given);
 // to 1), float32.
 std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
 // Returns the scan of the first exported sensor, for layouts with one sensor. Throws InputError if the sample has no
-// such scan.
+// scan of this sensor.
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample);
 
 using ReadSample = std::function<ExportSample(std::size_t sequence, std::size_t frame)>;
@@ -105,7 +105,8 @@ class Layout {
 
   // Throws InputError if the dataset does not fit, judged only by its manifest. Called before anything is written.
   virtual void check(const ExportPlan&) const {}
-  // Returns true if values of samples may not fit. checkSample() is then called for all samples before any is written.
+  // Returns true if the samples must be checked, too: checkSample() is then called for all of them before one is
+  // written.
   virtual bool checksSamples(const ExportPlan&) const { return false; }
   virtual void checkSample(const ExportPlan&, const ExportSample&) const {}
 
@@ -131,8 +132,8 @@ struct LayoutEntry {
   std::string_view name;
   std::string_view summary;
   std::string_view labels;  // name of the layout's ontology in labels/; empty: the dataset's own classes are exported
-  bool oneSensor = false;   // the layout can have only one sensor
-  bool boxesAlone = false;  // only boxes have classes, points have none
+  bool oneSensor = false;   // true: the layout can have only one sensor
+  bool boxesAlone = false;  // true: only boxes have classes, points have none
   std::unique_ptr<Layout> (*make)();
 };
 

@@ -40,7 +40,7 @@ constexpr std::int64_t kStart = 1'577'836'800'000'000'000;  // ns since 1970: 20
 constexpr const char* kWorld = "map";
 constexpr const char* kVehicle = "vehicle";
 constexpr float kBoxOpacity = 0.4f;
-constexpr double kLetters = 0.5;  // m, height of letters
+constexpr double kLetters = 0.5;  // m, height of the letters of a box's text
 constexpr std::array<float, 4> kTextColor{1, 1, 1, 1};
 
 std::uint64_t timeOf(double seconds) {

@@ -4,7 +4,7 @@
 // revolution, two poses, at its first and its last column. M is the number of boxes.
 //
 //   xyz                float32 (N, 3)    in the sensor's frame (m)
-//   a column's name    (N,)              each of the scan's columns, in its own type; classes are the exported ones
+//   a column's name    (N,)              each of the scan's columns, in its own type; classes of the exported ontology
 //   world_from_sensor  float64 (P, 4, 4) world point = matrix * sensor point
 //
 // If the dataset lists objects: all objects whose boxes are within the sensor's range, even objects without points:
@@ -15,7 +15,7 @@
 //   box_instance       uint32 (M,)       as in the column `instance`
 //   box_velocity       float32 (M, 3)    over ground, along the sensor's axes at the start of the revolution (m/s)
 //   box_points         uint32 (M,)       number of the scan's points on the object
-//   box_visibility     float32 (M,)      share of its beams that nothing occludes; NaN if no beam would hit it
+//   box_visibility     float32 (M,)      fraction of its beams that nothing occludes; NaN if no beam would hit the box
 
 #include <algorithm>
 #include <limits>

@@ -18,8 +18,8 @@
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
 // - sample_annotation has the listed objects that have at least one point and whose class in labels/nuscenes.yaml is a
-//   thing class, because nuScenes has boxes of these. Boxes are where the beams hit the objects. visibility is the
-//   visibility from the lidar.
+//   thing class, because nuScenes has boxes only for these. Boxes are where the beams hit the objects. visibility is
+//   the visibility from the lidar.
 // - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
 // - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of
 //   nuScenes's splits (`train`, `val`, ...), so each split is also listed with a prefix, as `scanmill_train`.
@@ -49,9 +49,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint16_t kClassStep = 1000;   // between the panoptic labels of successive classes
+constexpr std::uint16_t kClassStep = 1000;   // difference between the panoptic labels of successive classes
 constexpr std::size_t kMostInstances = 999;  // largest number of instances of a class in a scene
-constexpr std::size_t kMostClasses = 65;     // the largest label, 64 * 1000 + 999, fits 16 bits
+constexpr std::size_t kMostClasses = 65;     // largest number of classes: the label 64 * 1000 + 999 fits 16 bits
 constexpr float kFullIntensity = 255;
 
 // A class of the target and an instance id of the dataset. Both are needed, because the parts of an object may have

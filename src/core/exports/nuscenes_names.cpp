@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::sys_days kFirstDay = std::chrono::year{2020} / 1 / 1;
-constexpr std::int64_t kMicroseconds = 1'000'000;  // per second
+constexpr std::int64_t kMicroseconds = 1'000'000;  // microseconds per second
 
 std::chrono::sys_days dayOf(std::size_t sequence) {
   return kFirstDay + std::chrono::days(sequence);

@@ -27,8 +27,8 @@ namespace {
 // z up): -90 degrees about z.
 constexpr Quat kSensorFromLidarTop{0.70710678118654752440, 0, 0, -0.70710678118654752440};
 
-// Number of the first scene. No scene of the official splits has such a number, so that with the official splits the
-// devkit finds no scenes instead of wrong ones.
+// Number of the first scene. The official splits contain no scene with this number or a higher one, so that the devkit,
+// if it uses these splits, finds no scenes instead of wrong ones.
 constexpr std::size_t kFirstScene = 9001;
 
 constexpr double kMoving = 0.2;         // m/s, speed above which an object counts as moving
@@ -194,7 +194,7 @@ class Tables {
     const ExportSequence& sequence = plan_.sequences[s];
     const auto tokenAt = [&](std::string_view of, std::size_t frame) {
       return frame < sequence.samples.size() ? token(of, plan_.manifest.samples[sequence.samples[frame]].key)
-                                             : std::string();  // before the first frame and after the last
+                                             : std::string();  // empty: there is no such frame
     };
     const SampleRecord& sample = plan_.manifest.samples[sequence.samples[f]];
     const ScanRecord& scan = onlyScanOf(plan_, sample);
@@ -221,7 +221,7 @@ class Tables {
                         {"filename", lidarTopFile(plan_, s, f).generic_string()},
                         {"prev", tokenAt("sample_data", f - 1)},
                         {"next", tokenAt("sample_data", f + 1)}});
-    // The devkit finds labels by the token of the scan, so a row of labels has the same token.
+    // The devkit finds a scan's labels by the token of the scan, so the row of the labels has this token.
     const std::string own = tokenAt("sample_data", f);
     const auto addLabels = [&](const char* name, const fs::path& file) {
       if (!tables_.contains(name)) return;
@@ -236,7 +236,7 @@ class Tables {
       std::uint16_t category = 0;
       std::size_t annotations = 0;
       OrderedJson first;      // token of the first annotation
-      OrderedJson last;       // the latest row; its `next` is not known yet
+      OrderedJson last;       // the latest annotation; its `next` is not known yet
       std::size_t place = 0;  // index of the row `last` for JsonListFile::set()
     };
     const ExportSequence& sequence = plan_.sequences[s];
@@ -278,8 +278,8 @@ class Tables {
     return token("instance", fmt::format("{} {}", plan_.sequences[s].name, id));
   }
 
-  // Returns a row of sample_annotation. So that the box fits the points, it is the box at the time when the beams hit
-  // the object, relative to the sensor, placed in the world with the sensor's pose at the start of the revolution.
+  // Returns a row of sample_annotation. Its box is the object's box relative to the sensor when the beams hit the
+  // object, placed in the world by the sensor's pose at the start of the revolution. The box thus fits the points.
   OrderedJson annotation(std::size_t s, const SampleRecord& sample, const ObjectRecord& object, const ObjectView& view,
                          const std::string& category) const {
     const std::string what = fmt::format("{}: object {}", sample.key, object.id);

@@ -26,7 +26,7 @@ namespace {
 
 using Color = std::array<std::uint8_t, 3>;
 
-constexpr std::uint8_t kMiddleGrey = 128;  // for points with neither class nor intensity
+constexpr std::uint8_t kMiddleGrey = 128;  // grey level of points with neither class nor intensity
 
 constexpr std::string_view plyType(ColumnType type) {
   switch (type) {

@@ -39,7 +39,7 @@ struct RosMarker {
   std::string nameSpace;
   std::int32_t id = 0;
   Pose pose;                     // in the frame of the message
-  Vec3d scale;                   // m: the sides of a cube, or (z) the height of a text's letters
+  Vec3d scale;                   // m, sides of a cube; for a text, z is the height of its letters
   std::array<float, 4> color{};  // red, green, blue and opacity, each from 0 to 1
   std::string text;
 };

@@ -6,7 +6,7 @@
 //   sequences/00/velodyne/000000.bin       float32 x, y, z, remission per point, ring after ring from the top
 //   sequences/00/labels/000000.label       uint32 per point: class in the lower 16 bits, instance in the upper
 //   sequences/00/voxels/000000.*           if the dataset has voxels, see exports/semantic_kitti_voxels.h
-//   sequences/00/poses.txt                 12 numbers per line: pose of camera 0 relative to the first line
+//   sequences/00/poses.txt                 12 numbers per line: pose of camera 0 relative to its first pose
 //   sequences/00/calib.txt, times.txt
 //
 // There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
@@ -28,7 +28,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint32_t kMostInstances = 32767;  // the top bit would be the sign of an int32
+constexpr std::uint32_t kMostInstances = 32767;  // largest instance id; a larger id would set the sign bit of an int32
 constexpr std::size_t kMostSequences = 100;      // largest number of sequences, because their numbers have two digits
 
 // The rotation to camera axes: x right, y down, z forward.
@@ -172,7 +172,7 @@ class SemanticKitti : public Layout {
  private:
   // Returns a configuration in the form of the API's config/semantic-kitti.yaml. The trained classes are the classes
   // that points can have, in the order of their ids; a class of moving objects is trained as the class of the same
-  // objects standing still. The split `val` is called `valid` there.
+  // objects standing still. The split `val` is called `valid` in this configuration.
   static std::string configuration(const ExportPlan& plan) {
     std::string text = "# Of a simulated dataset, in the form of SemanticKITTI's configuration.\nname: \"" +
                        plan.classes.target().name + "\"\nlabels:\n";

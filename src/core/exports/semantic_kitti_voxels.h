@@ -22,8 +22,8 @@ struct VoxelFiles {
 
 VoxelFiles semanticKittiVoxels(const ScanVoxels& voxels, const ClassMap& classes);
 
-// Returns for each voxel 1 if a voxel that is not empty is between it and the sensor (at the origin), otherwise 0. The
-// line of sight from the voxel's centre visits one voxel per layer along the line's longest axis.
+// Returns 1 for each voxel that is hidden from the sensor (at the origin) by another voxel that is not empty, otherwise
+// 0. The line of sight from the voxel's centre visits one voxel per layer along the line's longest axis.
 std::vector<std::uint8_t> occludedVoxels(const ScanVoxels& voxels);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 // draco: Google Draco point clouds, encoded sequentially, so that points keep their order and duplicates are kept.
 //
 //   format: draco
-//   max_error_mm: 1     # Euclidean, of a position
+//   max_error_mm: 1     # largest Euclidean error of a position
 //   speed: 7            # Draco's scale: 10 is the least effort; here it only sets the precision of the probabilities
 //   intensity_bits: 0   # 0 keeps every bit; else this many bits over the range of each scan's intensities
 //   time: false         # time follows from ring and column by the beam table in the manifest, so it is left out

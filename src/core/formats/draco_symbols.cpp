@@ -22,7 +22,7 @@ constexpr std::uint8_t kRaw = 1;
 constexpr int kTagPrecisionBits = 12;
 
 struct Histogram {
-  Counts counts;  // number of occurrences, by symbol, up to the largest symbol
+  Counts counts;  // number of occurrences of each symbol, up to the largest symbol
   std::uint64_t total = 0;
   std::uint32_t unique = 0;
   double bits = 0;  // Shannon's bound for all coded symbols, without the table

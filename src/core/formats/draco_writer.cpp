@@ -44,7 +44,7 @@ struct Symbols {
 };
 
 // Returns the differences to the previous point, wrapped around the range of the values ("wrap transform" of the
-// specification).
+// specification). If the range is too large for that, returns the values themselves.
 template <class T>
 Symbols correct(std::span<const T> values, std::size_t components) {
   thread_local Scratch<std::uint32_t> scratch;

@@ -29,7 +29,7 @@ class DracoWriter {
   void addEntry(std::string_view key, std::string_view value);
 
   // Adds a column as an attribute, in the order of the calls. `name` becomes the attribute's metadata entry "name".
-  // Integers are stored in the narrowest type that can represent all values, floats without a change.
+  // Integers are stored in the narrowest type that can represent all values; floats are stored unchanged.
   void addPosition(const QuantisedColumn& column);
   void addQuantised(std::string_view name, const QuantisedColumn& column);
   void addIntegers(std::string_view name, std::span<const std::uint8_t> values);

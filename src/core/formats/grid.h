@@ -18,10 +18,10 @@ struct Grid {
 };
 
 // Chooses a grid for values between `low` and `high`, which have one entry per component. Quantising moves no point by
-// more than `bound`, a Euclidean distance over all components that includes the reader's rounding. A side of the grid
-// has at most 2^30 points. If float32 has enough bits, the grid's points are exact in float32 and the step is as large
-// as the bound allows. If the bound is too small, throws an InputError that names `what` and the smallest possible
-// bound.
+// more than `bound`, a Euclidean distance over all components that includes the reader's rounding. Each side of the
+// grid has at most 2^30 points. If float32 has enough bits, the grid's points are exact in float32 and the step is as
+// large as the bound allows. If the bound is too small, throws an InputError that names `what` and the smallest
+// possible bound.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
 // Returns an upper bound of the bits of an index, on the grid that chooseGrid() chooses for values between -reach and

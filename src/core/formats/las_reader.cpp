@@ -15,10 +15,10 @@ namespace {
 // Offsets (bytes) in the header, from table 1 of the specification.
 constexpr std::size_t kMinor = 25, kHeaderSize = 94, kPointsAt = 96, kFormat = 104, kRecordSize = 105,
                       kLegacyPoints = 107, kScale = 131, kOffset = 155, kPoints = 247;
-constexpr std::size_t kLeastHeader = 227;  // bytes; versions 1.0 to 1.2
+constexpr std::size_t kLeastHeader = 227;  // size of the header of versions 1.0 to 1.2 (bytes)
 constexpr std::array<std::size_t, 11> kLeastRecord{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 constexpr std::array<std::size_t, 11> kGpsTimeAt{0,  20, 0,  20, 20, 20,
-                                                 22, 22, 22, 22, 22};  // byte in a record; 0: none
+                                                 22, 22, 22, 22, 22};  // offset in a record (bytes); 0: none
 constexpr std::array<std::size_t, 11> kColorsAt{0, 0, 20, 28, 0, 28, 0, 30, 30, 0, 30};
 constexpr std::uint8_t kCompressed = 0x80;
 

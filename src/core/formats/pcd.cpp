@@ -27,7 +27,7 @@ namespace {
 
 enum class Encoding { Compressed, Binary, Ascii };
 
-constexpr double kMostLzfGrowth = 33.0 / 32;  // LZF adds one byte per 32 bytes that it cannot shrink
+constexpr double kMostLzfGrowth = 33.0 / 32;  // LZF adds one byte to every 32 bytes that it cannot shrink
 
 template <class T>
 constexpr std::size_t storedSize(std::string_view name) {

@@ -187,8 +187,8 @@ class HeaderReader {
   bool pointsKnown_ = false;
 };
 
-// Converts the values of one field: `first` is its first byte, `step` the bytes to the next point's value. Fills to[0],
-// to[stride] ...
+// Converts the values of one field: `first` points to the first value, and values are `step` bytes apart. Fills to[0],
+// to[stride], ...
 template <class Stored, class T>
 void convert(const PcdField& field, const char* first, std::size_t step, T* to, std::size_t stride, std::size_t points,
              const Location& where) {

@@ -16,7 +16,7 @@ struct PlyType {
 
 struct PlyProperty {
   std::string name;
-  PlyType count{};  // type of a list's length; of size 0 if the property is a single value
+  PlyType count{};  // type of a list's length; its size is 0 if the property is a single value
   PlyType value{};
 
   bool isList() const { return count.size > 0; }

@@ -28,10 +28,10 @@ std::vector<T> valuesOf(std::string_view bytes) {
 
 // Returns the ring of each point, if the points are ordered by ring and each ring is one turn that starts straight
 // ahead; empty for other orders. A new ring begins where the azimuth crosses straight ahead after at least half a turn,
-// so that points slightly out of order there do not begin further rings.
+// so that points slightly out of order near this azimuth begin no further rings.
 std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   constexpr std::size_t kFewest = 8, kMost = 256;
-  constexpr double kOrdered = 0.9;  // least fraction of the rings that are lower than the previous ring
+  constexpr double kOrdered = 0.9;  // least fraction of rings that must be lower than the previous ring
   std::vector<double> azimuth;
   double way = 0;
   for (const Vec3f& p : points) {

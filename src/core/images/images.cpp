@@ -82,8 +82,8 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   }
 }
 
-// Opens an image. It is `bytes`, whose kind is the ending of `kind`; if `bytes` is empty, it is the file `kind`. `name`
-// is the name of the image in messages.
+// Opens the image in `bytes`, or the file `kind` if `bytes` is empty. The ending of `kind` names the kind of bytes that
+// are neither PNG nor JPEG. `name` is the name of the image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   try {
     const std::string known = kindOf(bytes);
@@ -111,8 +111,7 @@ void readRows(ImageReader& image, int count, std::uint8_t* pixels, const std::st
   }
 }
 
-// Returns for each alpha (0 to 255) the factor that turns an 8-bit colour that was multiplied by this alpha into the
-// colour before the multiplication.
+// Returns the factors that undo a multiplication of 8-bit colours by alpha, one factor for each alpha (0 to 255).
 std::array<float, 256> divisionByAlpha(double gamma) {
   std::array<float, 256> gain{};
   for (std::size_t i = 1; i < gain.size(); ++i) {

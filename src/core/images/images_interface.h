@@ -16,7 +16,7 @@ struct ImageHeader {
   int height = 0;  // px
   int channels = 0;
   int alphaChannel = -1;  // index of the alpha channel; -1: none
-  double alphaGamma = 0;  // if above 0, colours^gamma were multiplied by alpha
+  double alphaGamma = 0;  // above 0: (colour ^ alphaGamma) was multiplied by alpha; 0: colours were not multiplied
 };
 
 // An image that is open for reading.
@@ -35,8 +35,8 @@ class ImagesModule {
                                     "images that are neither PNG nor JPEG in RGB cannot be read",
                                     "install OpenImageIO (on Debian the package libopenimageio-dev)"};
   virtual ~ImagesModule() = default;
-  // Opens an image and reads its header. The image is `bytes`, whose kind is the ending of `name`; if `bytes` is empty,
-  // it is the file `name`. The caller must keep the bytes as long as the reader. Throws std::runtime_error with
+  // Opens the image in `bytes`, or the file `name` if `bytes` is empty, and reads its header. The ending of `name`
+  // names the kind of the bytes. The caller must keep the bytes as long as the reader. Throws std::runtime_error with
   // OpenImageIO's message.
   virtual std::unique_ptr<ImageReader> open(const std::string& name, std::string_view bytes) const = 0;
 };

@@ -19,8 +19,8 @@ namespace scanmill {
 
 namespace {
 
-// Throws with the error message of the reader or else of this thread. Both messages are fetched, since OpenImageIO
-// prints messages that were never fetched.
+// Throws std::runtime_error with the error message of the reader or, if it has none, of this thread. Both messages are
+// fetched, since OpenImageIO prints messages that were never fetched.
 [[noreturn]] void fail(const OIIO::ImageInput* reader) {
   const std::string text = reader != nullptr ? reader->geterror() : std::string();
   const std::string global = OIIO::geterror();

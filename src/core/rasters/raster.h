@@ -33,8 +33,8 @@ struct Raster {
 
 struct RasterRequest {
   int band = 1;
-  int every = 1;     // reduces squares of this many samples a side to one
-  bool mean = true;  // to their mean; false: to the middle sample, for class numbers
+  int every = 1;     // a square of every x every samples becomes one sample
+  bool mean = true;  // true: the mean of the square; false: its middle sample, for class numbers
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;
 };

@@ -27,9 +27,10 @@ class RasterReader {
  public:
   virtual ~RasterReader() = default;
   virtual RasterHeader header() const = 0;
-  // Reads a window of a band (counted from 1; xywh in samples) into columns x rows floats. Each float is the mean of
-  // the samples that it covers if `mean` is set, else the nearest sample; NaN if they have no value. Scale, offset and
-  // unit of the band are applied, so that heights are metres. Throws std::runtime_error with GDAL's message.
+  // Reads a window of a band into columns x rows floats. Bands are counted from 1; `xywh` is the window's first column
+  // and row, width and height (samples). Each float is the mean of the samples that it covers if `mean` is set, else
+  // the nearest sample; it is NaN if these samples have no value. Scale, offset and unit of the band are applied, so
+  // that heights are metres. Throws std::runtime_error with GDAL's message.
   virtual void read(int band, const std::array<int, 4>& xywh, int columns, int rows, bool mean, float* values) = 0;
 };
 

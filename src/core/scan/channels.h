@@ -1,8 +1,8 @@
 #pragma once
 
 // Channels are the properties of a hit that may be computed. A channel is allocated and computed only if an effect, a
-// column or a recording asks for it. A channel has a row of kChannels, a member of Hits (scan/hits.h) and code that
-// fills that member. Installed because scan/hits.h includes it.
+// column or a recording asks for it. Each channel has a row in kChannels, a member of Hits (scan/hits.h) and code that
+// fills this member. Installed because scan/hits.h includes it.
 //
 //   const Channels asked = Channel::Range | Channel::Semantic;
 //   const bool normals = asked.has(Channel::Normal);  // false
@@ -52,7 +52,7 @@ constexpr Channels operator|(Channel a, Channel b) {
 
 struct ChannelRow {
   Channel channel;
-  std::string_view name;  // in messages and plans
+  std::string_view name;  // name in messages and plans
   std::string_view exr;   // name in EXR files of hits; for a vector the name of its x component
   bool drawn;             // true: renderers render it as an image
   bool kept;              // true: `generate --keep-hits` stores it

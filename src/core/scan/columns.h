@@ -33,7 +33,7 @@ enum class ColumnOrigin : std::uint8_t {
 // The error that a format with bounded errors (Draco) may add to a column. Integers are always exact.
 enum class ColumnLoss : std::uint8_t {
   Exact,
-  AsPositions,  // at most the error of the format's positions
+  AsPositions,  // an error of at most the format's largest error of positions
   Bounded,      // an error of at most Column::lossBound
 };
 
@@ -73,7 +73,7 @@ struct Column {
   ColumnType type;
   std::string_view unit;     // unit of the stored values; empty: no unit
   std::string_view meaning;  // a phrase without a full stop
-  double none;               // stored for a point without a value, such as a miss in an organised scan
+  double none;               // value that marks a point without a value, such as a miss in an organised scan
   ColumnOrigin origin;
   Channels channels{};    // channels of Hits that the column is computed from
   bool byDefault = true;  // true: written if the pipeline does not name output.columns

@@ -57,9 +57,9 @@ struct Hits {
   // How the material reflects at the hit. A method fills these three arrays only if it has a value for each ray, for
   // example from images that another program rendered. If they are empty, the values of Scene::materials apply. Either
   // all three are filled or none.
-  std::vector<float> roughness;         // 0 mirror to 1 matt
+  std::vector<float> roughness;         // 0 (mirror) to 1 (matt)
   std::vector<float> metallic;          // 0 to 1
-  std::vector<float> retroreflectance;  // in units of a white Lambertian target
+  std::vector<float> retroreflectance;  // added reflectance towards the sensor; 1: as a white Lambertian target
 
   // The indices of rays that the method gave up, ascending. They are neither hits nor misses; their range is unknown
   // and set to kMiss.

@@ -14,7 +14,7 @@ struct Laser {
   double azimuth = 0;    // deg, counter-clockwise
   double left = 0;       // m, offset of the beam's origin to the left: see origin_left_m in sensor.h
   double up = 0;         // m, offset of the beam's origin upwards: see origin_up_m in sensor.h
-  double firing = 0;     // us after the first laser of the column
+  double firing = 0;     // us, firing time after the start of the column
 };
 
 // Reads the lasers of a table. The table's first line names the columns: either the columns of Hesai's angle correction
@@ -23,9 +23,9 @@ struct Laser {
 // if the table has channels, which become the rings. Throws InputError with the line.
 std::vector<Laser> readBeamTable(const std::filesystem::path& file);
 
-// Returns the firing time of each laser, in us after the first: from one of Hesai's firetime correction files (Channel,
-// fire time in us or ns) or from a table with a column firing_time_us. Throws InputError with the line, also if a file
-// gives several states of the sensor with different firing times.
+// Returns the firing time of each laser (us after the earliest laser). The file is one of Hesai's firetime correction
+// files (Channel, fire time in us or ns) or a table with a column firing_time_us. Throws InputError with the line, also
+// if a file gives several states of the sensor with different firing times.
 std::vector<double> readFiringTable(const std::filesystem::path& file);
 
 }  // namespace scanmill

@@ -26,8 +26,8 @@ ListedSensor readListedBeams(const std::filesystem::path& file);
 
 // Returns the pixels of a flash sensor, which all fire at once. The beams form an even grid in the plane perpendicular
 // to the middle of the field of view, as the pixels of a pinhole camera do. `azimuth` (rad): middle of the field of
-// view. `field` (rad, below pi): angle from the middle of the first column to the middle of the last; columns go from
-// left to right if `clockwise`. `elevation` (rad): elevation of each row at the middle of the field of view.
+// view. `field` (rad, below pi): angle from the middle of the first column to the middle of the last column. Columns go
+// from left to right if `clockwise`. `elevation` (rad): elevation of each row at the middle of the field of view.
 ListedBeams flashBeams(double azimuth, double field, bool clockwise, std::uint32_t columns,
                        const std::vector<double>& elevation);
 

@@ -48,26 +48,25 @@ struct BeamTable {
   std::vector<Vec3f> origin;     // m; empty if all origins are zero
   std::vector<float> time;       // s since the start of the revolution
 
-  double minRange = 0;  // m; a nearer surface is not reported but still blocks the beam, which then has no hit
+  double minRange = 0;  // m, smallest range that is reported; a nearer surface blocks the beam, which then has no hit
   double maxRange = 0;  // m, largest range that is reported, inclusive
   double period = 0;    // s, duration of one revolution
 
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
   // If `listed` or `rosette` is set, the fields for rings on cones below are not used, and the field is a full circle.
   std::shared_ptr<const ListedBeams> listed;  // null: the beams are not listed one by one
-  std::optional<Rosette> rosette;             // pattern of each ring; the columns fire evenly over the period
-  double start = 0;                           // s since the start of the drive, when a rosette's column 0 fires
-  std::vector<double> columnStart;            // s, firing time of each column of listed beams; set by fillBeams()
-  bool clockwise = false;                     // direction of rotation, seen from above
-  double firstAzimuth = 0;                    // rad, azimuth of column 0 without the ring's offset
-  double field = 2 * kPi;                     // rad, horizontal field of view; if it is a full circle, no column
-                                              // repeats the first
-  std::vector<double> elevation;              // rad, per ring
-  std::vector<double> azimuthOffset;          // rad, per ring
-  std::vector<double> firingOffset;           // s, per ring
-  double originOffset = 0;                    // m, distance of the beam origin from the axis of rotation, along the
-                                              // head's azimuth
-  double originHeight = 0;                    // m, height of the beam origin above the origin of the sensor's frame
+  std::optional<Rosette> rosette;             // pattern that each ring traces; the columns fire evenly over the period
+  double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires
+  std::vector<double> columnStart;    // s, firing time of each column of listed beams; set by fillBeams()
+  bool clockwise = false;             // direction of rotation, seen from above
+  double firstAzimuth = 0;            // rad, azimuth of column 0 without the ring's offset
+  double field = 2 * kPi;             // rad, horizontal field of view; in a full circle the last column is one
+                                      // step before the first column
+  std::vector<double> elevation;      // rad, per ring
+  std::vector<double> azimuthOffset;  // rad, per ring
+  std::vector<double> firingOffset;   // s, per ring
+  double originOffset = 0;            // m, distance of the beam origin from the axis, along the head's azimuth
+  double originHeight = 0;            // m, height of the beam origin above the origin of the sensor's frame
   // Shifts of the beam's origin per ring (m): to the left, perpendicular to the beam; and upwards, perpendicular to the
   // beam and to the left. Each array is empty if all its values are zero.
   std::vector<double> originLeft, originUp;

@@ -86,7 +86,7 @@ Value scalar(const std::string& text, const Location& where) {
   return value;
 }
 
-// Returns the value of the key `ring_order` that describes the order of some lasers.
+// Returns the value of the key `ring_order` that describes the order of these lasers.
 const char* orderOf(const std::vector<Laser>& lasers) {
   const auto above = [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; };
   const auto below = [](const Laser& a, const Laser& b) { return a.elevation < b.elevation; };
@@ -138,8 +138,8 @@ bool hasFiring(const Unit& unit) {
   return std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; });
 }
 
-// Throws InputError if the preset gives firing times, which belong to its rings, and the file lists its lasers in the
-// opposite order of these rings.
+// Throws InputError if the firing times come from the preset, but the file lists its lasers in the opposite order of
+// the preset's rings.
 void checkFiring(const Value& preset, const Value& own, const Unit& unit, const Location& where) {
   if (preset.find("firing_time_us") == nullptr || own.find("firing_time_us") != nullptr || hasFiring(unit)) return;
   const Value* const order = preset.find("ring_order");

@@ -19,15 +19,15 @@ struct GridPoint {
   double weight = 1;
 };
 
-// Second moment of both beam shapes about the beam's axis, in half widths squared: of exp(-2 r^2) over the plane, and
-// of 1 over the unit disc.
+// The mean of r^2 over the beam's power, with r the distance from the beam's axis in half widths. It is the same for
+// both beam shapes: the power exp(-2 r^2) in the plane, and a constant power in the unit disc.
 constexpr double kSecondMoment = 0.5;
 
 std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   int rings = 0;
   while (1 + 3 * rings * (rings + 1) < static_cast<int>(rays)) ++rings;
-  // The corners of a hexagon of k rings of points are at 2 k / (k + 1) half widths from the axis: more rays reach
-  // farther out.
+  // With k rings of points, the corners of the hexagon are 2 k / (k + 1) half widths from the axis. Thus more rays
+  // sample a wider part of the beam.
   const double spacing = 2.0 / (rings + 1);
   std::vector<GridPoint> points;
   double sum = 0;

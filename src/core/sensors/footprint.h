@@ -25,9 +25,9 @@ constexpr double pulseLength(double width) {
   return kLightSpeed * width / 2;
 }
 
-// Returns the effective area that a beam illuminates at a range (m^2): the full cross-section of a uniform beam, and
-// half of the area within 1/e^2 of a Gaussian beam, which is the area of a uniform beam with the power density of the
-// Gaussian's middle. Returns 0 if the sensor file gives no beam width.
+// Returns the effective area that a beam illuminates at a range (m^2): the beam's power divided by the power density on
+// its axis. This is the full cross-section of a uniform beam, and half of the area within 1/e^2 of a Gaussian beam.
+// Returns 0 if the sensor file gives no beam width.
 double beamArea(const BeamTable& beams, double range);
 
 struct Footprint {
@@ -39,8 +39,8 @@ struct Footprint {
 
 // Returns rays through the points of a hexagonal grid across each beam, the axis first. A ray's weight is the beam's
 // power at its point. Each beam's grid is rotated about the axis by a random angle, which is the same in all frames.
-// The grid is scaled so that its second moment is the beam's, so that the echo of a slanted plane has the right width
-// for any number of rays. Throws Error if `raysPerBeam` is not in kFootprintRays.
+// The grid is scaled to the second moment of the beam. The echo of a slanted plane therefore has the right width for
+// any number of rays. Throws Error if `raysPerBeam` is not in kFootprintRays.
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam);
 
 // Turns hits of the footprint's rays into hits of the sensor's beams: sets Hits::columns, beamOfRay and weightOfRay.

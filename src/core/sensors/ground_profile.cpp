@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSmooth = 0.3;        // m of path on each side over which the profile is averaged, as springs and
                                        // tyres do
-constexpr double kBareUntilLost = 10;  // m of path without ground, after which any height is accepted again
-constexpr double kSpacing = 0.1;       // m of path between samples
+constexpr double kBareUntilLost = 10;  // m of path without ground, after which ground of any height is accepted
+constexpr double kSpacing = 0.1;       // m, largest distance between samples
 constexpr std::size_t kMostSamples = 10'000'000;
 constexpr std::size_t kMostEvened = 20;  // largest number of samples averaged on each side, for parts of the path where
                                          // the vehicle hardly moves

@@ -1,6 +1,6 @@
 #pragma once
 
-// Places a vehicle on the ground, whatever the heights of its path are.
+// Places a vehicle on the ground instead of at the heights of its path.
 
 #include <array>
 #include <functional>
@@ -27,10 +27,9 @@ class Ground {
 
 // Read from YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
-  double height = 0;                                        // m, of the vehicle's origin above the ground
+  double height = 0;                                        // m, height of the vehicle's origin above the ground
   std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: the vehicle stays upright
-  std::vector<std::string> classes;                         // classes of the ground; empty: all that are not thing
-                                                            // classes
+  std::vector<std::string> classes;                         // classes of the ground; empty: all except thing classes
   Location where;
 };
 
@@ -56,7 +55,7 @@ class GroundProfile {
   // Places a pose on the ground: the result has the pose's horizontal position and heading, and the ground's height,
   // pitch and roll. `at`: the position on the path.
   [[nodiscard]] Pose place(const Pose& pose, double at) const;
-  // Returns the fraction of the path's samples that have no ground, where heights of neighbouring samples are used.
+  // Returns the fraction of the path's samples that have no ground and therefore copy a neighbouring sample.
   double bare() const { return bare_; }
 
  private:

@@ -41,8 +41,8 @@ class Reader {
  private:
   [[noreturn]] void fail(const std::string& what) const { throw InputError({file_}, what); }
 
-  // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if the file has
-  // neither.
+  // Returns the value of a key in a group (new firmware) or at the top level (old firmware); null if the key is
+  // in neither place.
   const Json* find(const char* group, const char* key) const {
     if (const auto g = root_.find(group); g != root_.end() && g->is_object()) {
       if (const auto found = g->find(key); found != g->end() && !found->is_null()) return &*found;
@@ -129,7 +129,7 @@ class Reader {
   }
 
   void readOrigin(OusterMetadata& m) const {
-    // Default values of ouster-sdk.
+    // These are the default values of ouster-sdk.
     m.originOffset = m.model.starts_with("OS-0")   ? 0.02767
                      : m.model.starts_with("OS-1") ? 0.015806
                      : m.model.starts_with("OS-2") ? 0.013762

@@ -40,11 +40,10 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
   return affine;
 }
 
-// Sets each pose's rotation to the direction of travel: from the last position before the pose to the next position
-// after it, among positions at least 5 cm apart. While a vehicle stands still, the direction is from its previous
-// position to its next one.
+// Sets each pose's rotation to the direction of travel: from the last mark before the pose to the first mark after it.
+// Marks are poses at least 5 cm apart, so that a vehicle that stands still heads for its next mark.
 void headAlong(std::vector<StampedPose>& poses) {
-  constexpr double kMoves = 0.05;  // m, least distance of positions that give a direction
+  constexpr double kMoves = 0.05;  // m, least distance from a mark to the next mark
   const auto placeOf = [&](std::size_t i) { return poses[i].pose.translation; };
   std::vector<std::size_t> marks{0};  // indices of poses at least kMoves apart
   for (std::size_t i = 1; i < poses.size(); ++i) {

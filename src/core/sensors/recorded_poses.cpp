@@ -97,8 +97,8 @@ Pose RecordedPoses::at(double time) const {
   const auto meanOf = [&](std::size_t k) {  // mean velocity (m/s) from pose k to pose k + 1
     return (poses_[k + 1].pose.translation - poses_[k].pose.translation) * (1 / (poses_[k + 1].time - poses_[k].time));
   };
-  // The velocity at pose k of the parabola through the pose and its neighbours, limited so that the curve between two
-  // poses does not overshoot.
+  // Returns the velocity at pose k on the parabola through this pose and its two neighbours, limited so that the curve
+  // between two poses does not overshoot.
   const auto velocity = [&](std::size_t k) {
     if (k == 0 || k + 1 == poses_.size()) return meanOf(k == 0 ? 0 : k - 1);
     const Vec3d before = meanOf(k - 1);

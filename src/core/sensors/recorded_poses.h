@@ -49,13 +49,13 @@ class RecordedPoses {
 //     format: kitti                  # kitti, tum, nuscenes, csv; default: by the file's name
 //     times: sequences/00/times.txt  # kitti: s, one per line; or
 //     interval: 0.1                  # s from pose to pose
-//     calib: sequences/00/calib.txt  # kitti: its transform Tr gives the poses of the laser scanner; without the key,
-//                                    # the poses are the camera's, turned so that x is forward and z is up
+//     calib: sequences/00/calib.txt  # kitti: file whose transform Tr gives the poses of the laser scanner; without the
+//                                    # key, the poses are the camera's, turned so that x is forward and z is up
 //     scene: scene-0061              # nuscenes: the file is v1.0-*/ego_pose.json, beside the other tables
 //     frame: vehicle                 # tum, csv: the frame of the poses: vehicle (x forward, z up), or camera (z
 //                                    # forward, y down)
 //     start: {position: [x, y, z], yaw_deg: 90}   # moves all poses so that the first one has this position and
-//                                    # heading; without a key, the recorded value is kept
+//                                    # heading; without position or yaw_deg, the recorded value is kept
 //
 // KITTI: Geiger, Lenz, Urtasun, "Are we ready for autonomous driving?", CVPR 2012: 12 numbers per line, the first three
 // rows of the matrix that transforms points from the left camera's frame to its first frame. TUM: Sturm et al., "A

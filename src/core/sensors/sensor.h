@@ -1,10 +1,10 @@
 #pragma once
 
-// Reads sensor files, such as those in pipelines/sensors. Their keys:
+// Reads sensor files, such as those in pipelines/sensors.
 //
 //   const std::shared_ptr<const BeamTable> beams = makeBeams(readYaml("pipelines/sensors/vlp_16.yaml"));
 //
-// Their keys:
+// The keys of a sensor file:
 //
 //   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
 //   source: ...
@@ -17,17 +17,18 @@
 //   elevation_deg: [15, 13, ...]       # one per ring, or {top: 15, bottom: -15, rings: 16}
 //   ring_order: top_down               # or bottom_up; a list may be `unordered` (default top_down)
 //   azimuth_offset_deg: [4.2, ...]     # counter-clockwise, one per ring or a list that is repeated (default 0)
-//   origin_offset_m: 0.0158            # beam origin to the axis of rotation, towards the head's azimuth (default 0)
-//   origin_height_m: 0.036             # beam origin above the sensor's origin (default 0)
+//   origin_offset_m: 0.0158            # distance of the beam origin from the axis of rotation, along the head's
+//                                      # azimuth (default 0)
+//   origin_height_m: 0.036             # height of the beam origin above the sensor's origin (default 0)
 //   origin_left_m: [0.026, ...]        # further offset of the beam origin to the left of the beam: one per ring or one
 //                                      # for all
-//   origin_up_m: [0.195, ...]          # the same upwards, perpendicular to the beam
+//   origin_up_m: [0.195, ...]          # further offset of the beam origin upwards, perpendicular to the beam
 //   calibration: 64e_s2.yaml           # replaces elevation_deg, ring_order, azimuth_offset_deg, origin_left_m and
 //                                      # origin_up_m: see calibration.h
 //   firing_time_us: [0, 2.3, ...]      # time of each ring within a column; or {step_us: 2.3} from ring to ring; or
 //                                      # {file: NAME}, see beam_files.h (default 0)
-//   turns_while_firing: true           # adds the head's rotation until a ring fires to the ring's azimuth; needed if
-//                                      # the azimuths are those of the column, as vendors give them (default false)
+//   turns_while_firing: true           # adds to each ring's azimuth the head's rotation up to the ring's firing time;
+//                                      # needed for vendors' azimuths, which lack this rotation (default false)
 //   range_m: [0.5, 120]                # nearest and farthest range that is reported
 //   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one value for both (default 0). For
 //                                      # a Gaussian beam it extends to 1/e^2 of the power, which is 1.699 times the

@@ -16,8 +16,8 @@ namespace scanmill {
 namespace {
 
 constexpr Range kInterval{1e-9, 1e9};  // limits of every_s (s) and every_m (m)
-constexpr double kLastTurn = 1;        // s after the start of the last frame for which the path must be known; most
-                                       // revolutions end earlier
+constexpr double kLastTurn = 1;        // s; the path must be known until this long after the last frame's start; most
+                                       // revolutions are shorter
 constexpr double kWorthTelling = 0.2;  // m; a path that deviates more from the straight lines between its waypoints is
                                        // reported
 
@@ -193,7 +193,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
       if (time > knots.back() && time < end) knots.push_back(time);
     }
   } else {
-    constexpr double kAboutStraight = 1;  // m of path that are straight enough for a profile of the ground
+    constexpr double kAboutStraight = 1;  // m, largest distance between knots, between which a path counts as straight
     const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), 1e8));
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }

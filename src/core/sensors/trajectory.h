@@ -36,7 +36,7 @@ struct RandomWay {
 //   poses: [{position: [x, y, z], yaw_deg: 90}, ...]        # one frame each; the vehicle stands still in each
 //   waypoints: [[x, y, z], ...]                             # driven at `speed`, heading along the path
 //   path: spline | line                                     # through the waypoints; see base/path.h
-//   rounding: 0.5                                           # m, of the corners of `path: line`
+//   rounding: 0.5                                           # m before and behind each corner of `path: line`
 //   along: lane | turns                                     # in place of waypoints: through the scene's town
 //   on: [road]                                              # in place of waypoints: a random drive on these classes
 //   keep: right | left | middle                             # side of the surfaces to drive on
@@ -45,7 +45,7 @@ struct RandomWay {
 //   speed: 8.0                                              # m/s
 //   acceleration: 1.5                                       # m/s^2; the drive starts and ends at rest and is
 //                                                           # slower in bends: see speed_profile.h
-//   stops: [{at: 60, wait: 4}]                              # m along the path, s; needs acceleration
+//   stops: [{at: 60, wait: 4}]                              # position (m) and waiting time (s); needs acceleration
 //   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
 //   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see sway.h
 //   ground: drop                                            # see ground_profile.h
@@ -74,8 +74,8 @@ class Trajectory {
   // Returns a warning about recorded poses that are possible but probably wrong; otherwise empty.
   std::string doubt() const { return recorded_ ? recorded_->doubt() : std::string(); }
 
-  // Return requirements that must be met before the trajectory has poses: a random path, and ground to be placed on.
-  // Null if the trajectory does not need this.
+  // Return what the trajectory needs before it has poses: a random path, and ground on which the vehicle is placed.
+  // Null if the trajectory does not need it.
   const RandomWay* randomWay() const { return random_ ? &*random_ : nullptr; }
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
   // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomWay() requires.
@@ -107,9 +107,9 @@ class Trajectory {
 
   std::string name_;
   std::uint32_t frames_ = 0;
-  double interval_ = 0;     // s, from frame to frame
-  double lastTurn_ = 0;     // s after the start of the last frame, up to which the path must be known
-  double everyMetres_ = 0;  // m between frames of a vehicle that accelerates, used in place of interval_; 0: not used
+  double interval_ = 0;     // s, time from frame to frame
+  double lastTurn_ = 0;     // s; the path must be known until this long after the last frame's start
+  double everyMetres_ = 0;  // m, distance between frames, if the vehicle accelerates; 0: use interval_
   double speed_ = 0;        // m/s
   std::optional<int> turns_;
   std::vector<Pose> poses_;           // one per frame, in which the vehicle stands still; empty for paths

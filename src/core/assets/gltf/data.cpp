@@ -20,7 +20,7 @@ namespace {
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // The most bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
-constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // bytes of all decoded views together
+constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // largest size of all decoded views together (bytes)
 
 template <class Stored, class Number>
 Number numberAt(const char* at, bool normalized) {
@@ -83,7 +83,7 @@ struct Data::State {
     return std::move(*bytes);
   }
 
-  // Returns a part of a buffer. Checks its size again, since the file may have shrunk since readModel() checked it.
+  // Returns a part of a buffer. Checks the buffer's size again, since the file may have shrunk after readModel().
   std::string_view part(Index index, std::uint64_t offset, std::uint64_t length) {
     const std::string_view whole = buffer(index);
     if (offset + length > whole.size()) {
@@ -148,7 +148,7 @@ struct Data::State {
     if (!a.view && a.count > kMostZeroes / a.width) {
       model.fail(fmt::format("is damaged: {} has {} elements without data", what, a.count));
     }
-    // Gets the bytes before the output is allocated, so that a bad view throws first.
+    // Get the bytes before the output is allocated, so that a bad view throws first.
     const std::string_view bytes = a.view ? view(*a.view).substr(a.offset) : std::string_view();
     std::vector<Number> out(a.count * a.width, 0);
     const auto take = [&](const char* at, std::size_t element) {

@@ -21,7 +21,7 @@ using MaybeIndex = std::optional<Index>;
 struct Buffer {
   std::string uri;  // a file's name, with escapes decoded, or a data: URI; empty: the GLB's binary chunk
   std::uint64_t length = 0;
-  std::string problem;  // why the buffer cannot be read; empty: it can. Reported only if the buffer is used
+  std::string problem;  // why the buffer cannot be read, reported only if it is used; empty: it can be read
 };
 
 // Location and encoding of a view's compressed bytes (EXT_meshopt_compression or KHR_meshopt_compression).

@@ -23,8 +23,9 @@
 namespace scanmill::gltf {
 namespace {
 
-// Limits, since a small file can require any amount of memory and time.
-constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;  // bytes; 256 bytes are added for every compressed byte
+// Limits, since a small file can require any amount of memory and time. kTrialMemory (bytes) and kTrialSeconds limit
+// the child process of tryDraco(); the memory limit grows by 256 bytes for every compressed byte.
+constexpr std::uint64_t kTrialMemory = std::uint64_t{2} << 30;
 constexpr unsigned kTrialSeconds = 300;
 constexpr double kMostPrimitives = 1 << 22;                   // largest number of primitives of all nodes together
 constexpr double kMostRead = 4e9;                             // largest number of vertices that are read for all
@@ -205,7 +206,7 @@ class Reader {
       model_.fail("has more vertices than 32-bit indices allow: split it");
     for (const Vec3d& p : geometry.points) part.positions.push_back(static_cast<Vec3f>(assetFromNode * p));
     if (!geometry.uvs.empty() || !part.uvs.empty()) {
-      part.uvs.resize(base);  // zero for primitives without coordinates
+      part.uvs.resize(base);  // zeros for primitives without texture coordinates
       for (const Vec2f& uv : geometry.uvs) part.uvs.push_back({uv.x, 1 - uv.y});
       part.uvs.resize(part.positions.size());
     }

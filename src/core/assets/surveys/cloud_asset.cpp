@@ -143,7 +143,7 @@ class CloudAsset {
     }
   }
 
-  // Returns the intensity that probably means a reflectance of 1, from the greatest intensity.
+  // Guesses, from the greatest intensity, which intensity means a reflectance of 1.
   static double fullOf(double greatest) {
     for (const double full : {1.0, 255.0}) {
       if (greatest <= full) return full;

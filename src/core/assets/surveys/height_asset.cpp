@@ -188,7 +188,8 @@ class HeightAsset {
   // The triangles of one class. They share vertices only with each other.
   struct Part {
     std::size_t index = 0;  // index into asset_.parts
-    // Indices of the vertices of the two latest rows of samples, by column. Element row % 2 belongs to `row`.
+    // Indices of the vertices of the two latest rows of samples, by column, and the numbers of these rows. Both arrays
+    // have row r in the element r % 2.
     std::array<std::vector<std::uint32_t>, 2> vertices;
     std::array<int, 2> row{-1, -1};
   };
@@ -234,7 +235,7 @@ class HeightAsset {
   const HeightOptions& wanted_;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;  // the channel of the image that was read last; gives the image's georeference
+  Raster photo_;  // channel of the image that was read last, with the image's georeference
   double scale_ = 1;
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};

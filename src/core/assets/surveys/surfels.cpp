@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLine = 0.02;  // points lie on a line if their second-largest spread is below this fraction of the
                                 // largest
-constexpr int kMostTimes = 8;   // largest factor on the number of neighbours
+constexpr int kMostTimes = 8;   // largest factor by which the number of neighbours grows
 
 // An adapter with the interface that nanoflann requires of a set of points.
 struct Points {

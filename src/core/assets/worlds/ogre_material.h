@@ -12,7 +12,7 @@ namespace scanmill {
 
 // Properties of a material that a script states: its first image, its diffuse colour, and its alpha cutoff.
 struct OgreMaterial {
-  std::string texture;  // as the script names it, or empty
+  std::string texture;  // name of the image in the script; empty: none
   std::optional<std::array<float, 3>> color;
   std::optional<float> alphaCutoff;  // beams pass where alpha is below this
 };

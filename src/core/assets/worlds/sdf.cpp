@@ -233,8 +233,8 @@ class SdfReader {
     return parts;
   }
 
-  // Returns the file that defines a model. If `uri` is a folder, it is the file with the highest version in
-  // model.config.
+  // Returns the file that defines a model. If `uri` is a folder, this is the file with the highest version in
+  // model.config, or else model.sdf.
   static std::filesystem::path definitionOf(const XmlNode& node, const std::filesystem::path& file,
                                             const std::string& uri) {
     const XmlNode* const named = node.child("uri");

@@ -72,7 +72,7 @@ std::optional<Mesh> solidOf(const XmlNode& shape) {
 std::array<float, 3> colorOf(const XmlNode& node, std::string_view text) {
   std::istringstream words{std::string(text)};
   const auto count = std::distance(std::istream_iterator<std::string>(words), {});
-  const std::vector<double> n = numbersIn(node, text, count == 3 ? 3 : 4);  // four numbers if it has alpha
+  const std::vector<double> n = numbersIn(node, text, count == 3 ? 3 : 4);  // a fourth number is alpha
   std::array<float, 3> color{};
   for (std::size_t i = 0; i < 3; ++i) color[i] = static_cast<float>(std::clamp(n[i], 0.0, 1.0));
   return color;

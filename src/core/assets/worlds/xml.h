@@ -20,8 +20,7 @@ struct XmlNode {
   std::vector<std::pair<std::string, std::string>> attributes;
   std::vector<XmlNode> children;
 
-  const XmlNode* child(std::string_view childName) const;          // the first child with this name; null if there is
-                                                                   // none
+  const XmlNode* child(std::string_view childName) const;          // first child with this name; null: none
   const std::string* attribute(std::string_view attribute) const;  // returns null if the attribute is absent
   std::string attributeOr(std::string_view attribute, std::string_view fallback) const;
   std::string textOf(std::string_view childName, std::string_view fallback) const;
