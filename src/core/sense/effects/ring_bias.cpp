@@ -2,7 +2,7 @@
 // and its gain. They are the same for all beams of a ring and all frames of a dataset.
 //
 //   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
-//   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one figure per ring
+//   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one value per ring
 //
 // Each error is the reported minus the true value; elevation is positive upwards. The keys with `sigma` are standard
 // deviations of Gaussian numbers, sampled once per sensor and ring from the pipeline's seed; the gain is exp(gain_sigma
