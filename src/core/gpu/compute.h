@@ -63,9 +63,9 @@ struct FoundDevice {
   bool software = false;  // true: runs on the processor
 };
 
-// Returns the seconds that devices have spent on each program (by its name) and on copies to the processor ("read
-// back") since the last call, measured by the devices' own clocks. The first call starts the measurement and returns
-// nothing.
+// Returns the seconds that devices have spent on each program (by its name), and on copies to the processor (by the
+// name "read back"), since the last call, measured by the devices' own clocks. The first call starts the measurement
+// and returns nothing.
 StageSeconds takeDeviceSeconds();
 
 // Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if

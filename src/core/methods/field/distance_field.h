@@ -24,9 +24,9 @@
 
 namespace scanmill {
 
-constexpr int kBrickVoxels = 8;                     // per axis
-constexpr int kHalfBrick = kBrickVoxels / 2;        // per axis
-constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
+constexpr int kBrickVoxels = 8;                     // voxels of a brick along each axis
+constexpr int kHalfBrick = kBrickVoxels / 2;        // half of them
+constexpr int kBrickCorners = kBrickVoxels + 1;     // corners of voxels of a brick along each axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // order of corners: x fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance; even, so that two
                                                     // values fit a 32-bit word

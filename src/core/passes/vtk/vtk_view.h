@@ -1,7 +1,7 @@
 #pragma once
 
 // One camera's view of a scene: which chunks of which instances are drawn, and which triangle each number in the image
-// means.
+// stands for.
 
 #include <cstdint>
 #include <vector>
@@ -21,8 +21,8 @@ class DrawnView {
 
   // Returns the image to draw, which has pointers into this view.
   VtkImage image() const;
-  // Returns the triangle that the image shows at `pixel` if its value there is `number`. The depth is the depth of the
-  // triangle's plane at the pixel's centre, computed in double precision.
+  // Returns the triangle that a pixel shows if the image's value there is `number`. The depth is that of the triangle's
+  // plane at the pixel's centre, computed in double precision.
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
 
  private:
