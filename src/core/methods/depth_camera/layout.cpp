@@ -19,8 +19,8 @@ namespace scanmill {
 namespace {
 
 constexpr double kImageCost = 100'000;              // pixels that are considered as expensive as one more image
-constexpr double kWidestField = radians(168.0);     // of one camera; a wider image has most pixels at its edge
-constexpr int kMostSides = 6;                       // largest number of side cameras; up to two look up and down
+constexpr double kWidestField = radians(168.0);     // largest field of view; wider images have most pixels at the edge
+constexpr int kMostSides = 6;                       // largest number of side cameras; up to two more look up or down
 constexpr double kSteepest = 1e4;                   // slope z / sqrt(x^2 + y^2) to which steeper slopes are limited
 constexpr double kSmallestDepth = 1e-4;             // a unit direction with less depth along the camera's axis is
                                                     // outside of the image
@@ -262,8 +262,8 @@ struct Facing {
   const char* name;
 };
 
-// Returns a camera for each facing that is needed. A facing is needed if, of all facings that see some direction, its
-// axis is the nearest to that direction.
+// Assigns each direction to the camera with the nearest axis among the cameras that see the direction. Returns the
+// cameras that have at least one direction.
 std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t resolution, double fieldDeg,
                                 std::span<const Facing> facings) {
   std::vector<Camera> cameras;

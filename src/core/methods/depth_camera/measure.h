@@ -26,7 +26,7 @@ struct BlockPixels {
   const double* v;
   const PassPlanes* planes;   // values of the batch's pixels
   std::size_t first;          // index in `planes` of the block's first pixel
-  const PassPlanes* corners;  // values; corner k (right k % 2, down k / 2) of beam i has the index k * stride + i
+  const PassPlanes* corners;  // values of corner pixels; corner k (right k % 2, down k / 2) of beam i: k * stride + i
   std::size_t stride;
 };
 

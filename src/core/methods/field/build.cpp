@@ -71,7 +71,7 @@ class Builder {
   std::size_t first_ = 0;                          // place in the pool of the first brick of bricks_
   std::vector<std::uint32_t> unmade_;              // indices of new bricks' table entries
   std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
-  std::vector<std::vector<std::uint32_t>> lists_;  // each new brick's lists, to whose start its words are relative
+  std::vector<std::vector<std::uint32_t>> lists_;  // lists of each new brick; the brick's words are offsets in them
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,

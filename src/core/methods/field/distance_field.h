@@ -25,7 +25,7 @@
 namespace scanmill {
 
 constexpr int kBrickVoxels = 8;                     // voxels of a brick along each axis
-constexpr int kHalfBrick = kBrickVoxels / 2;        // half of them
+constexpr int kHalfBrick = kBrickVoxels / 2;        // voxels of half a brick along each axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // corners of voxels of a brick along each axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // order of corners: x fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance; even, so that two

@@ -23,7 +23,7 @@ namespace scanmill {
 //
 //     std::size_t rays() const
 //     std::uint64_t bytes() const              // size of the largest array whose size depends on the work
-//     bool goesWith(const Work& other) const   // true if one dispatch can process both; both have equally many rays
+//     bool goesWith(const Work& other) const   // true only for works of equally many rays that fit one dispatch
 //
 template <class Work>
 class ShotQueue {

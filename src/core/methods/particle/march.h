@@ -26,7 +26,7 @@ struct Particles {
   std::vector<float> begin, end;  // limits of the marched section of the line; begin >= end: a miss
   // The following arrays are empty in fields without lists.
   std::vector<float> wx, wy, wz;  // m, origin relative to the world's origin
-  std::vector<float> ix, iy, iz;  // 1 / direction; components of smaller size than 1e-12 count as 1e-12
+  std::vector<float> ix, iy, iz;  // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
 
   std::size_t size() const { return begin.size(); }
   void resize(std::size_t count, bool lists);

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSteep = 1e-12;  // components of directions with a smaller size are replaced by this
+constexpr double kSteep = 1e-12;  // components of directions with a smaller absolute value are replaced by this
 
 double inverseOf(double d) {
   return 1 / (std::fabs(d) < kSteep ? kSteep : d);

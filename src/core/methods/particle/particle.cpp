@@ -194,7 +194,7 @@ class ParticleMethod : public Method {
   // Returns approximately how many bytes a device needs for a field, with space for bricks that are added when the
   // field moves, and for the triangles and texels of the scene.
   double deviceBytes() const {
-    constexpr std::uint64_t kBytesOfCorners = 48;  // bytes of a triangle's corners, which only lists need
+    constexpr std::uint64_t kBytesOfCorners = 48;  // bytes of a triangle's corners, which only fields with lists need
     const std::uint64_t each =
         kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
     const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;

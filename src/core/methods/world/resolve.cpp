@@ -23,7 +23,7 @@ float texturedReflectance(const HitTriangle& hit, const CompactMaterial& materia
 // Copies one value per lane into a column of rings x columns, row by row of the tile.
 template <class T>
 void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::uint32_t columns) {
-  if (tile.width == kPacket) {  // a single row: its length is then a constant
+  if (tile.width == kPacket) {  // a single row, whose length is a constant for the compiler
     std::copy_n(lanes, kPacket, &column[std::size_t{tile.ring} * columns + tile.column]);
     return;
   }

@@ -38,8 +38,8 @@ constexpr double kReach = 512;                // m, largest distance of the came
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
                                               // plane, as a fraction of the depth
 constexpr std::size_t kFrameGrain = 1 << 14;  // pixels per task
-constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // if more pixels than this have a depth and none has ids, it is an
-                                                    // error; fewer may be cut-outs
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // more pixels with a depth are an error if none of them has ids;
+                                                    // fewer may be cut-outs
 
 // Rendered images, stored in memory.
 class SeenSource : public PixelSource {
@@ -154,7 +154,8 @@ class BlenderRenderer : public PassRenderer {
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
   }
 
-  // Loads the scene into Blender, relative to an origin near the cameras, unless its origin is near already (kReach).
+  // Loads the scene into Blender, relative to an origin near the cameras. Does nothing if the last origin is near
+  // enough.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
     const StageTimer timer(clock_, "upload");

@@ -2,8 +2,8 @@
 
 // Pass images as OpenEXR files.
 //
-// Each file has the image of one camera, as scan lines, lossless (ZIP), row 0 at the top. The possible channels, of
-// which a file has those that the image has:
+// Each file has the image of one camera, as scan lines, lossless (ZIP), row 0 at the top. It has these channels, as far
+// as the image has them:
 //
 //   Z                 float32  m, planar depth; 1e10 if the pixel shows no surface (as Blender writes it)
 //   N.X N.Y N.Z       float32  unit normal, world axes, turned towards the camera; 0 if the pixel shows no surface
