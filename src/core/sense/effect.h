@@ -80,7 +80,7 @@ using EffectList = std::span<const ChosenEffect>;
 // The requirements of all effects of a sensor together.
 std::uint32_t raysPerBeam(EffectList effects);                     // rays that sample a footprint; 1: no effect does
 const LightPaths* lightPaths(EffectList effects);                  // null: rays end at their first hit
-std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // for beams whose rays hit at most `met` surfaces
+std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // returns of a beam whose rays hit `met` surfaces
 double intensityFullScale(EffectList effects);                     // intensity that stands for 1; 0: no effect sets it
 
 std::span<const EffectEntry> effects();

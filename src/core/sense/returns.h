@@ -118,10 +118,10 @@ class Returns {
   std::vector<std::uint32_t> hit_;
   std::vector<std::uint8_t> number_;
   std::vector<Cause> cause_;              // empty: all returns come from surfaces
-  std::vector<std::uint8_t> rowsOfBeam_;  // by beam: number of its rows; empty until a row is added
+  std::vector<std::uint8_t> rowsOfBeam_;  // number of rows of each beam; empty until a row is added
   bool tellsReasons_ = false;
-  std::vector<Reason> lost_;   // by row, for the rows that existed when reasons were last recorded
-  std::vector<bool> present_;  // by row, with the length of lost_: true if the row was not lost at that time
+  std::vector<Reason> lost_;   // reasons of the rows that existed when reasons were last recorded
+  std::vector<bool> present_;  // for the same rows: true if the row was not lost at that time
 };
 
 }  // namespace scanmill

@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kImageCost = 100'000;              // pixels that are considered as expensive as one more image
+constexpr double kImageCost = 100'000;              // number of pixels that cost as much as one more image
 constexpr double kWidestField = radians(168.0);     // largest field of view; wider images have most pixels at the edge
 constexpr int kMostSides = 6;                       // largest number of side cameras; up to two more look up or down
 constexpr double kSteepest = 1e4;                   // slope z / sqrt(x^2 + y^2) to which steeper slopes are limited

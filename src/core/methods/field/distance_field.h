@@ -56,7 +56,7 @@ constexpr float kListedHalf = 0.55f;
 
 using Corner = std::array<std::int64_t, 3>;  // lattice coordinates of a corner or a brick
 
-// The box of bricks of a level, in bricks of the level.
+// The bricks of a level, which form a box. The unit is a brick of the level.
 struct LevelBox {
   Corner firstBrick{};
   std::array<std::uint32_t, 3> bricks{};

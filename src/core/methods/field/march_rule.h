@@ -25,9 +25,9 @@ constexpr float kRest = 0.501f;
 // most the root for all m <= M, if c = (R - sqrt(R^2 - M^2)) / M^2, which makes the two equal at m = M. As c decreases
 // with R, the c for the smallest R is valid for all larger R. Each kind of ball thus needs one constant and no root,
 // which GPUs round differently.
-constexpr float kEmptyBend = 0.083334f;  // for R >= kEmptyBrick and M = 4 sqrt(3)
-constexpr float kNamedBend = 0.26297f;   // for R >= kNamed and M = sqrt(3) / 2
-constexpr float kListedBend = 0.78805f;  // for R >= kListed and M = sqrt(3) / 2
+constexpr float kEmptyBend = 0.083334f;  // c for R >= kEmptyBrick and M = 4 sqrt(3)
+constexpr float kNamedBend = 0.26297f;   // c for R >= kNamed and M = sqrt(3) / 2
+constexpr float kListedBend = 0.78805f;  // c for R >= kListed and M = sqrt(3) / 2
 
 // Fraction by which triangles are enlarged, so that rounding opens no cracks between them.
 constexpr float kSeam = 1e-5f;

@@ -19,7 +19,7 @@ constexpr int kPacket = 16;
 
 // A shot's poses, relative to the world's origin.
 struct ShotFrame {
-  std::vector<Mat3> rotation;  // by step of the revolution
+  std::vector<Mat3> rotation;  // one rotation per step of the revolution
   std::vector<Vec3d> position;
 };
 

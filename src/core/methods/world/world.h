@@ -115,7 +115,7 @@ struct World {
   Vec3d origin;
   const Scene* scene = nullptr;
   TriangleBlock baked;                   // in world axes, relative to `origin`
-  std::vector<PlacedBlock> placed;       // by Embree instance id minus kFirstPlaced
+  std::vector<PlacedBlock> placed;       // index: Embree's instance id minus kFirstPlaced
   const SharedMeshes* shared = nullptr;  // owns the blocks of `placed`; outlives the world
   SceneHandle embree;
   bool alpha = false;

@@ -55,7 +55,7 @@ class DrawnView {
   std::vector<VtkDraw> solid_;
   std::vector<VtkDraw> cut_;
   std::vector<Run> runs_;
-  std::vector<std::uint32_t> firstNumbers_;  // by run, ascending: number of the run's first triangle in the image
+  std::vector<std::uint32_t> firstNumbers_;  // number of each run's first triangle in the image, ascending
   std::uint64_t nextNumber_ = 1;
 };
 
