@@ -23,8 +23,8 @@ class DeviceBeams {
   // Bytes per ray in the largest buffer, that of directions.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
-  // Shots of the same beam table and with equally many poses, which a device traces together, and their frames
-  // (frameOf()).
+  // Shots that a device traces together, and their frames (frameOf()). The shots have the same beam table and equally
+  // many poses.
   struct Shots {
     std::vector<const Shot*> shots;
     std::vector<const ShotFrame*> frames;

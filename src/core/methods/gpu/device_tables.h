@@ -32,10 +32,11 @@ constexpr std::uint32_t kTextured = 1;  // texels scale the reflectance
 constexpr std::uint32_t kCutOut = 2;    // some texels let beams pass
 
 struct LabelTables {
-  std::vector<TriangleRecord> records;     // the records of World::baked
+  std::vector<TriangleRecord> records;     // one per triangle of World::baked
   std::vector<TexturedTriangle> textured;  // triangles whose material's texels are read
-  std::vector<DeviceWord> materials;  // bits of the reflectance, first texel, width | height << 16, kTextured | kCutOut
-  std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), kLetsPass
+  // One per material: bits of the reflectance, index of the first texel, width | height << 16 of the texture, flags.
+  std::vector<DeviceWord> materials;
+  std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), with kLetsPass if transparent
 };
 
 // Returns approximately how many bytes the texels of a scene's materials take.

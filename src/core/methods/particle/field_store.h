@@ -31,9 +31,8 @@ class FieldStore {
   // field along with the sensor, are added to the stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // Returns the least number of fields in memory while sensors drive, including the space for moving them. There may be
-  // more, one for each thread (each thread works on its own drive), as long as all fields fit into an eighth of the
-  // memory.
+  // Returns the least number of fields in memory while sensors drive, including the space for moving them. Each
+  // thread works on its own drive and may have its own field, as long as all fields fit into an eighth of the memory.
   std::size_t fewestFields() const;
 
  private:

@@ -8,7 +8,7 @@
 namespace scanmill {
 
 double mostSampleBytes(const Plan& plan) {
-  constexpr double kHeaders = 1536;       // size of a tar member besides its contents (bytes), with a long name
+  constexpr double kHeaders = 1536;       // size of a tar member with a long name, without its contents (bytes)
   constexpr double kDescription = 16384;  // size of a scan's part of the sample's .json (bytes)
   constexpr double kObjects = 1000;       // assumed maximum number of objects near the sensors
   constexpr double kObject = 700;         // size of an object's entry without the sensors' views of it (bytes)
