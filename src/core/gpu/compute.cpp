@@ -152,7 +152,7 @@ void ComputeReadback::start(const ComputeBuffer& buffer, std::uint64_t bytes) {
 
 std::span<const std::byte> ComputeReadback::wait() {
   constexpr double kSpin = 1e-3;  // time during which the device is queried without pauses (s)
-  constexpr double kMost = 120;   // time after which waiting ends with an error (s)
+  constexpr double kMost = 120;   // longest time that a copy may take; then an error is thrown (s)
   constexpr auto kPause = std::chrono::microseconds(50);
   const std::scoped_lock lock(asking_);
   const WallTimer waiting;
@@ -184,7 +184,8 @@ ComputeReadbacks::Lease::~Lease() {
   all_.freed_.notify_one();
 }
 
-// The index in the dispatch is compared with the number of invocations left: a sum could overflow.
+// The shader compares an invocation's index in the dispatch with the number of remaining invocations, because
+// firstInvocation plus the index could overflow.
 std::string computeShaderText(std::string_view text) {
   return fmt::format(R"(#version 430 core
 layout(local_size_x = {}) in;

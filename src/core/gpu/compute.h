@@ -58,14 +58,14 @@ class ComputeDevice {
 // A device that the environment variable SCANMILL_GL_DEVICE can select (gpu/device.h).
 struct FoundDevice {
   std::string name;    // value of the variable that selects this device
-  std::string driver;  // device name as in ComputeDevice::name(); why not, if the device cannot compute
+  std::string driver;  // name as ComputeDevice::name() returns it; the reason if the device cannot compute
   bool usable = false;
   bool software = false;  // true: runs on the processor
 };
 
-// Returns the seconds that devices have spent since the last call, measured by the devices' own clocks: on each program
-// (by its name) and on copies to the processor ("read back"). The first call starts the measurement and returns
-// nothing.
+// Returns the seconds that devices have spent on each program (by its name), and on copies to the processor (by the
+// name "read back"), since the last call, measured by the devices' own clocks. The first call starts the measurement
+// and returns nothing.
 StageSeconds takeDeviceSeconds();
 
 // Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if
@@ -125,8 +125,8 @@ class ComputeReadback {
   // Requests a copy of the first `bytes` bytes of a buffer, with the results of all programs that were run before.
   // Programs that are run later may already write to the buffer.
   void start(const ComputeBuffer& buffer, std::uint64_t bytes);
-  // Waits for the copy and returns it; it is valid until the next start(). Other threads may use the device, or wait
-  // too, at the same time.
+  // Waits for the copy and returns it. The copy is valid until the next start(). Meanwhile other threads may use the
+  // device, or wait for other readbacks.
   std::span<const std::byte> wait();
 
  private:
@@ -192,7 +192,7 @@ class ComputeReadbacks {
   std::vector<std::unique_ptr<ComputeReadback>> free_;
 };
 
-// Returns the whole text of a compute shader: `text` as ComputeProgram takes it, the version line and main().
+// Returns the complete text of a compute shader: the version line, `text` (see ComputeProgram) and main().
 std::string computeShaderText(std::string_view text);
 
 class ComputeProgram {

@@ -170,7 +170,7 @@ class MappedCopy {
 // calls.
 class DeviceClock {
  public:
-  // Adds the device's time for the OpenGL calls between begin() and end() to the stage that end() is given.
+  // end() adds the device's time for the OpenGL calls since begin() to the stage that is its argument.
   void begin() {
     if (!running) return;
     std::array<GLuint, 2> queries{};

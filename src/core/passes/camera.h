@@ -14,7 +14,7 @@ namespace scanmill {
 //
 //   u = cx + fx * x / z,  v = cy + fy * y / z
 struct Camera {
-  std::string name;  // such as "front"; part of file names
+  std::string name;  // a name such as "front", which becomes part of file names
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   double fx = 0;  // px, focal lengths

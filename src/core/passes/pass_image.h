@@ -15,7 +15,7 @@
 
 namespace scanmill {
 
-// Depth of a pixel that shows no surface.
+// Depth of pixels that show no surface.
 constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 
 // A choice of passes. In `channels`, Range stands for the depth, which is always included. Incidence has no pass of its
@@ -99,8 +99,8 @@ class ImageSource : public PixelSource {
   PassChoice available_;             // passes that all images have
 };
 
-// Returns a hint in brackets, to be appended to a message: what can be used if images lack a pass. Empty if nothing can
-// replace the pass.
+// Returns a hint to append to the message that images lack a pass: in brackets, what can be used instead. Empty if
+// nothing can replace the pass.
 std::string_view insteadOf(std::string_view pass);
 
 // Returns all images of a source.

@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// The limits of a view. Surfaces are visible only from `nearest` to `farthest` (m, along the camera's z axis; 0 <
+// The limits of an image. Surfaces are visible only from `nearest` to `farthest` (m, along the camera's z axis; 0 <
 // nearest < farthest). Parts of the scene more than `reach` (m, straight-line distance) from the camera may be left
 // out.
 struct DrawLimits {

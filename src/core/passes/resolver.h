@@ -68,8 +68,8 @@ class Resolver {
                             const Vec3d& sight) const;
 
   const Scene& scene_;
-  std::vector<Face> faces_;           // all meshes, one after the other
-  std::vector<SurfaceIds> surfaces_;  // all meshes, one after the other
+  std::vector<Face> faces_;           // the triangles of all meshes, one mesh after the other
+  std::vector<SurfaceIds> surfaces_;  // the surfaces of all meshes, one mesh after the other
   std::vector<Placed> instances_;     // element 0 is for pixels without a surface
   std::vector<Finish> materials_;
 };

@@ -37,8 +37,8 @@ class ClassPowers {
     double power = 0;
   };
 
-  // Returns the class with the most power, without the class of `other` (null: all classes); of classes with equal
-  // power the one with the lower id. The power is -1 if there is no such class.
+  // Returns the class with the most power; among classes with equal power, the one with the lowest id. Ignores the
+  // class of `other`, unless `other` is null. The power is -1 if no class remains.
   Entry strongest(const Entry* other) const {
     Entry best{0, -1};
     for (const Entry& e : entries_) {
@@ -75,7 +75,7 @@ class EchoFinder {
         farthest = std::max(farthest, range);
       }
       if (parts_.size() == 1 || (!parts_.empty() && pulse_ > 0 && farthest - nearest <= pulse_)) {
-        addEcho(beam, parts_);  // as for most beams, all rays form one echo
+        addEcho(beam, parts_);  // all rays form one echo: the case of most beams
       } else if (!parts_.empty()) {
         addBeam(beam);
       }

@@ -30,7 +30,7 @@ Cause causeOf(RayPath path);
 // Rays of one beam whose ranges are too similar for the receiver to separate them.
 struct Echo {
   std::uint32_t beam = 0;
-  std::uint32_t hit = 0;     // index in Hits of the strongest ray of the class that contributes most power
+  std::uint32_t hit = 0;     // index in Hits: the strongest ray among those of the class with most power
   float range = 0;           // m
   float power = 0;           // sum of the powers of all rays
   float spread = 0;          // m, standard deviation of the rays' ranges, weighted by power
@@ -39,8 +39,8 @@ struct Echo {
   Cause cause = Cause::Surface;
 };
 
-// Largest number of rows of a beam in the table of returns, because each beam has this many addresses of random
-// numbers. If a beam has more echoes, the strongest are kept.
+// Largest number of rows of a beam in the table of returns. Each beam has random numbers for this many rows. If a beam
+// has more echoes, the strongest are kept.
 constexpr std::uint32_t kMostReturns = 16;
 
 // Returns the echoes of all beams, ordered by beam and then by range. Rays without a hit give none. Neighbouring rays

@@ -55,7 +55,7 @@ class ReturnOrder {
 
  private:
   const Returns& returns_;
-  std::vector<std::vector<std::uint32_t>> planes_;  // by return, then by beam; empty if there is one row per beam
+  std::vector<std::vector<std::uint32_t>> planes_;  // row by return and beam; empty if there is one row per beam
 };
 
 // The points of a tile: for each point its beam, its row in the table of returns, its hit, and its row in the scan. If
@@ -83,14 +83,14 @@ class Moves {
   }
 };
 
-// Neighbouring columns and, for each of them, the scan's row for the column's next point.
+// Neighbouring columns of beams and, for each, the row of the scan to which its next point is written.
 struct Strip {
   std::uint32_t firstColumn;
   std::uint32_t width;
   std::array<std::uint32_t, kTileColumns> next;
 };
 
-// Returns the transform to the sensor's frame at the start of the revolution from its frame at a step. The large world
+// Returns the transform from the sensor's frame at a step to its frame at the start of the revolution. The large world
 // coordinates are subtracted first, which keeps the precision.
 Affine startFromStep(const Shot& shot, std::size_t step) {
   if (step == 0) return {};
@@ -219,8 +219,8 @@ class Gathering {
 
   // Collects the points of a tile that are return number `plane` of their beam, for any number of rows per beam. In a
   // dense scan the returns of a beam are consecutive. The scan's row of a return is therefore the row at which the
-  // column continues, plus the number of returns before it: of the same beam, and of the tile's earlier rings in the
-  // column.
+  // column continues, plus the number of earlier returns, both of the same beam and of the column's beams in the tile's
+  // earlier rings.
   void collectPlane(std::uint32_t firstRing, std::uint32_t plane) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);
@@ -295,7 +295,7 @@ class Gathering {
     }
   }
 
-  // Fills one column of the scan. A column of the table that is not handled here does not compile.
+  // Fills one column of the scan. If a column in the table of columns is not handled here, the code does not compile.
   template <class Key, class T>
   void fill(Key key, std::uint32_t plane, std::vector<T>& values) {
     constexpr std::string_view name = Key::row.name;
@@ -414,8 +414,7 @@ class Gathering {
     put(values, [source, at](std::size_t m) { return source[at[m]]; });
   }
 
-  // Writes values that are computed from hits. A row without a hit gets the value that the column has for points
-  // without one.
+  // Writes values that are computed from hits. A row without a hit gets the column's value for points without a hit.
   template <class Key, class T, class Value>
   void putHits(Key key, std::vector<T>& values, const Value& value) {
     const std::uint32_t* const hits = moves_.hit;

@@ -40,7 +40,7 @@ void fillEmpty(const Hits& hits, std::vector<std::uint8_t>& reasons) {
 std::vector<std::uint8_t> reasonsOf(const Hits& hits, std::span<const Material> materials, const Returns& returns) {
   if (!returns.tellsReasons()) throw Error("the table of returns has no reasons");
   std::vector<std::uint8_t> reasons(hits.size(), 0);
-  std::vector<std::uint32_t> told(hits.size(), kNoHit);  // by beam: the row that determines the beam's reason so far
+  std::vector<std::uint32_t> told(hits.size(), kNoHit);  // for each beam, the row that its reason comes from so far
   for (std::uint32_t row = 0; row < returns.size(); ++row) {
     const bool returned = returns.returned(row);
     const Reason lost = returns.lostTo(row);

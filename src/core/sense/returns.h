@@ -21,14 +21,14 @@
 
 namespace scanmill {
 
-// The hit of a row that an effect has added without a hit.
+// Value of Returns::hit() for a row that an effect has added and that has no hit.
 constexpr std::uint32_t kNoHit = 0xFFFFFFFF;
 
 // A row that an effect adds.
 struct AddedReturn {
   std::uint32_t beam = 0;
   float range = 0;  // m along the beam
-  float power = 0;  // before the effect `intensity`: as from the reference range; after it: as received
+  float power = 0;  // received power; if added before the effect `intensity`: as if from the reference range
   float intensity = 0;
   float snr = 0;
   Cause cause = Cause::FalsePositive;
@@ -55,22 +55,22 @@ class Returns {
   std::vector<float> share;           // fraction of the echo's power that comes from surfaces of the class `label`
   std::vector<std::uint16_t> label2;  // class with the second largest part of the power; 0: none
 
-  std::vector<float> air;  // fraction of the power that the weather transmits; empty: 1, or reasons are not recorded
+  std::vector<float> air;  // fraction of power that the weather transmits; empty: all 1, or reasons are not recorded
 
   std::vector<float> snr;  // signal to noise ratio of the power; empty until an effect sets it
 
-  // True if, for rows with a hit, `power` was set at the start to the sum over the rays of each echo.
+  // True if start() has set `power`, for rows with a hit, to the sum of the powers of the echo's rays.
   bool powerOfEchoes = false;
 
   std::size_t size() const { return range.size(); }
   bool returned(std::size_t row) const { return range[row] < kMiss; }
 
-  // Returns true if row i is the first return of beam i and comes from hit i, for all rows.
+  // Returns true if every row i is the first return of beam i and comes from hit i.
   bool onePerBeam() const { return onePerBeam_; }
   std::uint32_t beam(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : beam_[row]; }
   // Returns the index of the row among its beam's rows, from 0. Together with seed, scene, frame, sensor and beam this
   // is the address of the row's random numbers, so it does not change when rows are removed. The scan's column `return`
-  // numbers the remaining returns again, the nearest first.
+  // counts the remaining returns anew, the nearest first.
   std::uint32_t number(std::size_t row) const { return onePerBeam() ? 0 : number_[row]; }
   // Returns the index of the row's hit in Hits, or kNoHit.
   std::uint32_t hit(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : hit_[row]; }
@@ -114,14 +114,14 @@ class Returns {
   void makeIndices(const Hits& hits);
 
   bool onePerBeam_ = true;
-  std::vector<std::uint32_t> beam_;  // these three are empty if there is one row per beam
+  std::vector<std::uint32_t> beam_;  // beam_, hit_ and number_ are empty if there is one row per beam
   std::vector<std::uint32_t> hit_;
   std::vector<std::uint8_t> number_;
   std::vector<Cause> cause_;              // empty: all returns come from surfaces
-  std::vector<std::uint8_t> rowsOfBeam_;  // by beam: number of its rows; empty until a row is added
+  std::vector<std::uint8_t> rowsOfBeam_;  // number of rows of each beam; empty until a row is added
   bool tellsReasons_ = false;
-  std::vector<Reason> lost_;   // by row; as long as the table was when reasons were last recorded
-  std::vector<bool> present_;  // by row, as long as lost_: true if the row was not lost when reasons were last recorded
+  std::vector<Reason> lost_;   // reasons of the rows that existed when reasons were last recorded
+  std::vector<bool> present_;  // for the same rows: true if the row was not lost at that time
 };
 
 }  // namespace scanmill

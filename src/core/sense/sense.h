@@ -31,14 +31,14 @@ void detect(const Hits& hits, const Shot& shot, EffectList effects, std::span<co
 
 // The settings with which hits become a scan. All objects that they refer to must outlive the receiver.
 struct Receiver {
-  EffectList effects = {};                   // in the order in which they run
+  EffectList effects = {};                   // the effects, in the order in which they run
   std::span<const Material> materials = {};  // indexed by Hits::material
   ScanLayout layout = {};                    // the columns that the scan gets
   const ThingMotions* motions = nullptr;     // null: nothing moves, or no column or class depends on motion
 };
 
-// Detects, applies the effects and gathers the requested columns. `returns` is a buffer that calls may share, to avoid
-// allocations. Throws Error if the hits lack a channel or belong to another sensor.
+// Detects, applies the effects and gathers the requested columns. `returns` is a buffer, which later calls can reuse
+// to avoid allocations. Throws Error if the hits lack a channel or belong to another sensor.
 void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

@@ -3,7 +3,7 @@
 // The motion of a scene's object instances during a shot, for the columns and classes that depend on motion.
 //
 //   const ThingMotions motions(scene, shot);
-//   const Vec3d velocity = motions.velocity(17, {10, 0, 0});  // of the object 17 at a place (m/s)
+//   const Vec3d velocity = motions.velocity(17, {10, 0, 0});  // velocity of object 17 at a point (m/s)
 
 #include <cstdint>
 #include <map>
@@ -51,12 +51,12 @@ class ThingMotions {
   };
   const Scene& scene_;
   double time_;       // s, start of the shot
-  double duration_;   // s, of the revolution
-  double untilNext_;  // s, from the shot to the next frame
+  double duration_;   // s, duration of the revolution
+  double untilNext_;  // s, time from the shot to the next frame
   std::unordered_map<std::uint32_t, Motion> things_;
-  std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // by instance id: index into Scene::instances
-  std::map<std::uint16_t, std::uint16_t> movingClasses_;             // by class of objects that stand still: the class
-                                                                     // of such objects when they move
+  std::unordered_multimap<std::uint32_t, std::uint32_t> instances_;  // indices into Scene::instances, by instance id
+  std::map<std::uint16_t, std::uint16_t> movingClasses_;             // for a class of objects at rest, the class of the
+                                                                     // same objects in motion
 };
 
 }  // namespace scanmill

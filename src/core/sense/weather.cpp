@@ -15,7 +15,7 @@ constexpr double kLargeDrops = 2;           // extinction cross section of a dro
 constexpr double kFlakeDensity = 0.1;       // density of a snowflake, relative to water
 constexpr double kIceLidarRatio = 25;       // sr, extinction over backscatter
 constexpr double kDustLidarRatio = 50;      // sr, extinction over backscatter
-constexpr double kSquareMillimetre = 1e-6;  // m^2, for areas in mm^2
+constexpr double kSquareMillimetre = 1e-6;  // m^2 per mm^2
 
 double power(double base, double exponent) {
   return exponential(exponent * naturalLog(base));
@@ -54,7 +54,7 @@ Weather rainOf(double rate) {
 Weather snowOf(double rate) {
   Weather made;
   made.drops = snowFlakes(rate);
-  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts to
+  const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts into
   made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
   // pi times the flake's extinction cross section (twice its area; its radius is width * D / 2), over the lidar ratio.
   made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;

@@ -21,7 +21,7 @@ struct DropSizes {
 // size", Journal of Meteorology 5, 1948, eqs. 1 to 3.
 DropSizes rainDrops(double rate);
 // Returns the size distribution of snowflakes at a rate (mm/h of water), by the diameter of the drops that they melt
-// to: Gunn and Marshall, "The distribution with size of aggregate snowflakes", Journal of Meteorology 15, 1958.
+// into: Gunn and Marshall, "The distribution with size of aggregate snowflakes", Journal of Meteorology 15, 1958.
 DropSizes snowFlakes(double rate);
 
 struct Weather {
@@ -66,7 +66,7 @@ double mistEcho(const Weather& weather, double length);
 // Dorf, "Why some things are darker when wet", Applied Optics 27, 1988).
 double dampness(double reflectance);
 // Returns the fraction of light that passes through a film of standing water and out again (Fresnel), relative to
-// normal incidence. `cosine`: of the angle of incidence.
+// normal incidence. `cosine`: cosine of the angle of incidence.
 double filmTransmission(double cosine);
 
 }  // namespace scanmill

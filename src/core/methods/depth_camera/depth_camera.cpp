@@ -26,11 +26,12 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;                       // m, and fraction of the range: images reach this much farther
-                                                      // than the sensor
-constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
-// Measured with VTK on llvmpipe, as differences of complete processes: 128 MiB without anything to render, against 44
-// MiB for ray tracing; and the street of 1.28 million placed triangles, with 3 and with 4 images of 2048 x 2048.
+constexpr double kSlack = 1e-3;                       // images reach farther than the sensor by this fraction of the
+                                                      // range, plus this many metres
+constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
+// Measured with VTK on llvmpipe, as differences between processes: with nothing to render a process takes 128 MiB,
+// against 44 MiB with ray tracing. The other two values are from the street of 1.28 million placed triangles, with 3
+// and with 4 images of 2048 x 2048.
 constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;

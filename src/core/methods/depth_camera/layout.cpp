@@ -18,11 +18,11 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kImageCost = 100'000;              // pixels that are considered as expensive as one more image
-constexpr double kWidestField = radians(168.0);     // wider planes have most pixels at the edge
-constexpr int kMostSides = 6;                       // cameras, besides one up and one down
+constexpr double kImageCost = 100'000;              // number of pixels that cost as much as one more image
+constexpr double kWidestField = radians(168.0);     // largest field of view; wider images have most pixels at the edge
+constexpr int kMostSides = 6;                       // largest number of side cameras; up to two more look up or down
 constexpr double kSteepest = 1e4;                   // slope z / sqrt(x^2 + y^2) to which steeper slopes are limited
-constexpr double kSmallestDepth = 1e-4;             // of a unit direction along the camera's axis; smaller depths are
+constexpr double kSmallestDepth = 1e-4;             // a unit direction with less depth along the camera's axis is
                                                     // outside of the image
 constexpr int kBins = 512;                          // number of bins of azimuth by which the cameras are chosen
 constexpr double kFullRevolution = radians(300.0);  // a wider range of azimuths is treated as a full circle
@@ -262,8 +262,8 @@ struct Facing {
   const char* name;
 };
 
-// Returns the cameras with these facings that are needed: those that are nearest, by their axis, to some direction that
-// they see.
+// Assigns each direction to the camera with the nearest axis among the cameras that see the direction. Returns the
+// cameras that have at least one direction.
 std::vector<Camera> layOutFixed(std::span<const Vec3d> directions, std::uint32_t resolution, double fieldDeg,
                                 std::span<const Facing> facings) {
   std::vector<Camera> cameras;

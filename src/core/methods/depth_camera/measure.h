@@ -16,7 +16,7 @@ struct Met {
   alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // normal in rig axes
   alignas(64) double range[kBlock];                        // m; NaN or infinite if nothing is hit
   alignas(64) double along[kBlock];                        // dot product of normal and beam direction
-  bool again[kBlock];                                      // true if the hit point is in another pixel
+  bool again[kBlock];                                      // true if the hit is in another pixel than was sampled
 };
 
 // Pixels of the beams of a block: their positions in the image, and their values. If four pixels are blended, also the
@@ -26,7 +26,7 @@ struct BlockPixels {
   const double* v;
   const PassPlanes* planes;   // values of the batch's pixels
   std::size_t first;          // index in `planes` of the block's first pixel
-  const PassPlanes* corners;  // of the batch; corner k (right k % 2, down k / 2) of beam i is at k * stride + i
+  const PassPlanes* corners;  // values of corner pixels; corner k (right k % 2, down k / 2) of beam i: k * stride + i
   std::size_t stride;
 };
 
@@ -34,8 +34,8 @@ struct BlockPixels {
 void measure(const SampleOptions& options, const CameraView& view, const Mat3& rigFromWorld, const BlockPixels& pixels,
              std::size_t begin, std::size_t end, const BeamBlock& block, Met& met);
 
-// Returns the column (or row) of pixels for which u (px) is between its centre and the centre of the next one. At the
-// edge of the image (`size` px), returns the nearest column that has a next one.
+// Returns the column (or row) of pixels such that u (px) is between its centre and the next column's centre. At the
+// edge of the image (`size` px), returns the nearest column that has a next column.
 double firstCorner(double u, double size);
 
 }  // namespace scanmill

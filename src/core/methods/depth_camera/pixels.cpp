@@ -70,7 +70,7 @@ std::vector<CameraView> viewsOf(const std::vector<Camera>& cameras, const Pose& 
     view.right = axes.x;
     view.down = axes.y;
     view.forward = axes.z;
-    // Subtract before rotating: far from the world's origin this keeps micrometres.
+    // Subtract before rotating: far from the world's origin this keeps a precision of micrometres.
     view.position = rigFromWorld * (camera.worldFromCamera.translation - worldFromRig.translation);
     view.fx = camera.fx / s;
     view.fy = camera.fy / s;

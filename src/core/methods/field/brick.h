@@ -72,7 +72,7 @@ class BrickMaker {
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};
-  std::array<float, kBlock> blockDistance_{};  // voxels, from the centre of each block to the nearest triangle, or less
+  std::array<float, kBlock> blockDistance_{};  // voxels, lower bound of each block centre's distance to triangles
 
   // The triangles that are compared with the corners of the current block, ordered as in lists.
   std::vector<Facet<float>> candidates_;
@@ -103,12 +103,12 @@ namespace brick {
 // large.
 constexpr float kRounding = 2e-5f;
 constexpr float kShortened = 1 - 1e-5f;   // factor on distances of bricks' centres, so that they are never too large
-constexpr float kRadius = 6.93f;          // from a brick's centre to its corners: slightly more than 4 sqrt(3)
+constexpr float kRadius = 6.93f;          // distance from a brick's centre to its corners, rounded up: 4 sqrt(3)
 constexpr float kListedRadius = 0.9536f;  // radius of a ball that contains the cube of kListedHalf: slightly more than
                                           // sqrt(3) kListedHalf
-constexpr float kBlockRadius = 1.7322f;   // from a block's centre to its corners: slightly more than sqrt(3)
+constexpr float kBlockRadius = 1.7322f;   // distance from a block's centre to its corners, rounded up: sqrt(3)
 static_assert(kListedRadius * kListedRadius > 3 * kListedHalf * kListedHalf);
-// Distance from the brick's centre within which all triangles are that are at most kExact from a corner of the brick.
+// Triangles that are at most kExact from a corner of the brick are at most this far from the brick's centre.
 constexpr float kSeen = kRadius + kExact;
 
 // Positions of the corners relative to the brick's centre, by block.

@@ -25,8 +25,8 @@ constexpr std::size_t kBricksPerTask = 8;
 // Largest number of full bricks, because the lanes of march_stream.h address distances by offsets of 31 bits.
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
 
-// Returns the number of bricks to reserve space for, if a field has `count` bricks and moves. On a street about twenty
-// moves fit into the space before bricks must be copied to a new pool.
+// Returns the number of bricks for which a moving field with `count` bricks reserves space. On a street this is enough
+// for about twenty moves; then bricks must be copied to a new pool.
 constexpr std::size_t withRoom(std::size_t count) {
   return count + count / 2;
 }
@@ -71,7 +71,7 @@ class Builder {
   std::size_t first_ = 0;                          // place in the pool of the first brick of bricks_
   std::vector<std::uint32_t> unmade_;              // indices of new bricks' table entries
   std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
-  std::vector<std::vector<std::uint32_t>> lists_;  // by new brick: its lists; the brick's words count from their start
+  std::vector<std::vector<std::uint32_t>> lists_;  // lists of each new brick; the brick's words are offsets in them
 };
 
 Builder::Builder(const World& world, const FieldShape& shape,
@@ -260,7 +260,7 @@ std::uint64_t Builder::placeLists() {
   return end;
 }
 
-// Copies bricks from the earlier pool to their places, and all lists.
+// Copies bricks of the earlier pool, and the lists of all bricks, to their places.
 void Builder::assemble() {
   const BrickPool* from = poolBefore_.get();
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {

@@ -24,9 +24,9 @@
 
 namespace scanmill {
 
-constexpr int kBrickVoxels = 8;                     // per axis
-constexpr int kHalfBrick = kBrickVoxels / 2;        // per axis
-constexpr int kBrickCorners = kBrickVoxels + 1;     // per axis
+constexpr int kBrickVoxels = 8;                     // voxels of a brick along each axis
+constexpr int kHalfBrick = kBrickVoxels / 2;        // voxels of half a brick along each axis
+constexpr int kBrickCorners = kBrickVoxels + 1;     // corners of voxels of a brick along each axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // order of corners: x fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance; even, so that two
                                                     // values fit a 32-bit word
@@ -56,7 +56,7 @@ constexpr float kListedHalf = 0.55f;
 
 using Corner = std::array<std::int64_t, 3>;  // lattice coordinates of a corner or a brick
 
-// The box of bricks of a level, in bricks of the level.
+// The bricks of a level, which form a box. The unit is a brick of the level.
 struct LevelBox {
   Corner firstBrick{};
   std::array<std::uint32_t, 3> bricks{};

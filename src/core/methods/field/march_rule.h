@@ -25,16 +25,15 @@ constexpr float kRest = 0.501f;
 // most the root for all m <= M, if c = (R - sqrt(R^2 - M^2)) / M^2, which makes the two equal at m = M. As c decreases
 // with R, the c for the smallest R is valid for all larger R. Each kind of ball thus needs one constant and no root,
 // which GPUs round differently.
-constexpr float kEmptyBend = 0.083334f;  // for R >= kEmptyBrick and M = 4 sqrt(3)
-constexpr float kNamedBend = 0.26297f;   // for R >= kNamed and M = sqrt(3) / 2
-constexpr float kListedBend = 0.78805f;  // for R >= kListed and M = sqrt(3) / 2
+constexpr float kEmptyBend = 0.083334f;  // c for R >= kEmptyBrick and M = 4 sqrt(3)
+constexpr float kNamedBend = 0.26297f;   // c for R >= kNamed and M = sqrt(3) / 2
+constexpr float kListedBend = 0.78805f;  // c for R >= kListed and M = sqrt(3) / 2
 
 // Fraction by which triangles are enlarged, so that rounding opens no cracks between them.
 constexpr float kSeam = 1e-5f;
 constexpr float kBehind = 0.25f;  // a hit may be this far behind the particle, because the particle may have stepped
                                   // past it
-constexpr float kTie = 1e-4f;     // among surfaces that are closer together than this along the line, the first in the
-                                  // list is hit
+constexpr float kTie = 1e-4f;     // a later triangle of a list replaces a hit only if it is nearer by more than this
 constexpr float kNudge = 1e-3f;   // length by which a step goes past a voxel's face
 // Distance from a voxel's centre to the planes at which a particle leaves the voxel. The planes are slightly past the
 // faces, so that the particle is certainly in the next voxel, and so that a particle that moves within a face does not
@@ -54,8 +53,8 @@ constexpr float kTrusted = 1.5f;
 constexpr float kThere = 0.6f;
 
 // Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest
-// to a point kAside in front of the surface is at least kLayer in front of it, beyond the layer. On the street 0.6 % of
-// all beams get their label this way, on truck_town 0.03 %.
+// to a point kAside in front of the surface is at least kLayer in front of it, and so beyond the layer. On the street
+// 0.6 % of all beams get their label this way, on truck_town 0.03 %.
 constexpr double kLayer = 0.1;  // largest thickness of a layer
 constexpr double kAside = 0.5 + kLayer;
 constexpr double kAlike = 0.9;  // least cosine of the angle between a layer and the surface below the layer

@@ -110,7 +110,7 @@ bool nearPoint(RTCPointQueryFunctionArguments* arguments) {
 
 struct Gathering {
   const TriangleBlock& block;
-  Ball margin;  // ball around each point of the cube
+  Ball margin;  // ball at the cube's centre; its radius is the margin around the cube
   float half;   // m, half side of the cube
   std::size_t most;
   std::vector<std::uint32_t>& triangles;

@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-// Adds rows of rotation and position, pose after pose.
+// Appends 12 numbers per pose: each row of the rotation, followed by a component of the position.
 void appendPoses(const ShotFrame& frame, std::vector<double>& rows) {
   for (std::size_t step = 0; step < frame.rotation.size(); ++step) {
     const Mat3& r = frame.rotation[step];

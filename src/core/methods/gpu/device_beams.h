@@ -23,18 +23,18 @@ class DeviceBeams {
   // Bytes per ray in the largest buffer, that of directions.
   static constexpr std::uint64_t kBytesPerRay = 24;
 
-  // Shots of the same beam table and with equally many poses, which a device traces together, and their frames
-  // (frameOf()).
+  // Shots that a device traces together, and their frames (frameOf()). The shots have the same beam table and equally
+  // many poses.
   struct Shots {
     std::vector<const Shot*> shots;
     std::vector<const ShotFrame*> frames;
   };
 
-  // Uploads the shots' poses and, unless the device holds them already, the rays of their table. The kTables most
+  // Uploads the shots' poses and, unless the device has them already, the rays of their table. The kTables most
   // recently used tables stay on the device, for the sensors of a vehicle.
   void hold(const Shots& shots);
 
-  // Bindings 0 to 3 of programs that include rays.glsl, for the shots of the last hold().
+  // Buffers for the bindings 0 to 3 of programs that include rays.glsl, with the shots of the last hold().
   const ComputeBuffer& directions() const { return tables_.front().directions; }
   const ComputeBuffer& origins() const { return tables_.front().origins; }
   const ComputeBuffer& poses() const { return poses_; }
@@ -46,7 +46,7 @@ class DeviceBeams {
   struct Table {
     explicit Table(const ComputeDevice& device);
 
-    std::weak_ptr<const BeamTable> beams;  // whose rays are in the buffers
+    std::weak_ptr<const BeamTable> beams;  // the table whose rays are in the buffers
     std::size_t poses = 0;                 // poses per shot for which `steps` is computed
     ComputeBuffer directions, origins, steps;
   };

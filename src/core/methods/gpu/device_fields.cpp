@@ -48,8 +48,8 @@ std::uint64_t DeviceFields::HeldPool::bytes() const {
 DeviceFields::DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes)
     : device_(device), mostTableBytes_(mostTableBytes) {}
 
-// Brings an entry for the pool to the front of pools_: that of this pool, else that of a pool that no longer exists,
-// else a new one if it fits, else that of the pool that was not used for the longest time.
+// Moves the pool's entry of pools_ to the front. If the pool has none, it gets the entry of a pool that no longer
+// exists, otherwise a new entry if memory suffices, otherwise the least recently used entry.
 void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
   auto found = std::find_if(pools_.begin(), pools_.end(), [&](const HeldPool& p) { return p.pool.lock() == pool; });
   if (found == pools_.end()) {
@@ -57,7 +57,7 @@ void DeviceFields::take(const std::shared_ptr<const BrickPool>& pool) {
     if (found == pools_.end()) {
       std::uint64_t bytes = 0;
       for (const HeldPool& held : pools_) bytes += held.bytes();
-      // The new one is about as large as the others.
+      // Assumes that the new pool will have the mean size of the others.
       const bool fits = pools_.empty() || bytes + bytes / pools_.size() <= kMostBytes;
       found = fits ? pools_.emplace(pools_.end(), device_) : std::prev(pools_.end());
     }
@@ -93,7 +93,7 @@ void DeviceFields::upload(const std::shared_ptr<const DistanceField>& field) {
   held.field = field;
 }
 
-// Uploads the part of `all` that the device does not hold. `room`: elements to which the array may grow.
+// Uploads the part of `all` that is not on the device yet. `room`: largest number of elements of the array.
 template <class T>
 void DeviceFields::append(Array& array, ComputeTable::Texel texel, std::span<const T> all, std::size_t room,
                           const char* what) {

@@ -1,7 +1,7 @@
 #pragma once
 
 // Distance fields on a device. A field that has moved shares its bricks with the field before (field/brick_pool.h):
-// only the bricks that the device does not hold are uploaded.
+// only bricks that are not on the device yet are uploaded.
 
 #include <cstdint>
 #include <list>
@@ -15,16 +15,16 @@ namespace scanmill {
 
 class DeviceFields {
  public:
-  // `mostTableBytes`: the most bytes of one table.
+  // `mostTableBytes`: largest size of a table (bytes).
   DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes);
 
-  // Uploads those parts of the field that the device does not hold yet. The most recently used bricks of other pools
-  // stay, up to kMostBytes, for threads that work on other drives; if memory runs out, they are dropped. Throws an
+  // Uploads the parts of the field that are not on the device yet. Recently used bricks of other pools stay there, for
+  // threads that work on other drives; they are dropped if they exceed kMostBytes or memory runs out. Throws an
   // Error with the device's ComputeErrorWords if the field does not fit even then.
   void hold(const std::shared_ptr<const DistanceField>& field);
 
-  // The tables of the field of the last hold(). levels() has two words of 16 bytes per level: one with the bits of its
-  // offset (float32) and its first entry in the table, one with its bricks along x, y and z.
+  // The tables of the field of the last hold(). levels() has two words of 16 bytes per level: the bits of the level's
+  // offset (float32) with the index of its first entry in the table, then its numbers of bricks along x, y and z.
   ComputeTable levels() const { return {&pools_.front().levels, ComputeTable::Texel::Uint32x4}; }
   ComputeTable table() const { return {&pools_.front().table, ComputeTable::Texel::Uint32}; }
   ComputeTable distances() const { return {&pools_.front().distances.buffer, ComputeTable::Texel::Uint16}; }
@@ -40,7 +40,7 @@ class DeviceFields {
     std::uint64_t there = 0;  // bytes
   };
 
-  // A pool on the device, and the last of its fields that was uploaded.
+  // A pool on the device. `field`: the pool's field that was uploaded last.
   struct HeldPool {
     explicit HeldPool(const ComputeDevice& device);
     std::uint64_t bytes() const;

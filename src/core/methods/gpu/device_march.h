@@ -16,23 +16,23 @@ namespace scanmill {
 
 class DeviceMarch {
  public:
-  // `mostTableBytes`: the most bytes of one table.
+  // `mostTableBytes`: largest size of a table (bytes).
   DeviceMarch(const ComputeDevice& device, std::uint64_t mostTableBytes);
 
-  // Columns of float32 per particle: the most, for fields with lists, and the fewest, for fields without.
+  // Number of float32 columns of the particles, in fields with lists (most) and without lists (fewest).
   static constexpr std::uint64_t kMostColumns = 14;
   static constexpr std::uint64_t kFewestColumns = 8;
 
-  // Uploads what the device does not hold yet of a field. If the field has lists, also uploads the world's triangles,
-  // unless they are there already. Throws an Error, worded by ComputeErrorWords, if they do not fit.
+  // Uploads the parts of a field that are not on the device yet. If the field has lists, also uploads the world's
+  // triangles, unless they are on the device. Throws an Error, worded by ComputeErrorWords, if something does not fit.
   void hold(const std::shared_ptr<const DistanceField>& field, const std::shared_ptr<const World>& world);
 
   // reserve() makes room for `particles` particles and their records; run() marches them through the field of the last
-  // hold(). `again`: marches only those that continue behind a hole.
+  // hold(). `again`: marches only the particles that continue behind a hole.
   void reserve(bool lists, std::size_t particles);
   void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again);
 
-  // Storage buffers 0 and 1 of marchShader() (march_gl.h), and the fields on the device.
+  // Buffers for the bindings 0 and 1 of marchShader() (shaders.h), and the fields on the device.
   ComputeBuffer& particles() { return particles_; }
   const ComputeBuffer& records() const { return records_; }
   const DeviceFields& fields() const { return fields_; }
@@ -43,7 +43,7 @@ class DeviceMarch {
   MarchPrograms marchers_;
   ComputeBuffer particles_, records_, triangles_;
   DeviceFields fields_;
-  std::weak_ptr<const World> world_;  // whose triangles are uploaded
+  std::weak_ptr<const World> world_;  // the world whose triangles are uploaded
 };
 
 }  // namespace scanmill

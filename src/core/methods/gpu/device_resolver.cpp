@@ -25,7 +25,7 @@ std::uint32_t bitsOf(Channels channels) {
   return set;
 }
 
-// The beginnings of the columns that are asked for, in words of 4 bytes. Class and material share a column.
+// Where the requested columns begin, in words of 4 bytes. Class and material share a column.
 struct ColumnPlaces {
   ColumnPlaces(Channels channels, std::size_t rays) : end(rays) {
     const auto next = [&](bool asked, std::size_t words) {
@@ -40,7 +40,7 @@ struct ColumnPlaces {
     primitive = next(channels.has(Channel::Primitive), 1);
     normal = next(channels.has(Channel::Normal), 3);
   }
-  std::size_t end;  // the range begins at 0
+  std::size_t end;  // length of all columns; the first one, the range, begins at 0
   std::size_t incidence, reflectance, instance, label, primitive, normal;
 };
 

@@ -1,9 +1,9 @@
 #pragma once
 
-// Turns the triangles that a shot's rays hit into hits on a device, as methods/world/resolve.h does on the processor:
-// with the same bytes, or not at all. Sums and products in double have the processor's bits (`precise`). Quotients and
-// roots, which devices round differently, are bounded; if rounding could change a number that is asked for, the ray is
-// left to the processor.
+// Computes hits on a device from the triangles that a shot's rays hit, with the same bytes as methods/world/resolve.h
+// on the processor. Sums and products in double have the processor's bits (`precise`). Quotients and roots, which
+// devices round differently, are bounded; if rounding could change a requested number, the ray is left to the
+// processor.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,13 +37,13 @@ struct UndecidedRay {
 // The parameters that resolver.glsl reads, in std140 layout.
 struct ResolverBlock {
   double nearest, farthest;    // m, the sensor's range limits
-  std::uint32_t channels = 0;  // asked for
+  std::uint32_t channels = 0;  // bits of the requested channels
   std::uint32_t rays = 0;
 };
 
 class DeviceResolver {
  public:
-  // `most`: the most bytes of a table.
+  // `most`: largest size of a table (bytes).
   DeviceResolver(const ComputeDevice& device, std::uint64_t most);
 
   // Uploads the planes and labels of all triangles of a flat world, with its materials.
@@ -51,23 +51,23 @@ class DeviceResolver {
 
   static ResolverBlock block(const BeamTable& beams, Channels channels, std::size_t rays);
 
-  // Makes room for the hits of `rays` rays.
+  // Reserves space for the hits of `rays` rays.
   void reserve(Channels channels, std::size_t rays);
   static std::uint64_t bytesPerRay(Channels channels);
-  // Binding 5 of programs that include resolver.glsl.
+  // The buffer for binding 5 of programs that include resolver.glsl.
   const ComputeBuffer& columns() const { return columns_; }
-  // Bindings 0 to kTables - 1 of these programs.
+  // table(binding) returns the tables for the bindings 0 to kTables - 1 of these programs.
   static constexpr std::size_t kTables = 4;
   ComputeTable table(std::size_t binding) const;
 
-  // Some of the rays in columns().
+  // Consecutive rays in columns().
   struct Piece {
-    std::size_t all;  // all rays in columns()
+    std::size_t all;  // number of all rays in columns()
     std::size_t from;
     std::size_t count;
   };
-  // Copies the results of a program for a piece to the channels that `hits` has, from ray `first` of `hits` on, and
-  // adds the rays that are neither hits nor misses to `undecided`, ascending. `columns` is a copy of all of columns().
+  // Copies a piece's results to the channels that `hits` has, from ray `first` of `hits` on, and adds the rays that are
+  // neither hits nor misses to `undecided`, ascending. `columns`: a copy of the complete columns().
   static void take(std::span<const std::byte> columns, const Piece& piece, std::size_t first, Hits& hits,
                    std::vector<UndecidedRay>& undecided);
 

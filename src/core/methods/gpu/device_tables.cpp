@@ -27,8 +27,8 @@ DeviceWord wordOf(double a, double b) {
   return std::bit_cast<DeviceWord>(std::array{a, b});
 }
 
-// Makes the words of materials, and the texels of their textures. Materials that give the texels of a texture the same
-// values share these texels.
+// Creates the words of materials, and the texels of their textures. Materials that give the texels of a texture the
+// same values share these texels.
 class MaterialTables {
  public:
   explicit MaterialTables(LabelTables& made) : made_(made) {}

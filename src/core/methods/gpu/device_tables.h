@@ -25,23 +25,25 @@ struct TexturedTriangle {
   std::array<DeviceWord, 4> words;
 };
 
-constexpr std::uint32_t kLetsPass = 0x80000000u;  // bit of a texel; the other bits are its reflectance
+constexpr std::uint32_t kLetsPass = 0x80000000u;  // bit of a transparent texel; the other bits are the reflectance
 
-// Flags: why the texels of a material are read.
+// Flags of a material: the reasons why its texels are read.
 constexpr std::uint32_t kTextured = 1;  // texels scale the reflectance
-constexpr std::uint32_t kCutOut = 2;    // some of them let beams pass
+constexpr std::uint32_t kCutOut = 2;    // some texels let beams pass
 
 struct LabelTables {
-  std::vector<TriangleRecord> records;     // the records of World::baked
+  std::vector<TriangleRecord> records;     // one per triangle of World::baked
   std::vector<TexturedTriangle> textured;  // triangles whose material's texels are read
-  std::vector<DeviceWord> materials;  // bits of the reflectance, first texel, width | height << 16, kTextured | kCutOut
-  std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), kLetsPass
+  // One per material: bits of the reflectance, index of the first texel, width | height << 16 of the texture, flags.
+  std::vector<DeviceWord> materials;
+  std::vector<std::uint32_t> texels;  // bits of the reflectance (float32), with kLetsPass if transparent
 };
 
-// Returns about how many bytes the texels of a scene's materials take.
+// Returns approximately how many bytes the texels of a scene's materials take.
 std::uint64_t texelTableBytes(const Scene& scene);
 
-// Throws Error if a texture has more than 65535 texels a side. The world must be flat: nothing in it is instanced.
+// Returns the tables of a flat world, in which nothing is instanced. Throws Error if a texture has more than 65535
+// texels along a side.
 LabelTables labelTables(const World& world);
 
 }  // namespace scanmill

@@ -21,10 +21,10 @@ class GlMarcher {
   // Launches the particles of a shot, marches them and fills the channels that `hits` has with the results of resolve()
   // (methods/particle/march_job.h), all on the device and with the same bits as on the processor. Adds the rays that
   // end as neither hit nor miss, or that are left to the processor, to `undecided`, ascending. While one thread waits
-  // for the device or copies its results, others may give the device work; waiting shots in the same field are
-  // dispatched together. Adds to the stages "upload" (of field and scene), "march" (giving the device work and waiting
-  // for it) and "read_back" of `clock`. Throws Error, also if the buffers of the device cannot hold the beams or the
-  // hits.
+  // for the device or copies its results, other threads may submit work; waiting shots in the same field are dispatched
+  // together. Adds to the stages "upload" (of field and scene), "march" (submitting the work and waiting for its
+  // results) and "read_back" of `clock`. Throws Error, for instance if the beams or the hits do not fit into the
+  // device's buffers.
   virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
                      std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
                      std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;

@@ -1,4 +1,4 @@
-// Launches particles, marches them and makes their hits, all on a device, a slice at a time.
+// Launches particles, marches them and computes their hits, all on a device, in slices of limited size.
 
 #include "methods/gpu/march_gl.h"
 
@@ -98,14 +98,14 @@ HitsBlock hitsBlock(const DistanceField& field, const World& world, const Launch
   return block;
 }
 
-// A shot's particles, from launch to hits.
+// The work on the particles of one shot, from launch to hits.
 struct Flight {
   const std::shared_ptr<const DistanceField>& field;
   const std::shared_ptr<const World>& world;
   std::uint32_t steps;
   const ParticleLaunch* launch;
   Channels channels;
-  mutable double upload = 0;  // s, of field and scene; set for the first shot of a dispatch
+  mutable double upload = 0;  // s, time to upload field and scene; set for a dispatch's first shot
 
   std::size_t rays() const { return launch->shot->beams->size(); }
   std::uint64_t bytes() const { return DeviceResolver::bytesPerRay(channels) * rays(); }
@@ -143,7 +143,7 @@ class ComputeMarcher : public GlMarcher {
   std::string device() const override { return device_.nameAndPlace(); }
 
  private:
-  // Most holes in a row that a particle passes on the device; a particle that passes more is left to the processor.
+  // Largest number of holes that a particle passes on the device; a particle that passes more is left to the processor.
   static constexpr std::uint32_t kMostHoles = 6;
 
   using Queue = ShotQueue<Flight>;
@@ -175,8 +175,8 @@ class ComputeMarcher : public GlMarcher {
 
   std::uint64_t mostBytes() const { return std::min(mostTableBytes_, device_.mostBufferBytes()); }
 
-  // Launches `count` particles from `first` on, counted shot after shot, marches them and makes their hits. `rays`: how
-  // many rays all shots of the dispatch have.
+  // Launches `count` particles from `first` on, counted shot after shot, marches them and computes their hits.
+  // `rays`: number of rays of all shots of the dispatch.
   void fly(const Flight& flight, std::size_t rays, std::size_t first, std::size_t count) {
     const DistanceField& field = *flight.field;
     const World& world = *flight.world;
@@ -218,7 +218,7 @@ class ComputeMarcher : public GlMarcher {
   DeviceBeams beams_{device_};
   DeviceMarch march_{device_, mostTableBytes_};
   DeviceResolver resolver_{device_, mostTableBytes_};
-  std::weak_ptr<const World> labelled_;  // whose planes and labels are uploaded
+  std::weak_ptr<const World> labelled_;  // the world whose planes and labels are uploaded
   Queue queue_{device_, mostBytes(),
                [this](const std::vector<const Flight*>& together, Queue::Batch& batch) { run(together, batch); }};
 };

@@ -1,6 +1,6 @@
 #pragma once
 
-// Internals of GlMarcher: its programs, and limits on how much it gives its device at once, which tests set lower.
+// Internals of GlMarcher: its programs, and limits of the work that it submits at once. Tests set lower limits.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace scanmill {
 
 struct GlMarcherLimits {
   std::size_t particles = std::size_t{1} << 20;  // greatest number of particles that march at once
-  // Most bytes of a table; the limit of the device applies too.
+  // Largest size of a table (bytes); the limit of the device applies too.
   std::uint64_t tableBytes = std::numeric_limits<std::uint64_t>::max();
 };
 

@@ -21,7 +21,7 @@ extern const std::string_view kHitsListsShader;
 
 namespace {
 
-// Joins what several programs share: the outcomes of particles, the layout of bricks.
+// Returns the constants that several programs share: the outcomes of particles and the layout of bricks.
 std::string fieldConstants() {
   return glslConstant("kDistanceStep", kDistanceStep) + glslConstant("kBrickStride", kBrickStride + 0u) +
          glslConstant("kNoWord", kNoWord) + glslConstant("kFullBrick", kFullBrick) +
@@ -41,7 +41,7 @@ std::string resolverConstants() {
          glslConstant("kCutOut", kCutOut + 0u) + glslConstant("kTextured", kTextured + 0u);
 }
 
-// Joins constants and the text of a file.
+// Returns the text of a program: constants, followed by the text of a file.
 std::string program(std::string constants, std::string_view text) {
   return constants.append(text);
 }

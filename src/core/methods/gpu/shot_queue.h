@@ -1,7 +1,7 @@
 #pragma once
 
-// Gives a device the shots of many threads. While some shots are in flight, others queue up; shots that one dispatch
-// can do then go together.
+// Submits the shots of many threads to a device. While some shots are being processed, others queue up; one dispatch
+// then processes as many of these as it can.
 
 #include <algorithm>
 #include <condition_variable>
@@ -19,33 +19,33 @@
 
 namespace scanmill {
 
-// Work: what a thread waits for, all or some rays of a shot. It has
+// Work: all or some rays of a shot, for whose results a thread waits. It has these members:
 //
 //     std::size_t rays() const
-//     std::uint64_t bytes() const              // of the largest array on the device that grows with the work
-//     bool goesWith(const Work& other) const   // one dispatch can do both; they have equally many rays
+//     std::uint64_t bytes() const              // size of the largest array whose size depends on the work
+//     bool goesWith(const Work& other) const   // true only for works of equally many rays that fit one dispatch
 //
 template <class Work>
 class ShotQueue {
  public:
-  // One dispatch. Its hits come back to `hits`, work after work in the order in which the works were given.
+  // One dispatch. `hits` gets its results, one work after the other, in the order in which they were submitted.
   struct Batch {
     explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
     ComputeReadbacks::Lease hits;
-    std::size_t rays = 0;  // rays of all works together
+    std::size_t rays = 0;  // number of rays of all works
   };
-  // Gives the device some work, and starts the copy to `hits` of the batch. Only one thread at a time calls it.
+  // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
   using Give = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
-  // `most`: the most bytes of the works of one dispatch.
+  // `most`: largest sum of bytes() of the works of one dispatch.
   ShotQueue(const ComputeDevice& device, std::uint64_t most, Give give)
       : readbacks_(device, kInFlight), most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {}
 
   struct Given {
     std::shared_ptr<Batch> batch;
-    std::size_t from = 0;  // the work's first ray in the batch
+    std::size_t from = 0;  // index of the work's first ray in the batch
   };
-  // Returns once this thread or another one has given the device the work. Throws the error if that fails.
+  // Returns after this or another thread has submitted the work. Rethrows the exception if that fails.
   Given give(const Work& work) {
     Waiting mine{work, {}, nullptr};
     std::unique_lock lock(mutex_);
@@ -62,7 +62,7 @@ class ShotQueue {
   }
 
  private:
-  // Most dispatches whose hits the device is making or the processor is copying.
+  // Largest number of dispatches in flight: those whose hits are being computed or copied.
   static constexpr std::size_t kInFlight = 3;
   static constexpr std::uint64_t kMostBytesTogether = std::uint64_t{256} << 20;
 
@@ -72,8 +72,8 @@ class ShotQueue {
     std::exception_ptr failure;
   };
 
-  // Gives the device the first waiting work, and all works that go with it, as soon as fewer than kInFlight dispatches
-  // are in flight. A thread whose work is given may return at once: then its Waiting no longer exists.
+  // Waits until fewer than kInFlight dispatches are in flight; then submits the first waiting work and the works that
+  // go with it. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
   void lead(std::unique_lock<std::mutex>& lock) {
     leading_ = true;
     lock.unlock();
@@ -99,7 +99,7 @@ class ShotQueue {
     changed_.notify_all();
   }
 
-  // Gives the device one work alone, which may fit even if all together did not.
+  // Submits one work alone, which may fit although all together did not.
   void giveAlone(Waiting* waiting) {
     try {
       giveAll({waiting}, std::make_shared<Batch>(readbacks_));
@@ -143,7 +143,7 @@ class ShotQueue {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Waiting*> queue_;
-  bool leading_ = false;  // a thread is in lead()
+  bool leading_ = false;  // true while a thread is in lead()
 };
 
 }  // namespace scanmill

@@ -24,12 +24,12 @@ struct LightPaths {
 inline constexpr Channels kLightChannels =
     Channel::Range | Channel::Normal | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
 
-// Largest roughness of a material that reflects as a mirror, in addition to scattering.
+// Largest roughness of a material that reflects like a mirror (and also scatters).
 constexpr float kMirrorRoughness = 0.1f;
 
 // Returns the fraction of unpolarised light that one face between air and a material with this refractive index
-// reflects (Fresnel; Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine`: of the angle of
-// incidence.
+// reflects (Fresnel; Born and Wolf, "Principles of Optics", 7th edition, section 1.5.2). `cosine`: cosine of the angle
+// of incidence.
 double fresnel(double cosine, double index);
 
 // The total fractions of light that a pane reflects and transmits. A pane has two faces between air and its material,

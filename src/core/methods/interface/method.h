@@ -63,7 +63,7 @@ struct MethodCapabilities {
   bool moving = false;     // objects may move, also during a revolution; false: scenes with moving objects are refused
   bool passes = false;     // renders images that can be saved: see Method::depthCamera()
   bool reference = false;  // with default options exact enough to be the reference for other methods
-  bool openGl = false;     // uses OpenGL, at least with some options, so that a graphics card changes its speed
+  bool openGl = false;     // uses OpenGL, at least with some options: its speed then depends on the graphics card
 };
 
 struct MethodEntry {
@@ -75,7 +75,7 @@ struct MethodEntry {
   // The settings that `method: auto` tries if the pipeline lists none: a YAML list for readSettings()
   // (evaluate/settings.h).
   std::string_view autoSettings;
-  // Makes the method. `options` is the method's map in the pipeline; the maker calls its finish(). The scene must
+  // Creates the method. `options`: the method's map in the pipeline; `make` calls options.finish(). The scene must
   // outlive the method.
   std::unique_ptr<Method> (*make)(const Scene& scene, Fields& options);
 };

@@ -26,14 +26,13 @@ class FieldStore {
     bool whole;  // true if the box contains the complete scene
   };
   // Returns the field around a sensor at `sensor` (m, world frame). The field reaches `range` (m) unless the options
-  // set its extent. Safe to call from several threads: fields are built one after the other, each from the fields
-  // before it, and threads that wait for a field help to build it. The seconds of building a field, or of moving a
+  // set its extent. Safe to call from several threads: fields are built one after the other, each from earlier
+  // fields, and threads that wait for a field help to build it. The seconds of building a field, or of moving a
   // field along with the sensor, are added to the stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // Returns the least number of fields in memory while sensors drive, including the space for moving them. There may be
-  // more, one for each thread (each thread works on its own drive), as long as all fields fit into an eighth of the
-  // memory.
+  // Returns the least number of fields in memory while sensors drive, including the space for moving them. Each
+  // thread works on its own drive and may have its own field, as long as all fields fit into an eighth of the memory.
   std::size_t fewestFields() const;
 
  private:

@@ -4,10 +4,10 @@
 // distance around the particle that the field says is free. A particle ends where it hits a surface, at the end of its
 // path, or after its largest number of steps.
 //
-// There are two backends: the SIMD lanes of the processor (march_stream.h) and a compute shader (gpu/march_shader.cpp).
-// Both use float32 and only additions, multiplications, comparisons and conversions, in the same order and without
-// contraction to fused operations. Both therefore take the same steps, bit by bit, on any processor or GPU that follows
-// IEEE 754.
+// There are two backends: the SIMD lanes of the processor (march_stream.h) and a compute shader
+// (methods/gpu/shaders/march.glsl). Both use float32 and only additions, multiplications, comparisons and conversions,
+// in the same order and without contraction to fused operations. Both therefore take the same steps, bit by bit, on any
+// processor or GPU that follows IEEE 754.
 
 #include <cstdint>
 #include <span>
@@ -23,10 +23,10 @@ namespace scanmill {
 struct Particles {
   std::vector<float> ox, oy, oz;  // origin, relative to the field's centre
   std::vector<float> dx, dy, dz;  // unit direction, world axes
-  std::vector<float> begin, end;  // section of the line that is marched; a particle with begin >= end is a miss
+  std::vector<float> begin, end;  // limits of the marched section of the line; begin >= end: a miss
   // The following arrays are empty in fields without lists.
   std::vector<float> wx, wy, wz;  // m, origin relative to the world's origin
-  std::vector<float> ix, iy, iz;  // 1 / direction, whose components are replaced by 1e-12 if they are smaller
+  std::vector<float> ix, iy, iz;  // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
 
   std::size_t size() const { return begin.size(); }
   void resize(std::size_t count, bool lists);
@@ -34,8 +34,8 @@ struct Particles {
 
 // The results of particles, in the order of the particles.
 struct HitRecords {
-  std::vector<float> way;               // only of a hit: length marched, in the field frame
-  std::vector<std::uint32_t> triangle;  // only of a hit: index in World::baked
+  std::vector<float> way;               // length marched, in the field frame; set only for hits
+  std::vector<std::uint32_t> triangle;  // index in World::baked; set only for hits
   std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
 
   std::size_t size() const { return way.size(); }

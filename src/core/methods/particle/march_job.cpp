@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kSteep = 1e-12;  // smaller components of directions are replaced by this
+constexpr double kSteep = 1e-12;  // components of directions with a smaller absolute value are replaced by this
 
 double inverseOf(double d) {
   return 1 / (std::fabs(d) < kSteep ? kSteep : d);
@@ -95,7 +95,7 @@ Rest corrected(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
   return rest;
 }
 
-// Replaces only the triangle of a hit, by the triangle that the beam hits there; the range stays.
+// Replaces the triangle of a hit by the triangle that the beam hits there, without changing the range.
 Rest renamed(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
   const BlockTriangle& plane = job.world.baked.triangles[rest.triangle];
   const Vec3d here = o + d * rest.range;
@@ -115,7 +115,7 @@ Vec3d directionOf(const Rays& rays, int lane) {
   return {rays.dx[lane], rays.dy[lane], rays.dz[lane]};
 }
 
-// Lets particles continue through transparent triangles.
+// Lets particles continue through the transparent parts of triangles.
 void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size_t first, HitRecords& records) {
   const TriangleBlock& block = job.world.baked;
   if (block.firstAlpha >= block.triangles.size()) return;
@@ -127,7 +127,7 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
     if (mayPass(i)) open.push_back(i);
   }
   if (open.empty()) return;
-  Particles particles;  // particles of the tiles with particles that may continue
+  Particles particles;  // set up only for tiles with a particle that may continue
   particles.resize(tiles.size() * kPacket, true);
   std::size_t known = tiles.size();
   for (const std::uint32_t i : open) {

@@ -1,5 +1,5 @@
-// SIMD lanes of particles, by Google Highway. Included only by march_cpu.cpp and the files that it includes, so that
-// third-party types stay there; and once for each instruction set: see march_cpu.cpp.
+// SIMD lanes of particles, by Google Highway. Included only by march_cpu.cpp and the files that it includes, so that no
+// other file uses Highway's types. Included once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_LANES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_LANES_H
 #undef SCANMILL_MARCH_LANES_H

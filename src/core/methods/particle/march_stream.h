@@ -1,5 +1,5 @@
-// Steps particles, as many at a time as the processor has lanes, for march_cpu.cpp. The shader in march_shader.cpp
-// takes the same steps.
+// Steps particles, as many at a time as the processor has lanes, for march_cpu.cpp. The shader
+// methods/gpu/shaders/march.glsl takes the same steps.
 //
 // Particles stream through the lanes: as soon as a particle is done, the next particle takes its lane, so that a long
 // path leaves no other lane idle. A step is split into stages, and each stage is done for all groups of lanes before
@@ -55,7 +55,7 @@ struct LaneGroup {
 struct LevelTables {
   static constexpr std::size_t kSize = kMaxLevels;
   HWY_ALIGN_MAX float offset[3][kSize] = {};
-  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // last corner at which a voxel begins
+  HWY_ALIGN_MAX std::int32_t last[3][kSize] = {};  // largest index of a voxel's first corner, by axis and level
   HWY_ALIGN_MAX std::uint32_t row[kSize] = {};     // number of bricks from one row to the next
   HWY_ALIGN_MAX std::uint32_t layer[kSize] = {};
   HWY_ALIGN_MAX std::uint32_t first[kSize] = {};
@@ -312,7 +312,8 @@ class RayStream {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     const bool anyFull = !hn::AllFalse(kFloats, full);
-    // The centre r and radius of the free ball: around the centre of the brick, or around the nearest corner.
+    // The free ball's radius, and r: the particle's position relative to the ball's centre, which is the centre of the
+    // brick or the nearest corner.
     Floats r[3];
     for (int k = 0; k < 3; ++k) {
       const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));
@@ -422,7 +423,7 @@ class RayStream {
   }
 
   const DistanceField& field_;
-  const std::uint32_t spent_;  // the largest number of steps, times 4 as in outcomes
+  const std::uint32_t spent_;  // the largest number of steps, times 4 as in LaneGroup::outcome
   const Particles& particles_;
   std::span<const std::uint32_t> which_;
   std::size_t next_ = 0;  // index in which_ of the next particle to load

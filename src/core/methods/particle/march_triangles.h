@@ -29,12 +29,12 @@ struct LineCourse {
 
 // The intersection of a line with a triangle: its distance from the line's point x y z (m) is numerator / denominator.
 struct Meeting {
-  float numerator, denominator;  // denominator > 0 if the line hits the triangle
+  float numerator, denominator;  // denominator > 0: the line hits the triangle
   std::uint32_t triangle;
 };
 
 // Lists differ in length, so pairs of a line and a triangle are first collected and then intersected, kLanes pairs at a
-// time, of whichever lines. Words and lists are scattered in memory, so they are prefetched before use.
+// time, whichever lines they belong to. Words and lists are scattered in memory, so they are prefetched before use.
 class TriangleTester {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;

@@ -15,13 +15,13 @@ inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // voxels across
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
   enum class Backend { Cpu, Gl } backend = Backend::Cpu;        // on the processor, or by compute shaders of OpenGL
-  enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // around the sensor, or of the complete scene
+  enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // field around the sensor, or of the complete scene
   double voxel = 0.1;                                           // m, voxel size of the finest level
   std::uint32_t voxels = 256;                                   // voxels across each level
   std::uint32_t levels = 0;                                     // 0: as many levels as the sensor's range needs
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
   std::uint32_t steps = 512;  // largest number of steps of a particle
-  Location where;             // key that chose the voxels, for messages
+  Location where;             // location of the key for the voxels, for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
@@ -29,8 +29,8 @@ struct ParticleOptions {
 // Throws InputError, also for a key that has no effect in combination with the others.
 ParticleOptions readParticleOptions(Fields& fields);
 
-// Returns the distance up to which a level of a field around a sensor is used: m from the field's centre along each
-// axis, FieldShape::reach * voxel * 2^level. The level's bricks reach voxels / 2 from the centre of their box, which
+// Returns the distance up to which a level of a field around a sensor is used (m from the field's centre, along each
+// axis): FieldShape::reach * voxel * 2^level. The level's bricks reach voxels / 2 from the centre of their box, which
 // may be half a brick away from the field's centre; one voxel is a margin.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 

@@ -110,8 +110,8 @@ class ParticleMethod : public Method {
   }
 
  private:
-  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // measured: the scene's own mesh
-  static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // measured on a flattened scene
+  static constexpr std::uint64_t kBytesPerSceneTriangle = 40;    // memory of the scene itself, measured
+  static constexpr std::uint64_t kBytesPerPlacedTriangle = 190;  // memory of the flattened scene, measured
 
   FieldStore::Place placeOf(const Shot& shot, StageClock& clock) const {
     return fields_.around(shot.worldFromSensor.front().translation, shot.beams->maxRange, clock);
@@ -194,7 +194,7 @@ class ParticleMethod : public Method {
   // Returns approximately how many bytes a device needs for a field, with space for bricks that are added when the
   // field moves, and for the triangles and texels of the scene.
   double deviceBytes() const {
-    constexpr std::uint64_t kBytesOfCorners = 48;  // per triangle, only with lists
+    constexpr std::uint64_t kBytesOfCorners = 48;  // bytes of a triangle's corners, which only fields with lists need
     const std::uint64_t each =
         kResolverBytesPerTriangle + (options_.refine == ParticleOptions::Refine::ByTriangle ? kBytesOfCorners : 0);
     const double room = options_.extent == ParticleOptions::Extent::Sensor ? 1.5 : 1;

@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMostBricks = 268'435'456;   // 2^28, for which the table takes 1 GiB
+constexpr double kMostBricks = 268'435'456;   // 2^28; the table of this many bricks takes 1 GiB
 constexpr double kMostBricksAcross = 65'536;  // float32 resolves 1/32 of a voxel at 2^19 voxels
 constexpr std::uint32_t kUsualLevels = 5;     // enough for ranges of 120 to 200 m
 constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate: exact in double, with a margin
@@ -59,7 +59,7 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
   shape.voxel = options.voxel;
   const Corner centre = nearestBrick(sensor, options.voxel);
   shape.centre = placeOf(centre, options.voxel);
-  // The box of a coarse level may be off the centre by half a brick; one more voxel is a margin.
+  // The middle of a coarse level's box may be half a brick away from the centre; one more voxel is a margin.
   shape.reach = 0.5f * static_cast<float>(options.voxels) - (kHalfBrick + 1);
   std::uint32_t levels = options.levels;
   if (levels == 0) {
@@ -120,7 +120,7 @@ std::string adviceFor(const ParticleOptions& options, double times) {
     const auto most = static_cast<std::uint32_t>(std::max(options.voxels / times, double{kFewestVoxels}));
     return fmt::format("choose `voxels: {}` or fewer", most / kVoxelsStep * kVoxelsStep);
   }
-  const double voxel = options.voxel * times * 1.03;  // for the bricks around the scene
+  const double voxel = options.voxel * times * 1.03;  // 3 % more, for the bricks around the scene
   if (!(voxel <= kLargestVoxel)) return "choose `field: sensor`";
   const double unit = std::pow(10.0, std::floor(std::log10(voxel)) - 1);
   return fmt::format("choose `voxel_m: {:g}` or more, or `field: sensor`", std::ceil(voxel / unit) * unit);

@@ -47,7 +47,7 @@ float reachOf(float distance, float floor) {
 }
 
 // Decides whether a lane accepts a candidate hit at `distance` (m). If so, returns true and updates the context and
-// `far`, the ray's end. `direction`: of the ray, in the world frame.
+// `far`, the ray's end. `direction`: direction of the ray, in the world frame.
 bool decide(TieContext& context, std::uint32_t lane, float distance, const Vec3f& direction, const Candidate& candidate,
             float& far) {
   const float best = context.distance[lane];
@@ -92,7 +92,7 @@ void filterLanes(const RTCFilterFunctionNArguments* a, TieContext& context) {
   }
 }
 
-// W values of 4 bytes, unaligned. W is at most 8, because GCC 12 compares vectors of 16 values one by one.
+// Vectors of W values of 4 bytes, unaligned. W is at most 8, because GCC 12 compares vectors of 16 values one by one.
 template <int W>
 struct Lanes {
   typedef float Floats __attribute__((vector_size(4 * W), aligned(4), may_alias));

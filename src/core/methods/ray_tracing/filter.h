@@ -16,7 +16,7 @@ struct TieContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
   float floor;                          // m, see coplanarFloor()
-  alignas(64) float distance[kPacket];  // m, to the nearest surface; infinite: no hit yet
+  alignas(64) float distance[kPacket];  // m, distance to the nearest surface; infinite: no hit yet
   alignas(64) std::uint32_t geometry[kPacket];
   alignas(64) std::uint32_t primitive[kPacket];
   alignas(64) std::uint32_t instance[kPacket];
@@ -29,7 +29,7 @@ struct TieContext {
 // so that the order of the traversal does not matter. The tolerance covers float32 rounding of distances, and of
 // corners near the sensor.
 constexpr float kCoplanar = 4e-7f;
-constexpr float kCoplanarCorners = 64;  // m, largest distance from the sensor of a corner that is covered by the floor
+constexpr float kCoplanarCorners = 64;  // m; the floor covers rounding of corners up to this far from the sensor
 
 inline float coplanarFloor(float sensorToOrigin) {
   return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);

@@ -7,7 +7,7 @@ namespace scanmill {
 
 // The map `ray_tracing: {...}` of a pipeline. All options except `simplify` give the same hits, up to float32 rounding.
 struct RayTracingOptions {
-  int packet = 16;      // rays per Embree call: 16, or 1 as the reference for tests
+  int packet = 16;      // rays per Embree call: 16, or 1 for comparison in tests
   int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0: chosen by the angles between beams
   bool robust = true;   // watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;

@@ -24,7 +24,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kRingWeight = 3.5;
-constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
+constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
 
 // Returns the number of columns for which a packet's tile is as square as possible in angle, because packets trace
 // fastest when their beams are close together.

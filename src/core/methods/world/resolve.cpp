@@ -23,7 +23,7 @@ float texturedReflectance(const HitTriangle& hit, const CompactMaterial& materia
 // Copies one value per lane into a column of rings x columns, row by row of the tile.
 template <class T>
 void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::uint32_t columns) {
-  if (tile.width == kPacket) {  // one row, whose length the compiler knows
+  if (tile.width == kPacket) {  // a single row, whose length is a constant for the compiler
     std::copy_n(lanes, kPacket, &column[std::size_t{tile.ring} * columns + tile.column]);
     return;
   }
@@ -178,7 +178,7 @@ SCANMILL_BEST_INSTRUCTIONS void intersectPlanes(const Rays& rays, const BeamTabl
     const double plane = (r.offset[i] - origin) / along;
     const double low = r.traced[i] - (kTrust * r.traced[i] + kTrust);
     const double high = r.traced[i] + (kTrust * r.traced[i] + kTrust);
-    double range = plane > low ? plane : low;  // also if plane is NaN
+    double range = plane > low ? plane : low;  // `low` also if `plane` is NaN
     range = range < high ? range : high;
     const bool inside = (range >= limits.nearest) & (range <= limits.farthest) & (r.traced[i] < kNothing);
     r.range[i] = inside ? range : kNothing;

@@ -19,7 +19,7 @@ constexpr int kPacket = 16;
 
 // A shot's poses, relative to the world's origin.
 struct ShotFrame {
-  std::vector<Mat3> rotation;  // by step of the revolution
+  std::vector<Mat3> rotation;  // one rotation per step of the revolution
   std::vector<Vec3d> position;
 };
 
@@ -94,9 +94,9 @@ struct RangeLimits {
 
 RangeLimits limitsOf(const BeamTable& beams);
 
-// Largest difference between the range to a triangle's plane and the traced range: this fraction of the range plus this
-// many metres. The limit is needed because the plane of a triangle that is seen edge-on gives an unreliable range.
-constexpr double kTrust = 1e-2;  // fraction of the traced range; and also m
+// Largest difference between the range to a triangle's plane and the traced range: kTrust times the traced range, plus
+// kTrust metres. The limit is needed because the plane of a triangle that is seen edge-on gives an unreliable range.
+constexpr double kTrust = 1e-2;  // both a fraction and a length (m)
 
 // Sets each range to the distance along the ray to the plane of its triangle, clamped to the traced range +- kTrust. A
 // hit outside of the sensor's range limits becomes a miss.

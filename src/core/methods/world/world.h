@@ -35,7 +35,7 @@ struct BlockTriangle {
 // Triangles in one frame. Triangles with an alpha-tested material come last and are a separate Embree geometry (id 1),
 // so that only they need the alpha test; all others are geometry 0.
 struct TriangleBlock {
-  std::vector<Vec3f> vertices;    // with one more as padding, because Embree reads 16 bytes per vertex
+  std::vector<Vec3f> vertices;    // one more vertex is padding, because Embree reads 16 bytes per vertex
   std::vector<Triangle> corners;  // indices of vertices; Embree reads them too
   std::vector<Vec2f> uvs;         // empty, or one per vertex
   std::vector<BlockTriangle> triangles;
@@ -93,7 +93,7 @@ struct HierarchyOptions {
 
 // Meshes with several instances: built once, for all origins.
 struct SharedMeshes {
-  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // by mesh of the scene; null if the mesh is baked
+  std::vector<std::unique_ptr<TriangleBlock>> blocks;  // one per mesh of the scene; null: the mesh is baked
   std::vector<SceneHandle> scenes;
 };
 
@@ -101,8 +101,8 @@ struct SharedMeshes {
 // decides, unless instancing is Never: then only the part decides.
 bool worldsMove(const Scene& scene, Instancing instancing);
 
-// Returns, by mesh, whether it is instanced. Instancing::Auto instances the meshes that are placed more than once, if
-// the scene is too large to be flattened. If something in the scene moves, all meshes are instanced, so that no
+// Returns for each mesh whether it is instanced. Instancing::Auto instances the meshes that are placed more than once,
+// if the scene is too large to be flattened. If something in the scene moves, all meshes are instanced, so that no
 // hierarchy of triangles is rebuilt for each revolution.
 std::vector<bool> instancedMeshes(const Scene& scene, Instancing instancing);
 
@@ -115,7 +115,7 @@ struct World {
   Vec3d origin;
   const Scene* scene = nullptr;
   TriangleBlock baked;                   // in world axes, relative to `origin`
-  std::vector<PlacedBlock> placed;       // by Embree instance id minus kFirstPlaced
+  std::vector<PlacedBlock> placed;       // index: Embree's instance id minus kFirstPlaced
   const SharedMeshes* shared = nullptr;  // owns the blocks of `placed`; outlives the world
   SceneHandle embree;
   bool alpha = false;

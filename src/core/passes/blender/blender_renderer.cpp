@@ -29,7 +29,7 @@ namespace {
 
 constexpr std::size_t kMaxImages = 8;
 constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
-constexpr double kMaxStretch = 200;           // Blender's largest aspect ratio of a pixel
+constexpr double kMaxStretch = 200;           // largest aspect ratio of a pixel that Blender allows
 constexpr float kBlenderSky = 1e9f;           // m; Blender writes 1e10 as the depth of a pixel without a surface
 constexpr float kExact = 16777216.0f;         // 2^24, largest exact integer of a float32; larger object numbers are
                                               // written in two parts: see the script
@@ -38,7 +38,7 @@ constexpr double kReach = 512;                // m, largest distance of the came
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
                                               // plane, as a fraction of the depth
 constexpr std::size_t kFrameGrain = 1 << 14;  // pixels per task
-constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // pixels with a depth but without ids; more of them are an error,
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // more pixels with a depth are an error if none of them has ids;
                                                     // fewer may be cut-outs
 
 // Rendered images, stored in memory.
@@ -64,7 +64,7 @@ class SeenSource : public PixelSource {
  private:
   std::shared_ptr<const Resolver> resolver_;
   std::vector<Camera> cameras_;
-  std::vector<SeenTriangle> seen_;     // by pixel address
+  std::vector<SeenTriangle> seen_;     // the visible triangles, indexed by pixel address
   std::vector<SeenTriangle> fetched_;  // reused by each fetch
 };
 
@@ -100,7 +100,7 @@ class ExactDepth {
  private:
   const Scene& scene_;
   const Camera& camera_;
-  std::vector<Affine> cameraFromMesh_;  // by instance of the scene
+  std::vector<Affine> cameraFromMesh_;  // indexed as Scene::instances
 };
 
 class BlenderRenderer : public PassRenderer {
@@ -154,7 +154,8 @@ class BlenderRenderer : public PassRenderer {
     device_ = fmt::format("Blender {} (Cycles on {} threads)", ready.text, threads_);
   }
 
-  // Loads the scene into Blender, relative to an origin near the cameras.
+  // Loads the scene into Blender, relative to an origin near the cameras. Does nothing if the last origin is near
+  // enough.
   void load(const Vec3d& near) {
     if (origin_ && length(near - *origin_) <= kReach) return;
     const StageTimer timer(clock_, "upload");

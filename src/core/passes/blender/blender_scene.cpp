@@ -62,7 +62,7 @@ class SceneWriter {
 
   std::vector<BlenderObject> write(int threads) {
     addMaterials();
-    std::vector<std::vector<std::uint32_t>> placed(scene_.meshes.size());  // by mesh: indices of its instances
+    std::vector<std::vector<std::uint32_t>> placed(scene_.meshes.size());  // instances of each mesh (indices)
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) placed[scene_.instances[i].mesh].push_back(i);
     for (std::size_t m = 0; m < placed.size(); ++m) {
       if (!scene_.meshes[m].triangles.empty() && !placed[m].empty()) addMesh(scene_.meshes[m], placed[m]);

@@ -36,7 +36,7 @@ constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
 // Upper bound of the compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2
 // bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // bytes of pixels that a task decodes at least
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // least size of the pixels that a task decodes (bytes)
 
 // A stream of encoded bytes for OpenEXR. Several streams may read the same bytes.
 class MemoryInput : public Imf::IStream {
@@ -201,13 +201,13 @@ bool isPlain(const Imf::Header& header) {
 }
 
 // Does the same as readRows(), but only for a part for which isPlain() is true. OpenEXR decodes pixel by pixel, which
-// would be a third of the time of making scans from stored hits.
+// would take a third of the time for making scans from stored hits.
 void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget> targets, std::size_t first,
               std::size_t end) {
   const Imf::Header& header = file.header(part);
   const Imath::Box2i window = header.dataWindow();
   const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
-  std::vector<std::string> names;  // in the order of the channels within a line
+  std::vector<std::string> names;  // the channels, in their order within a line
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     names.emplace_back(channel.name());
   }

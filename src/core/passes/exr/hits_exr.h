@@ -4,7 +4,7 @@
 // uncompressed, because reading stored hits must be faster than tracing. 131,072 beams with nine channels take 0.7 ms
 // to read and 4.7 MB; with ZIP compression, which can also be read, they take 7.6 ms and 0.9 MB.
 //
-// A file has those of these channels that the hits have: range (float32, m; infinite for a miss), N.X N.Y N.Z,
+// A file has these channels, as far as the hits have them: range (float32, m; infinite for a miss), N.X N.Y N.Z,
 // instance, semantic, material, primitive (uint32), reflectance, incidence, and roughness, metallic, retroreflectance.
 // The channel unresolved (uint32; 1 for a beam that the method could not trace) exists if the hits have such beams.
 // Attributes: units, writer.

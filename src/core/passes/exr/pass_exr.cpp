@@ -22,7 +22,7 @@ namespace {
 
 constexpr float kWrittenNoDepth = 1e10f;    // m, depth that is written for a pixel without a surface
 constexpr float kNothing = 1e9f;            // m; in files, a depth of at least this means a pixel without a surface
-constexpr float kFloatIds = 16777216;       // 2^24, from which float32 cannot represent every integer
+constexpr float kFloatIds = 16777216;       // 2^24; float32 cannot represent every integer above it
 constexpr std::size_t kExrGrain = 1 << 16;  // pixels per task
 
 struct SurfaceParameter {
@@ -306,7 +306,7 @@ void writePasses(const std::filesystem::path& path, const PassImage& image) {
     constexpr const char* kAxes[] = {"N.X", "N.Y", "N.Z"};
     add(kAxes[axis], ExrType::Float32, from.normal, &from.normal.data()->x + axis, sizeof(Vec3f));
   }
-  std::vector<std::vector<std::uint32_t>> wide;  // OpenEXR has no integers narrower than 32 bits
+  std::vector<std::vector<std::uint32_t>> wide;  // the planes of 16-bit ids: OpenEXR has only 32-bit integers
   forIds(from, [&](const char* name, Channel, const auto& plane) {
     if constexpr (sizeof plane[0] == sizeof(std::uint32_t)) {
       add(name, ExrType::Uint32, plane, plane.data(), sizeof(std::uint32_t));

@@ -2,8 +2,8 @@
 
 // Pass images as OpenEXR files.
 //
-// Each file has the image of one camera, as scan lines, lossless (ZIP), row 0 at the top. It has those of these
-// channels that the image has:
+// Each file has the image of one camera, as scan lines, lossless (ZIP), row 0 at the top. It has these channels, as far
+// as the image has them:
 //
 //   Z                 float32  m, planar depth; 1e10 if the pixel shows no surface (as Blender writes it)
 //   N.X N.Y N.Z       float32  unit normal, world axes, turned towards the camera; 0 if the pixel shows no surface
@@ -17,10 +17,10 @@
 //
 //   cameraMatrix        m33d    px, the rows fx 0 cx, 0 fy cy, 0 0 1
 //   worldFromCamera     m44d    for column vectors, row by row; camera axes x right, y down, z forward
-//   worldFromCameraXyz, worldFromCameraW (v3d, double)    its rotation as a quaternion, to the bit
+//   worldFromCameraXyz, worldFromCameraW (v3d, double)    the exact rotation, as a quaternion
 //   worldToCamera       m44f    OpenEXR's standard attribute, for row vectors; camera axes x right, y up, z forward
 //   horizontalFieldDeg, verticalFieldDeg (double)         between the outer edges of the image
-//   camera, units, writer (string)                        the camera's name, "m", the program
+//   camera, units, writer (string)                        the camera's name, "m", the program's name
 //
 // Files of other programs can be read too. They need Z, the other requested passes, cameraMatrix and worldFromCamera
 // (m33f and m44f are accepted). The other attributes may be absent, but must not contradict these. Files may have scan

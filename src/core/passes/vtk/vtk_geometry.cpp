@@ -16,8 +16,8 @@ namespace scanmill {
 
 namespace {
 
-// Largest number of triangles in a chunk. Of larger chunks a larger fraction is outside of the image; smaller chunks
-// need more draw calls.
+// Largest number of triangles in a chunk. With larger chunks more of the drawn triangles are outside of the image;
+// smaller chunks need more draw calls.
 constexpr std::size_t kChunk = 1024;
 
 // Edges longer than kLongestEdge (m, world) are halved, unless they are shorter than kShare of the mesh's size. The
@@ -52,8 +52,8 @@ double stretch(const Instance& instance) {
   return std::max({length(m.x), length(m.y), length(m.z)});
 }
 
-// Returns the origin along one axis that a mesh's positions are made relative to. Far from zero float32 steps are
-// coarse, so the origin is then the middle of the mesh. The subtraction is exact, because position and origin are
+// Returns, for one axis, the origin that is subtracted from a mesh's positions. Far from zero float32 steps are coarse,
+// so the origin is then the middle of the mesh. The subtraction is exact, because position and origin are
 // within a factor of two of each other (Sterbenz).
 double originOf(double low, double high) {
   const double middle = (low + high) / 2;

@@ -14,7 +14,7 @@ namespace scanmill {
 
 // A chunk that may be visible.
 struct DrawnView::Candidate {
-  int distance;  // from the camera, in quarters of an octave (factors of 2^(1/4)) of 1 m + distance
+  int distance;  // distance from the camera in logarithmic steps: 4 log2(1 + distance in m)
   std::uint32_t chunk;
   std::uint32_t frame;
 
@@ -147,8 +147,8 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   rowsOfFrame_.push_back(placement);
 }
 
-// Turns the visible chunks into draw calls. Near chunks are drawn first, so that they hide later ones. Instances of the
-// same chunk at the same distance step are drawn by one call.
+// Turns the visible chunks into draw calls. Near chunks are drawn first, so that they hide farther ones. Instances of
+// the same chunk at the same distance step are drawn by one call.
 void DrawnView::addDraws(std::vector<Candidate>& candidates, bool cut, std::vector<VtkDraw>& draws) {
   std::sort(candidates.begin(), candidates.end());
   const Candidate* before = nullptr;

@@ -1,7 +1,7 @@
 #pragma once
 
 // One camera's view of a scene: which chunks of which instances are drawn, and which triangle each number in the image
-// means.
+// stands for.
 
 #include <cstdint>
 #include <vector>
@@ -21,8 +21,8 @@ class DrawnView {
 
   // Returns the image to draw, which has pointers into this view.
   VtkImage image() const;
-  // Returns the triangle that the image shows at `pixel` if its value there is `number`. The depth is the depth of the
-  // triangle's plane at the pixel's centre, computed in double precision.
+  // Returns the triangle that a pixel shows if the image's value there is `number`. The depth is that of the triangle's
+  // plane at the pixel's centre, computed in double precision.
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
 
  private:
@@ -55,7 +55,7 @@ class DrawnView {
   std::vector<VtkDraw> solid_;
   std::vector<VtkDraw> cut_;
   std::vector<Run> runs_;
-  std::vector<std::uint32_t> firstNumbers_;  // by run, ascending: number of the run's first triangle in the image
+  std::vector<std::uint32_t> firstNumbers_;  // number of each run's first triangle in the image, ascending
   std::uint64_t nextNumber_ = 1;
 };
 

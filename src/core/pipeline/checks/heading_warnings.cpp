@@ -13,7 +13,7 @@ namespace scanmill {
 
 namespace {
 
-// Bound on a box's width divided by its length. Models that are about square may face either way.
+// A box points sideways if its width exceeds kWider times its length. Models that are about square may face either way.
 constexpr double kWider = 1.1;
 constexpr double kDriving = 0.5;   // minimum speed of vehicles whose heading is checked (m/s)
 constexpr double kAhead = 0.7071;  // cosine of 45 degrees: the largest angle between the velocity and the box's x axis

@@ -19,7 +19,7 @@ constexpr std::uint32_t kFrames = 100;  // maximum number of frames in which a s
 // Maximum number of frames in which sensors are tested for being inside of objects.
 constexpr std::uint32_t kFramesInside = 12;
 constexpr double kFarAbove = 50;              // height above the surface (m); a sensor that is higher causes a warning
-constexpr double kOnGround = 0.05;            // maximum distance to the ground (m) at which a sensor causes a warning
+constexpr double kOnGround = 0.05;            // a sensor at most this far (m) from the ground causes a warning
 constexpr double kReach = 1e5;                // length of test rays (m)
 constexpr double kStep = 0.5;                 // maximum distance between the poses that are checked along a path (m)
 constexpr std::size_t kMostPlaces = 400'000;  // maximum number of poses that are checked along a path

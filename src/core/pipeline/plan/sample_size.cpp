@@ -8,11 +8,11 @@
 namespace scanmill {
 
 double mostSampleBytes(const Plan& plan) {
-  constexpr double kHeaders = 1536;       // size of a tar member besides its contents (bytes), with a long name
+  constexpr double kHeaders = 1536;       // size of a tar member with a long name, without its contents (bytes)
   constexpr double kDescription = 16384;  // size of a scan's part of the sample's .json (bytes)
   constexpr double kObjects = 1000;       // assumed maximum number of objects near the sensors
-  constexpr double kObject = 700;  // size of an object's entry without what the sensors see of the object (bytes)
-  constexpr double kView = 450;    // size of one sensor's view in an object's entry (bytes)
+  constexpr double kObject = 700;         // size of an object's entry without the sensors' views of it (bytes)
+  constexpr double kView = 450;           // size of one sensor's view in an object's entry (bytes)
   // Length (m) that is added to twice the range, for noise and for the vehicle's motion during a revolution.
   constexpr double kReserve = 10;
   const Pipeline& pipeline = plan.pipeline;

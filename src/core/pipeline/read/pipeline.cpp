@@ -69,7 +69,7 @@ std::string commented(const std::string& text) {
   return comment;
 }
 
-// Sets the mounts of the sensors to the recorded ones. Throws InputError if the pipeline's sensors differ from the
+// Sets the mounts of the sensors to the recorded mounts. Throws InputError if the pipeline's sensors differ from the
 // recording's sensors, for which its hits or images were computed.
 void checkSensors(Pipeline& pipeline, const Recording& recording, const Value& list) {
   const Location& where = list.where;
@@ -190,8 +190,8 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// The number of surfaces is 1 for a recording, which has one hit per beam. Before `method: auto` is replaced, the
-// number is the maximum over all methods.
+// Returns 1 for a recording, which has one hit per beam. Before `method: auto` is replaced, returns the maximum over
+// all methods.
 std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;

@@ -105,7 +105,7 @@ class DatasetRun {
 
   std::size_t open(std::size_t job) {
     const ShardJob& own = jobs_[job];
-    // If the bytes were checked with ShardChoice::Kind::Any, each process would read the shards of all other processes.
+    // With Kind::Any only sizes are checked: checking bytes would make each process read the shards of all others.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;

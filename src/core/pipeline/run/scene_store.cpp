@@ -23,8 +23,8 @@ namespace scanmill {
 
 namespace {
 
-// Scenes may be loaded beside a first scene, whose size is not known yet, while the program takes less than 1 /
-// kSmallShare of its memory limit.
+// While the first scene is loaded, and no scene's size is known yet, further scenes are loaded only if the program
+// takes less than 1 / kSmallShare of its memory limit.
 constexpr std::uint64_t kSmallShare = 8;
 
 bool memoryIsScarce() {
@@ -61,7 +61,7 @@ SceneStore::~SceneStore() = default;
 bool SceneStore::fitsOneMore() const {
   const auto used = std::count_if(slots_.begin(), slots_.end(), [](const auto& s) { return s.second.use_count() > 1; });
   if (used == 0) return true;
-  // Here the first scene is still being loaded.
+  // No size is known: the first scene is still being loaded.
   if (largest_ == 0) return kSmallShare * residentBytes() < memoryLimitBytes();
   return plan_.bytesInMemory(static_cast<std::uint64_t>(used + 1) * largest_) <= memoryLimitBytes();
 }

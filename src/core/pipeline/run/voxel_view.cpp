@@ -164,9 +164,9 @@ void forEachNeighbor(const VoxelGrid& grid, std::size_t voxel, const Visit& visi
   }
 }
 
-// Returns for each voxel 1 if it is open, otherwise 0. A voxel is open if it is empty and connected to a voxel that a
-// beam passes through by empty voxels that share faces. `solid`: not 0 for voxels with surfaces. `marks`: as marksOf()
-// returns them.
+// Returns for each voxel 1 if it is open, otherwise 0. An empty voxel is open if a chain of empty voxels that share
+// faces connects it to a voxel that a beam passes through. `solid`: not 0 for voxels with surfaces. `marks`: as
+// marksOf() returns them.
 std::vector<std::uint8_t> openOf(const VoxelGrid& grid, const std::vector<std::uint8_t>& solid,
                                  const std::vector<std::uint8_t>& marks) {
   std::vector<std::uint8_t> open(solid.size());

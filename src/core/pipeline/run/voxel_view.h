@@ -23,8 +23,8 @@ namespace scanmill {
 //   sensor, at the time when the beam fires, to the first hit; if the beam has a single ray, it continues through clear
 //   glass. If there is no hit, the axis goes to the sensor's maximum range, even if a surface nearer than the minimum
 //   range may block the beam. Beams that have no hit because the ego vehicle blocks them are ignored.
-// - `invalid` is set for unseen voxels that no sensor could see, and for voxels whose surfaces have no class. A voxel
-//   is called open if it is empty and connected to a voxel that a beam passes through by empty voxels that share faces.
+// - `invalid` is set for unseen voxels that no sensor could see, and for voxels whose surfaces have no class. An empty
+//   voxel is called open if a chain of empty voxels that share faces connects it to a voxel that a beam passes through.
 //   Unseen empty voxels are invalid if they are not open: they are under ground or inside of closed solids. Unseen
 //   voxels with surfaces are invalid if none of the voxels that share a face with them is open: they are inside of
 //   objects. Voxels with surfaces without a class are invalid since their label would say that they are empty.

@@ -1,6 +1,6 @@
 #pragma once
 
-// The mounts and effects of sensors in pipelines that draw some of them at random.
+// The mounts and effects of sensors in pipelines where some of these are random.
 
 #include <cstddef>
 #include <cstdint>

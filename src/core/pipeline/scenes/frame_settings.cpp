@@ -57,7 +57,7 @@ void DrawnSettings::keep(Kept kept) {
   const std::scoped_lock lock(mutex_);
   std::erase_if(kept_, [&](const Kept& known) { return known.sequence == kept.sequence; });
   kept_.push_front(std::move(kept));
-  // Maximum number of cached sequences: each thread makes samples of one sequence at a time.
+  // Two cached sequences per thread are enough, since each thread makes samples of one sequence at a time.
   const auto most = 2 * static_cast<std::size_t>(threadCount());
   if (kept_.size() > most) kept_.pop_back();
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Batches of neighbouring rows of the table of returns: their random numbers, which are the same as from calling
-// randomBlock() for each row, and the values of their beams and hits.
+// Functions for batches of neighbouring rows of the table of returns: they compute the rows' random numbers, with the
+// results of randomBlock() for each row, and look up the values of the rows' beams and hits.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace scanmill {
 
-constexpr std::size_t kBatch = 128;  // rows; the working set of a batch stays in the first-level cache
+constexpr std::size_t kBatch = 128;  // rows of a batch, whose working set fits into the first-level cache
 
 template <class T>
 using Batch = std::array<T, kBatch>;
@@ -39,7 +39,7 @@ struct RandomWords {
   Batch<std::uint32_t> b;
 };
 
-// Calls keep(i, block) for each row first + i of a batch, with the random words of the row's address.
+// Calls keep(i, block) for each row first + i of a batch. `block`: the random words for the row's address.
 template <class Keep>
 void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first, const Keep& keep) {
   const auto draw = [&](std::size_t i, std::uint32_t beam, std::uint32_t number) {

@@ -31,8 +31,8 @@
 // uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.
 //
 // A detected echo that is nearer than min_separation_m to a stronger echo of the same beam is not reported. `returns`
-// selects from the other detected echoes: dual reports the strongest and the last, and also the second strongest if
-// these are the same (as Velodyne's sensors do); a number reports that many of the strongest.
+// selects from the remaining detected echoes: dual reports the strongest and the last or, if one echo is both, the two
+// strongest (as Velodyne's sensors do); a number n reports the n strongest.
 
 #include <algorithm>
 #include <cmath>

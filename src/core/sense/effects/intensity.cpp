@@ -36,7 +36,8 @@
 // at any range. Effects that read the power still get the received power. With retro_full_scale the byte is 100 v for v
 // <= 1 and 100 + 155 log(v) / log(retro_full_scale) for larger v. This is the scale of manuals: 0 to 100 for diffuse
 // targets of 0 to 100 %, and up to 255 for retroreflectors (Velodyne, VLP-16 User Manual 63-9243 Rev. D, section 6.1;
-// Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not state the brightness of a target of 255.
+// Ouster, Firmware User Manual, "Calibrated reflectivity"). The manuals do not state how bright a target with the byte
+// 255 is.
 
 #include <algorithm>
 #include <cfloat>
@@ -51,7 +52,7 @@ namespace {
 
 // Smallest alpha of GGX, because a specular lobe is not narrower than the beam: 4 mrad is the width of a wide beam.
 constexpr float kSmallestAlpha = 0.004f;
-constexpr float kDielectricF0 = 0.04f;  // for the refractive index 1.5, as in glTF
+constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 
 struct IntensityOptions {
   float referenceRange = 10;  // m
@@ -62,7 +63,7 @@ struct IntensityOptions {
   float saturation = FLT_MAX;
   double gamma = 1;
   bool bytes = false;
-  bool reflectivity = false;  // report the power as from the reference range in clear air
+  bool reflectivity = false;  // true: reports the power as if from the reference range, in clear air
   bool orenNayar = false;
   double retroFullScale = 0;  // `retro_full_scale`; 0: bytes are proportional to the response
 };
@@ -202,7 +203,7 @@ class Intensity : public Effect {
     });
   }
 
-  // Sets the power of rows that come from no hit. `given`: their power as if they were at the reference range.
+  // Sets the power of rows without a hit. `given`: the power that they would have at the reference range.
   void takeAdded(const Returns& returns, std::size_t first, std::size_t count, const Batch<float>& given, float* power,
                  float* sent) const {
     for (std::size_t i = 0; i < count; ++i) {

@@ -1,7 +1,7 @@
 // range_noise: a Gaussian error of the range, along the beam.
 //
 //   range_noise: {sigma_m: 0.02, sigma_per_m: 0.0005}        # sigma(r) = 0.02 + 0.0005 r
-//   range_noise: {table: [[1, 0.03], [20, 0.01], [100, 0.05]]}  # linear between, constant beyond
+//   range_noise: {table: [[1, 0.03], [20, 0.01], [100, 0.05]]}  # linear between the ranges, constant beyond them
 //
 //   range_noise: {sigma_m: 0.005, over_snr_m: 0.3}              # sigma^2 = 0.005^2 + (0.3 s / snr)^2
 //
@@ -35,7 +35,7 @@ struct Sigma {
   double base = 0;    // m, standard deviation at range 0
   double growth = 0;  // m per m of range
   std::vector<Ramp> ramps;
-  double overSnr = 0;  // m, `over_snr_m`
+  double overSnr = 0;  // m, the option `over_snr_m`
 
   bool zero() const { return base == 0 && growth == 0 && ramps.empty() && overSnr == 0; }
 };
@@ -140,7 +140,7 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
   sigma.base += options.number("sigma_m", {0, 100}, 0);
   sigma.growth = options.number("sigma_per_m", {0, 1}, 0);
   sigma.overSnr = options.number("over_snr_m", {0, 100}, 0);
-  options.finish();  // report unknown keys first: a missing key is probably misspelt
+  options.finish();  // reports unknown keys first: one may be a misspelt required key
   if (!constant && !options.has("table") && !options.has("over_snr_m")) {
     throw InputError(options.where(), "effect range_noise: give sigma_m, sigma_per_m, over_snr_m or a table");
   }

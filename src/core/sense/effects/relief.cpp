@@ -10,8 +10,8 @@
 // tufts. The search begins kDeviations standard deviations of the height before the mesh and follows the beam, in steps
 // shorter than the smallest size (unless this takes more than kMostSteps), to the first step below the height field.
 // Two linear interpolations between this step and the previous one then find the hit (relief mapping: Policarpo,
-// Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). A grazing beam therefore
-// hits the tips and jumps from tuft to tuft, and a beam from above hits heights whose mean is 0.
+// Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams
+// therefore hit the tips of tufts, with gaps behind them, and beams from above hit heights whose mean is 0.
 //
 // A beam averages over its width: as in reflectance_variation, the variance is divided by 1 + area / size^2, where the
 // area is the illuminated area on the slanted surface.
@@ -145,7 +145,7 @@ class ReliefEffect : public Effect {
   Channels reads() const override { return Channel::Range | Channel::Incidence | Channel::Material; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
-    constexpr std::size_t kTogether = 64 * kBatch;  // rows whose beams take turns in the slots
+    constexpr std::size_t kTogether = 64 * kBatch;  // rows that one March processes in its slots
     const PlacesOfHits hitPlaces(hits, shot, returns);
     Places places;
     Places along;

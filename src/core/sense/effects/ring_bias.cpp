@@ -2,7 +2,7 @@
 // and its gain. They are the same for all beams of a ring and all frames of a dataset.
 //
 //   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
-//   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one figure per ring
+//   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one value per ring
 //
 // Each error is the reported minus the true value; elevation is positive upwards. The keys with `sigma` are standard
 // deviations of Gaussian numbers, sampled once per sensor and ring from the pipeline's seed; the gain is exp(gain_sigma
@@ -131,7 +131,7 @@ std::unique_ptr<Effect> makeRingBias(Fields& options) {
   PerRing range = readFigure(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
   PerRing elevation = readFigure(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
   PerRing gain = readFigure(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
-  options.finish();  // report unknown keys first: a missing key is probably misspelt
+  options.finish();  // reports unknown keys first: one may be a misspelt required key
   bool given = false;
   for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {
     given |= options.has(key);

@@ -26,15 +26,15 @@ struct Places {
 class PlacesOfHits {
  public:
   PlacesOfHits(const Hits& hits, const Shot& shot, const Returns& returns);
-  // Computes the positions of rows first, first + 1, ...; a row that was removed or has no hit gets the origin.
-  // `along`, if not null, gets the directions of the beams (unit vectors in the world frame), and 0 for such rows.
+  // Computes the positions of rows first, first + 1, ... `along`, if not null, gets the directions of the beams (unit
+  // vectors in the world frame). A row that was removed or has no hit gets zero for both.
   void find(std::size_t first, Places& places, Places* along = nullptr) const;
 
  private:
   const Hits& hits_;
   const Shot& shot_;
   const Returns& returns_;
-  std::vector<Mat3> rotation_;  // world from sensor, by step of the revolution
+  std::vector<Mat3> rotation_;  // from sensor to world axes, for each step of the revolution
 };
 
 // A Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of cubes
@@ -45,7 +45,7 @@ class PlacesOfHits {
 struct SpatialField {
   std::uint64_t seed = 0;
   Purpose purpose = Purpose::Test;
-  std::uint32_t number = 0;  // number of the field, below 4096; fields of different number are independent
+  std::uint32_t number = 0;  // number of the field, below 4096
 };
 
 // Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: number of cubes per metre, by row.

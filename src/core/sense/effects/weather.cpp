@@ -49,9 +49,9 @@ namespace scanmill {
 namespace {
 
 constexpr double kReferenceRange = 10;      // m, range at which a white target has power 1
-constexpr double kNearRange = 1;            // m; at smaller ranges the power does not increase further, as for surfaces
+constexpr double kNearRange = 1;            // m; nearer drops have no more power than at this range, as for surfaces
 constexpr std::size_t kMostOfBeam = 8;      // largest number of a beam's drops or intervals that become returns
-constexpr std::size_t kMostStretches = 32;  // intervals per beam: 16 random blocks, each for two intervals
+constexpr std::size_t kMostStretches = 32;  // largest number of intervals of a beam, two per random block
 constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
 constexpr double kPuddle = 1.2;             // m, size of the patches of standing water
 
@@ -62,7 +62,7 @@ struct WeatherOptions {
   std::uint16_t label = 0;
 };
 
-// A table, over the range, of the expected number of sufficiently bright drops between the sensor and a range.
+// A table of the expected number of sufficiently bright drops between the sensor and each of many ranges.
 class DropTable {
  public:
   DropTable(const WeatherOptions& options, const BeamTable& beams) : o_(options), beams_(beams) {

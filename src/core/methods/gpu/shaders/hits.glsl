@@ -4,27 +4,27 @@
 
 // HitsBlock of march_gl.cpp
 layout(std140, binding = 0) uniform Parameters {
-  double nearest, farthest;  // m: ranges that the sensor measures
+  double nearest, farthest;  // range limits of the sensor (m)
   uint channels, rays;
   uint rings, columns;
-  uint first;          // particle of the slice, shot after shot
-  uint count;          // of the slice
+  uint first;          // index of the slice's first particle, counted shot after shot
+  uint count;          // number of particles in the slice
   uint withOrigins;
   uint shotParticles, shotRays, shotPoses;
   uint firstAlpha;     // triangles from here on are alpha-tested
-  uint corrected;      // 1: to the plane of the nearest triangle
-  uint whole;          // 1: nothing of the scene lies outside of the box
+  uint corrected;      // 1: hits are moved to the plane of their triangle
+  uint whole;          // 1: the box contains the complete scene
   uint last;           // 1: particles that still pass a hole are left to the processor
   int lastLevel;
-  float reach;         // of the field's first level
-  float metres;        // of a voxel
+  float reach;         // FieldShape::reach
+  float metres;        // voxel size of level 0 (m), like `voxel`, in float32
   uint unused;
-  double voxel;        // m
-  double ends;         // m, how far particles go
-  dvec4 low, high;     // m, of the box where particles may march
-  dvec4 centre;        // m, of the field; and level 0's voxels a metre
+  double voxel;        // voxel size of level 0 (m)
+  double ends;         // length of the particles' paths (m)
+  dvec4 low, high;     // corners of the box in which particles march (m)
+  dvec4 centre;        // x, y, z: the field's centre (m); w: voxels of level 0 per metre
   double trust;        // kTrust of methods/world/resolve.h
-  double aside, layer, alike, trusted, there;  // those of march_rule.h
+  double aside, layer, alike, trusted, there;  // kAside, kLayer, ... of march_rule.h
 };
 
 #include "rays.glsl"
@@ -38,7 +38,7 @@ dvec3 onRay(dvec3 o, dvec3 d, double range) {
   return point;
 }
 
-// True if the particle ended because its path left the box, outside of which the scene continues.
+// True if the particle ended because its path left the box. `sure` is false if rounding could change the result.
 bool leftField(dvec3 o, dvec3 d, out bool sure) {
   double way = 2.0LF * ends;
   for (int k = 0; k < 3; ++k) {
@@ -71,7 +71,7 @@ void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
   }
 }
 
-// Resolves the hit that record `i` holds. False if the particle continues behind a hole. Defined by the including file.
+// Resolves the hit in record `i`. Returns false if the particle continues behind a hole. Defined by the including file.
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d);
 
 void invoke(uint i) {

@@ -7,7 +7,7 @@ layout(binding = 5) uniform usamplerBuffer table;
 layout(binding = 6) uniform usamplerBuffer distances;
 layout(binding = 7) uniform usamplerBuffer words;
 
-// Converts a point to the field's frame. False if its float32 could have other bits than on the processor.
+// Converts a point to the field's frame. Returns false if its float32 bits could differ from the processor's.
 bool fieldFrame(dvec3 point, double doubt, out vec3 q) {
   precise dvec3 place = (point - centre.xyz) * centre.w;
   bool sure = true;
@@ -32,8 +32,8 @@ double voxelAt(vec3 q) {
 
 struct Spot {
   bool full;
-  uint cell;  // the first of its corners
-  vec3 f;     // in the voxel
+  uint cell;  // index of the voxel's first corner
+  vec3 f;     // position in the voxel
 };
 
 Spot spotAt(vec3 q) {
@@ -63,7 +63,7 @@ float row(uint corner, float t) {
   return mixed(float(texelFetch(distances, int(corner)).x), float(texelFetch(distances, int(corner + 1u)).x), t);
 }
 
-// True if there is a surface at a place. Empty bricks are farther than that from all surfaces.
+// True if the interpolated distance to a surface is at most `there` voxels. It is larger everywhere in empty bricks.
 bool surfaceAt(vec3 q) {
   Spot s = spotAt(q);
   if (!s.full) return false;
@@ -73,7 +73,7 @@ bool surfaceAt(vec3 q) {
   return here <= float(there);
 }
 
-// Returns the triangle that the nearest corner names.
+// Returns the triangle stored at the corner nearest to a point, or kNoWord.
 uint namedAt(vec3 q) {
   Spot s = spotAt(q);
   uvec3 up = uvec3(greaterThanEqual(s.f, vec3(0.5)));

@@ -1,16 +1,16 @@
-// Makes the particles of ParticleLaunch: does the same as launch() (methods/particle/march_job.cpp), in the same order,
-// in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
+// Creates the particles of ParticleLaunch. Does the same as launch() (methods/particle/march_job.cpp), in the same
+// order, in double. Storage buffers: 0 to 3 those of rays.glsl, 4 particles (float columns, in the order of Particles).
 
 #include "rays.glsl"
 
 // LaunchBlock of march_gl.cpp
 layout(std140, binding = 0) uniform LaunchParameters {
-  dvec4 low, high;    // m, of the box where particles may march
-  dvec4 centre;       // m, of the field; and level 0's voxels a metre
-  double farthest;    // m
+  dvec4 low, high;    // corners of the box in which particles march (m)
+  dvec4 centre;       // x, y, z: the field's centre (m); w: voxels of level 0 per metre
+  double farthest;    // length of the particles' paths (m)
   uint rings, columns;
-  uint first;         // particle of the slice, shot after shot
-  uint count;         // of the slice
+  uint first;         // index of the slice's first particle, counted shot after shot
+  uint count;         // number of particles in the slice
   uint withOrigins;
   uint shotParticles;
   uint shotPoses;
@@ -22,8 +22,8 @@ void put(uint column, uint i, double value) {
   particles[column * count + i] = float(value);
 }
 
-// Stores a number that was computed by a division, which a device may round differently. False if its float32 could
-// therefore differ from that of the processor.
+// Stores a number that was computed by a division, which a device may round differently. Returns false if the float32
+// could therefore differ from the processor's.
 bool putQuotient(uint column, uint i, double value) {
   float rounded;
   bool sure = settled(value, 2.0LF * abs(value) * kSlack, rounded);

@@ -1,10 +1,10 @@
-// The steps of march_stream.h. What is `precise` is neither contracted nor reassociated, so it has the same bits as on
-// the processor. Divisions, which GPUs round differently, are left to the processor.
+// The steps of march_stream.h. Values marked `precise` are neither contracted nor reassociated, so they have the same
+// bits as on the processor. Divisions, which GPUs round differently, are left to the processor.
 //
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
-// distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) is still to
-// be added to the distance). Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then
-// the bricks), 1 its table, 2 distances, 3 words.
+// distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
+// added to the distance). Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then
+// the numbers of bricks), 1 its table, 2 distances, 3 words.
 
 // MarchBlock of device_march.cpp
 layout(std140, binding = 0) uniform MarchParameters {
@@ -13,7 +13,7 @@ layout(std140, binding = 0) uniform MarchParameters {
   float metres;
   uint steps;
   uint count;
-  uint again;  // 1: marches only those that continue behind a hole
+  uint again;  // 1: marches only particles that continue behind a hole
 };
 layout(std430, binding = 0) readonly restrict buffer Particles { float particles[]; };
 layout(std430, binding = 1) restrict buffer HitRecords { uint records[]; };
@@ -39,9 +39,9 @@ void record(uint i, float way, uint triangle, uint outcome) {
 
 struct Voxel {
   float scale, grow;
-  vec3 f;  // in the voxel
-  vec3 r;  // from the nearest corner
-  vec3 b;  // from the brick's centre
+  vec3 f;  // position in the voxel
+  vec3 r;  // position relative to the nearest corner
+  vec3 b;  // position relative to the brick's centre
   bool full;
   uint brick, cell, nearest;
 };
@@ -84,10 +84,11 @@ float dotted(vec3 a, vec3 b) {
   return product;
 }
 
+// The chord along which a particle's line crosses a free ball.
 struct Chord {
-  float square;  // of the distance from the centre
-  float along;   // from the ball's middle to the particle
-  float across;  // at most half of the chord
+  float square;  // squared distance of the particle from the ball's centre
+  float along;   // length from the middle of the chord to the particle
+  float across;  // lower bound of half the chord's length
 };
 
 Chord chordOf(float radius, float bend, vec3 r, vec3 d) {

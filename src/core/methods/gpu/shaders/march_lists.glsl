@@ -1,6 +1,6 @@
-// Particles march until all that run together have reached voxels with lists of triangles, and then test their triangles
-// together. Further tables: 4 lists, 5 triangles (three vec4 each: a corner and the two edges from it; m, relative to
-// the world's origin).
+// Particles that run together march until each has reached a voxel with a list of triangles; then all test their
+// triangles together. Further tables: 4 lists, 5 triangles (three vec4 each: a corner and the two edges from it; m,
+// relative to the world's origin).
 
 #include "march.glsl"
 
@@ -13,7 +13,7 @@ vec3 crossed(vec3 a, vec3 b) {
 }
 
 struct Facet {
-  vec3 a, ab, ac;  // a corner and the edges from it, m
+  vec3 a, ab, ac;  // a corner and the two edges from it (m)
 };
 
 Facet facetOf(uint triangle) {
@@ -23,10 +23,10 @@ Facet facetOf(uint triangle) {
 
 // The nearest triangle of a list that a particle hits in a voxel.
 struct Search {
-  vec3 d, place;    // m, where the particle enters the voxel
-  float low, high;  // m from there, between which a hit counts
-  float tie;        // m
-  float numerator, denominator;  // of the way to the hit, m; denominator 0: no hit
+  vec3 d, place;    // direction (unit vector) and position of the particle (m)
+  float low, high;  // limits of a hit's distance from `place` along d (m)
+  float tie;        // kTie (m)
+  float numerator, denominator;  // distance of the hit (m) as a fraction; denominator 0: no hit
   uint triangle;
 };
 

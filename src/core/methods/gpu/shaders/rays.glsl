@@ -2,10 +2,10 @@
 
 layout(std430, binding = 0) readonly restrict buffer Directions { double directions[]; };
 layout(std430, binding = 1) readonly restrict buffer Origins { float origins[]; };
-layout(std430, binding = 2) readonly restrict buffer Poses { double poses[]; };  // rows of rotation and position
+layout(std430, binding = 2) readonly restrict buffer Poses { double poses[]; };  // 12 numbers per pose: see appendPoses
 layout(std430, binding = 3) readonly restrict buffer Steps { uint stepOfColumn[]; };
 
-// Relative error assumed of quotients and roots: 2^-48, 16 units in the last place. OpenGL allows 2.5 units for
+// Assumed relative error of quotients and roots: 2^-48, 16 units in the last place. OpenGL allows 2.5 units for
 // quotients and 4.5 for roots.
 const double kSlack = 3.5527136788005009e-15LF;
 

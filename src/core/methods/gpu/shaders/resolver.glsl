@@ -1,5 +1,5 @@
-// Hits of triangles: their planes, labels and textures, and the columns of hits that were asked for, with the same bits
-// as on the processor. The including file declares a uniform block with the members of ResolverBlock (device_resolver.h):
+// Hits of triangles: their planes, labels and textures, and the requested columns of hits, with the same bits as on the
+// processor. The including file declares a uniform block with the members of ResolverBlock (device_resolver.h):
 // nearest, farthest, channels, rays. Storage buffer: 5 the columns.
 
 layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
@@ -46,7 +46,7 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range to the plane. `doubt`: by how much the processor's number may differ.
+// Returns the range to the plane. `doubt`: largest difference from the processor's number.
 double distanceTo(Plane p, dvec3 o, out double doubt) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
@@ -54,14 +54,14 @@ double distanceTo(Plane p, dvec3 o, out double doubt) {
   return range;
 }
 
-// Returns the index of the texel at a coordinate, along a side of `side` texels.
+// Returns the index of the texel at a texture coordinate, along an axis with `side` texels.
 uint texelOf(float coordinate, uint side) {
   precise float part = coordinate - floor(coordinate);
   precise float place = part * float(side);
   return part > 0.0 ? min(uint(place), side - 1u) : 0u;
 }
 
-// Finds the texel at which the ray hits the triangle's texture. False if rounding could make it another texel.
+// Finds the texel at which the ray hits the triangle's texture. Returns false if rounding could lead to another texel.
 bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 material, out uint texel) {
   int at = int(4u * (p.label.w - 1u));
   uvec4 behind = texelFetch(texturedTriangles, at + 3);
@@ -100,7 +100,7 @@ bool texelAt(Plane p, double range, double doubt, dvec3 o, dvec3 d, uvec4 materi
   return sure;
 }
 
-// True if the triangle's texture lets the ray pass. `sure` is false if rounding could decide that.
+// True if the triangle's texture lets the ray pass. `sure` is false if rounding could change the result.
 bool letsPass(Plane p, double range, double doubt, dvec3 o, dvec3 d, out bool sure) {
   sure = true;
   uvec4 material = texelFetch(materials, int(p.label.y >> 16));
