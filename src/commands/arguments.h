@@ -2,8 +2,8 @@
 
 // Reads the options of subcommands in a uniform way.
 
-// Values such as --set 'seeds=[1,2]' and file names may hold commas: only NUL, which no argument holds, can separate a
-// list.
+// cxxopts splits values at this character. Values such as --set 'seeds=[1,2]' and file names may contain commas, but no
+// argument contains NUL.
 #define CXXOPTS_VECTOR_DELIMITER '\0'
 // std::regex would double the compile time of every subcommand.
 #define CXXOPTS_NO_REGEX

@@ -31,7 +31,7 @@ constexpr const char* kResultFile = "repeatability.json";
 
 // Formats a fitness (m²) in cm², with as many decimals as `like` needs for three digits.
 std::string squareCentimetres(double fitness, double like) {
-  constexpr double kSquareCentimetres = 1e4;  // per square metre
+  constexpr double kSquareCentimetres = 1e4;  // square centimetres per square metre
   constexpr int kMostDecimals = 4;            // further ones are rounding errors
   const double size = std::log10(std::max(like * kSquareCentimetres, 1e-9));
   return fmt::format("{:.{}f}", fitness * kSquareCentimetres,

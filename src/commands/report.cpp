@@ -15,7 +15,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 64;  // in a page, which their pictures and points make large
+constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples; they make the page large
 
 // Returns "small_report.html" for a dataset named "small": never a path, whatever the name holds.
 std::string defaultName(const std::filesystem::path& folder) {
