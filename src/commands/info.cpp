@@ -487,7 +487,7 @@ int runInfo(const std::vector<std::string>& arguments) {
       printScanFolder(file, *recorded);
       return 0;
     }
-    if (!dataset) const ScanStore refused(file);  // throws: the message says what a folder may hold
+    if (!dataset) const ScanStore refused(file);  // throws; the message states what a folder may contain
     printDataset(file);
   } else if (file.filename() == "manifest.json") {
     printDataset(file.parent_path());

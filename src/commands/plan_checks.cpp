@@ -21,7 +21,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostScenes = 20;  // the greatest number of scenes to load; further ones seldom show other faults
+constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; further scenes seldom show other faults
 
 // Prints the triangles without a class by file, material and texture, the largest group first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {

@@ -17,7 +17,7 @@ inline constexpr std::size_t kChartColors = 8;  // number of colours in the pale
 enum class AxisScale { Linear, Log };
 
 struct ChartAxis {
-  std::string title{};  // with its unit, such as "range error, 99th percentile (m)"
+  std::string title{};  // title with the unit, such as "range error, 99th percentile (m)"
   AxisScale scale = AxisScale::Linear;
   // The unit of the numbers. Units such as "m", "s" and "B" get SI prefixes (10 µm, 1 mm); with "%", numbers from 0 to
   // 1 are written in per cent. Without a unit, numbers are written like 0.001 and 10 k.

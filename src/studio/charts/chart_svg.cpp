@@ -442,7 +442,7 @@ class SvgDrawing {
 
   const Chart& chart_;
   double width_, height_;
-  bool emphasised_ = false;  // at least one series is emphasised
+  bool emphasised_ = false;  // true: at least one series is emphasised
   ChartBox area_;            // rectangle of the plot, without title, legend and axis labels
   const ChartScale *x_ = nullptr, *y_ = nullptr;
   std::vector<ChartBox> taken_;  // boxes of marks and labels, which new labels must not overlap

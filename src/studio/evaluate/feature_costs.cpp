@@ -202,8 +202,8 @@ class Features {
     }
   }
 
-  // Adds a variant for each column, with the column added or removed; except the intensity, which is removed together
-  // with its effect.
+  // Adds a variant for each column, with the column added or removed. The intensity is skipped, since it is removed
+  // together with its effect.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
       if (c == kIntensity.index || (c == kPower.index && !setsIntensity(pipeline_))) continue;
