@@ -33,7 +33,7 @@ struct ChartAxis {
 enum class ChartMark { Dots, Line, LineAndDots, Bars };
 
 struct ChartSeries {
-  // The name in the legend; empty: not in the legend. Series with the same name and colour share an entry.
+  // The name in the legend; empty: the legend omits the series. Series with the same name and colour share an entry.
   std::string name{};
   // Index in the palette, whose colours colour-blind people can distinguish (Okabe and Ito). It also determines the
   // shape of the marks.

@@ -172,7 +172,7 @@ class Features {
     return v;
   }
 
-  // Lets a variant use the scene and the method of the unchanged pipeline, since its change affects neither.
+  // Lets a variant use the scene and the method of the unchanged pipeline. The variant's change must affect neither.
   void share(Variant& v) const {
     v.scene = whole_.scene;
     v.method = whole_.method;

@@ -29,7 +29,7 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
                                          const BeamTable* beams);
 
 // How rings are shifted in a range image: column c of a ring is drawn in the pixel column base[ring] - c; if the sensor
-// rotates clockwise, in base[ring] + c. In a full revolution, pixel columns are modulo the width.
+// rotates clockwise, in base[ring] + c. In a full revolution, pixel columns are taken modulo the width.
 struct StripShifts {
   std::vector<std::ptrdiff_t> base;
   bool clockwise = false;

@@ -52,7 +52,7 @@ struct KeyChange {
   std::string_view unit;           // unit of the figure
   double now = 0;                  // current value of the key
   double next = 0;                 // value that would make the figures equal if nothing else influenced them
-  bool isEnd = false;  // `next` is the end of the key's allowed range, and not enough to make the figures equal
+  bool isEnd = false;  // true: `next` is the end of the key's allowed range, and the figures would still differ
 };
 
 struct SetComparison {
