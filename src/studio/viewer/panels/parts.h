@@ -47,8 +47,7 @@ struct LegendUse {
   std::optional<std::size_t> entry;  // index of the clicked entry
   bool all = false;                  // true: the row for all entries was clicked
 };
-// Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: none is
-// hidden.
+// Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
 LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
 // Draws a legend in a picture: its entries in as many columns as fit, or its scale. legendTableHeight() returns the
 // height in pixels.

@@ -14,8 +14,8 @@ class ImagePane {
  public:
   // Sets the image's size and the rectangle `room` for it. The image pixel in the middle of the rectangle stays there.
   void place(int imageWidth, int imageHeight, const PixelRect& room);
-  // Enlarges by the factor `by`; the image pixel at (x, y) stays there. The least size is that which fits the
-  // rectangle.
+  // Enlarges by the factor `by`; the image pixel at (x, y) stays there. At zoom 1, the image fits the rectangle; it
+  // cannot be made smaller.
   void zoomAt(double by, double x, double y);
   // Moves the image by pixels, at most until one of its edges is in the middle of the rectangle.
   void moveBy(double right, double down);

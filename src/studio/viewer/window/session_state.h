@@ -31,8 +31,7 @@ struct ViewSession::State {
   void toggleAlone();
   void savePicture();
 
-  // Functions in session_scene_keys.cpp, which return why a key or a quantity cannot be used for a scene; empty: it
-  // can.
+  // Functions in session_scene_keys.cpp, which return why a key or quantity cannot be used for a scene; empty: it can.
   std::string sceneLacks(const KeyMeaning& meaning) const;
   std::string sceneLacks(const ColorBy& by) const;
 
