@@ -2,8 +2,8 @@
 
 // Reads the options of subcommands in a uniform way.
 
-// Values such as --set 'seeds=[1,2]' and file names may hold commas: only NUL, which no argument holds, can separate a
-// list.
+// cxxopts splits values at this character. Values such as --set 'seeds=[1,2]' and file names may contain commas, but no
+// argument contains NUL.
 #define CXXOPTS_VECTOR_DELIMITER '\0'
 // std::regex would double the compile time of every subcommand.
 #define CXXOPTS_NO_REGEX
@@ -68,7 +68,7 @@ std::uint64_t countOption(const Arguments& arguments, const char* name);
 // Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.
 std::string folderOption(const Arguments& arguments, const std::string& name);
 
-// Throws InputError unless the folder holds a manifest.
+// Throws InputError if the folder has no manifest. `command`: name of the command in the message.
 void expectDataset(const std::filesystem::path& folder, std::string_view command);
 
 }  // namespace scanmill

@@ -1,6 +1,6 @@
 #pragma once
 
-// A subcommand of the program. To add one, add a file and a row in commands().
+// Subcommands of the program. To add a subcommand, add a file and a row in commands().
 
 #include <span>
 #include <string>
@@ -11,8 +11,8 @@ namespace scanmill {
 
 struct Command {
   std::string_view name;
-  std::string_view usage;    // "PIPELINE -o DIR"
-  std::string_view summary;  // one line
+  std::string_view usage;    // arguments in the help, such as "PIPELINE -o DIR"
+  std::string_view summary;  // description in the help, in one line
   // `arguments` starts after the subcommand's name. Returns the exit code; throws Error.
   int (*run)(const std::vector<std::string>& arguments);
 };

@@ -25,7 +25,7 @@ namespace {
 
 constexpr const char* kResultFile = "compare.json";
 constexpr const char* kPageFile = "index.html";
-constexpr std::size_t kMostScans = 200;  // per set; a scan takes about 2 MB
+constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; each takes about 2 MB of memory
 
 void printComparison(const SetComparison& comparison) {
   std::vector<std::vector<std::string>> rows{

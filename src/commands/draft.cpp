@@ -24,8 +24,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kPlace =
-    60;  // m: a single file at least this large is drawn as a place, a smaller one on a contact sheet
+// Least size (m) at which a single file is drawn as a place; a smaller one is drawn on a contact sheet.
+constexpr double kPlace = 60;
 
 // Replaces folders by the 3D files in them, in the order of their names.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {

@@ -99,7 +99,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const Value sensor = parseYaml(text, preset.string());
   expectKind(sensor, FileKind::Sensor);
   const auto beams = makeBeams(sensor);
-  withEffects(text, preset.string(), "effects: []\n");  // fails before the work if the file cannot be written
+  withEffects(text, preset.string(), "effects: []\n");  // throws before the work if the file cannot take effects
   std::vector<RecordedScan> scans;
   forEachScan(files, [&](const Scan& scan, const std::string& name) {
     scans.push_back(rangesAlong(scan, *beams, name));

@@ -96,7 +96,7 @@ Plan withMethod(const Plan& plan, const GenerateOptions& options) {
   if (options.resume || shared) {
     if (const std::optional<MethodRecord> chosen = chosenBefore(options.folder)) return chosenAgain(plan, *chosen);
   }
-  // Refuse before the calibration, which takes minutes.
+  // Throw before the calibration, which takes minutes.
   if (shared) {
     throw InputError(
         "`method: auto` measures in each process, so that parts of a dataset could get different methods: name the "
@@ -155,7 +155,7 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
                   keeps ? recordedChannels() : Channels{});
 }
 
-// Makes one dataset. `overrides`: in addition to those of --set.
+// Makes one dataset. `overrides`: overrides in addition to those of --set.
 void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
                  const std::filesystem::path& folder) {
   GenerateOptions generateOptions;
@@ -180,7 +180,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
   if (plan.pipeline.method.automatic) plan = withMethod(plan, generateOptions);
-  // Not an error, so that scripts can always pass --resume.
+  // A complete dataset is not an error, so that scripts can always pass --resume.
   if (generateOptions.resume && wholeDatasetOf(datasetPlan(plan, jobs), generateOptions.folder)) {
     printText("{}: is complete: there is nothing to resume\n", generateOptions.folder.string());
     return;

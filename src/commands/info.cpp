@@ -153,7 +153,7 @@ std::string sizeText(const Box& box) {
 }
 
 // Prints the first placed objects, to reveal a wrong unit or axis. Copies of a mesh share one row, which shows the
-// first.
+// first copy.
 void printObjects(const Scene& scene) {
   constexpr std::size_t kMostObjects = 30;
   std::map<std::uint32_t, std::uint64_t> placed;
@@ -274,10 +274,10 @@ void printClips(const std::filesystem::path& file) {
       "in a scene, `animation: {{clip: NAME}}` of the object plays an animation, and `time_s` holds it at that time\n");
 }
 
-// Prints the colours of triangles that rules of a scene can match, by material; a colour near a more frequent one is
-// counted with it.
+// Prints the colours of triangles that rules of a scene can match, by material. Similar colours are counted together,
+// as the most frequent of them.
 void printColors(const Asset& asset) {
-  constexpr std::size_t kMostColors = 12;  // per material
+  constexpr std::size_t kMostColors = 12;  // greatest number of colours to print per material
   using Counts = std::map<Rgb, std::uint64_t>;
   std::map<std::pair<std::string, std::string>, Counts> byMaterial;
   const auto count = [&](const AssetPart& part) {
@@ -395,7 +395,7 @@ void printOntology(const std::filesystem::path& file) {
 }
 
 void printMaterials(const std::filesystem::path& file) {
-  constexpr int kWavelength = 905;  // nm, the most common
+  constexpr int kWavelength = 905;  // the most common wavelength of LiDAR sensors (nm)
   Rows rows{{"material", fmt::format("reflectance at {} nm", kWavelength), "roughness", "metallic", "source"}};
   for (const Material& m : readMaterials(file, kWavelength).materials) {
     rows.push_back({m.name, fmt::format("{:.3f}", m.reflectance), fmt::format("{:.2f}", m.roughness),
@@ -487,7 +487,7 @@ int runInfo(const std::vector<std::string>& arguments) {
       printScanFolder(file, *recorded);
       return 0;
     }
-    if (!dataset) const ScanStore refused(file);  // throws: the message says what a folder may hold
+    if (!dataset) const ScanStore refused(file);  // throws; the message states what a folder may contain
     printDataset(file);
   } else if (file.filename() == "manifest.json") {
     printDataset(file.parent_path());

@@ -172,7 +172,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"scenes", [] { return exampleRows("scenes"); }},
       {"pipelines", [] { return exampleRows("pipelines"); }},
   };
-  constexpr const char* kDevices = "devices";  // only on request: opening devices takes time
+  constexpr const char* kDevices = "devices";  // devices are listed only on request, since opening them takes time
   std::vector<std::string> names{kDevices};
   for (const auto& [name, rows] : kinds) names.push_back(name);
   if (!wanted.empty() && std::find(names.begin(), names.end(), wanted) == names.end()) {

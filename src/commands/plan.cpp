@@ -61,8 +61,8 @@ void printSequences(const Pipeline& pipeline) {
   printText("\n");
 }
 
-// Prints what each feature adds to a frame, in ms and in per cent of the frame. Features whose cost is lost in the
-// scatter of equal frames share one line.
+// Prints what each feature adds to a frame, in ms and in per cent of the frame. Features that cost less than repeated
+// measurements differ share one line.
 void printFeatures(const FeatureCosts& costs) {
   if (costs.points == 0) {
     warn(fmt::format("no beam of {} hits anything: the costs of features are not measured", costs.frame));
@@ -163,7 +163,7 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
   }
 }
 
-// Prints the first lines: frames, shards, time and size.
+// Prints the first lines of the output: frames, shards, time and size.
 void printForecast(const Arguments& parsed, const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
   const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;

@@ -21,7 +21,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostScenes = 20;  // the greatest number of scenes to load; further ones seldom show other faults
+constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; further scenes seldom show other faults
 
 // Prints the triangles without a class by file, material and texture, the largest group first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
@@ -76,10 +76,10 @@ SceneFindings checkScenes(ShotSource& source) {
       {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<UnlabeledPart, std::uint64_t> unlabeled;
   std::set<std::string> rules;  // warnings about rules, once for all seeds
-  std::uint64_t more = 0;       // scenes that are not loaded
+  std::uint64_t more = 0;       // number of scenes that are not loaded
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];
-    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // the first sequence of a scene covers its paths
+    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // checked with the scene's first sequence
     if (scenes.size() > kMostScenes) {
       ++more;
       continue;

@@ -11,7 +11,7 @@
 namespace scanmill {
 
 struct SceneFindings {
-  std::vector<std::string> modelled;  // from modelled(), and from the method for these scenes
+  std::vector<std::string> modelled;  // lines of modelled(), then the method's lines about these scenes
   std::uint64_t bytes = 0;            // memory that the method takes for the largest scene; 0: not measured
 };
 

@@ -31,8 +31,8 @@ constexpr const char* kResultFile = "repeatability.json";
 
 // Formats a fitness (m²) in cm², with as many decimals as `like` needs for three digits.
 std::string squareCentimetres(double fitness, double like) {
-  constexpr double kSquareCentimetres = 1e4;  // per square metre
-  constexpr int kMostDecimals = 4;            // further ones are rounding errors
+  constexpr double kSquareCentimetres = 1e4;  // square centimetres per square metre
+  constexpr int kMostDecimals = 4;            // largest number of decimals; further decimals are rounding errors
   const double size = std::log10(std::max(like * kSquareCentimetres, 1e-9));
   return fmt::format("{:.{}f}", fitness * kSquareCentimetres,
                      std::clamp(2 - static_cast<int>(std::floor(size)), 0, kMostDecimals));

@@ -15,9 +15,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostSamples = 64;  // in a page, which their pictures and points make large
+constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples; they make the page large
 
-// Returns "small_report.html" for a dataset named "small": never a path, whatever the name holds.
+// Returns the name of the report's file, such as "small_report.html" for a dataset named "small"; never a path.
 std::string defaultName(const std::filesystem::path& folder) {
   std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   if (!whole.has_filename()) whole = whole.parent_path();

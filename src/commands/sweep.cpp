@@ -44,7 +44,7 @@ std::string shortKey(const std::string& key) {
 
 struct Sweep {
   std::string key;
-  std::vector<std::string> values;  // as YAML on one line
+  std::vector<std::string> values;  // values as YAML texts without line breaks
 };
 
 Sweep parseSweep(const std::string& text) {

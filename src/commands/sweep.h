@@ -8,7 +8,7 @@ namespace scanmill {
 // One dataset of a sweep.
 struct SweepSet {
   std::string folder;                  // the dataset's folder within the sweep's: "preset=os1_128,severity=heavy"
-  std::vector<std::string> overrides;  // in the form of --set
+  std::vector<std::string> overrides;  // overrides as arguments of --set
 };
 
 // Returns the datasets of `--sweep KEY=[A, B, ...]`, given once or several times: one for each combination of values,

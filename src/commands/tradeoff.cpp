@@ -144,7 +144,7 @@ std::string pictureFile(std::size_t index) {
   return fmt::format("errors-{}.png", index + 1);
 }
 
-// Reads a study that was measured before, to write its report again. Pictures missing beside it are left out.
+// Reads a study that was measured before, to write its report again. Missing files of pictures are left out.
 Study readStudy(const std::filesystem::path& file) {
   Study study = parseStudy(readFile(file), file.string());
   std::vector<ErrorPicture> found;

@@ -30,14 +30,14 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
 constexpr int kTickMs = 15;
-constexpr double kFarthestPlace = 1e5;  // m, of a close-up from the sensor
+constexpr double kFarthestPlace = 1e5;  // largest coordinate of a close-up in the sensor's frame (m)
 
 // Outputs that replace the window; all may be empty.
 struct Outputs {
   std::filesystem::path screenshot;
   std::filesystem::path turntable;
   int frames = 72;
-  std::optional<std::pair<int, int>> pick;  // px
+  std::optional<std::pair<int, int>> pick;  // pixel of the picture whose point is printed
   bool wholeRangeImage = false;             // the screenshot is the range image alone, in full size
   bool contactSheet = false;                // the screenshot is a sheet of the scene's objects
 
@@ -229,7 +229,7 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
-// Throws InputError if an option besides these was given, which `what` does not use.
+// Throws InputError if an option that is not in `used` was given. `what`: option for this picture, for the message.
 void requireOnly(const std::filesystem::path& file, const Arguments& parsed, const std::string& what,
                  std::initializer_list<std::string_view> used) {
   for (const cxxopts::KeyValue& given : parsed.options.arguments()) {

@@ -14,7 +14,7 @@ namespace scanmill {
 
 ColorBy readColor(const std::string& word) {
   for (const Column& column : kColumns) {
-    if (column.name == word) return ColorBy(column);  // even if colours by it have their own title
+    if (column.name == word) return ColorBy(column);  // a column's name always means this column
   }
   const std::vector<std::string>& names = colorNames();
   const bool known = std::find(names.begin(), names.end(), word) != names.end();

@@ -24,7 +24,7 @@ std::size_t wordAmong(const std::string& word, const std::string& option, std::s
 // lacks. Throws InputError for a word that is nearly one of the names.
 ColorBy readColor(const std::string& word);
 
-// Empty if the option is not given.
+// Return the value of an option; empty if the option is not given.
 std::string textOption(const Arguments& parsed, const std::string& option);
 std::vector<std::string> listOption(const Arguments& parsed, const std::string& option);
 bool hasOption(const Arguments& parsed, const std::string& option);

@@ -129,7 +129,7 @@ class Dataset(Sequence["Sample"]):
         places = np.array([self._place(w) for w in which], np.int64)
         selected = Dataset(self.store, places if own is None else own[places])
         selected.keys = [self.keys[i] for i in places]
-        for name in ("manifest", "ontology", "sensors"):  # these are the same and need not be parsed again
+        for name in ("manifest", "ontology", "sensors"):  # equal in the selection, so they need not be parsed again
             if name in self.__dict__:
                 selected.__dict__[name] = self.__dict__[name]
         selected._column_starts = self._column_starts

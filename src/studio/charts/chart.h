@@ -17,7 +17,7 @@ inline constexpr std::size_t kChartColors = 8;  // number of colours in the pale
 enum class AxisScale { Linear, Log };
 
 struct ChartAxis {
-  std::string title{};  // with its unit, such as "range error, 99th percentile (m)"
+  std::string title{};  // title with the unit, such as "range error, 99th percentile (m)"
   AxisScale scale = AxisScale::Linear;
   // The unit of the numbers. Units such as "m", "s" and "B" get SI prefixes (10 µm, 1 mm); with "%", numbers from 0 to
   // 1 are written in per cent. Without a unit, numbers are written like 0.001 and 10 k.
@@ -33,7 +33,7 @@ struct ChartAxis {
 enum class ChartMark { Dots, Line, LineAndDots, Bars };
 
 struct ChartSeries {
-  // The name in the legend; empty: not in the legend. Series with the same name and colour share an entry.
+  // The name in the legend; empty: the legend omits the series. Series with the same name and colour share an entry.
   std::string name{};
   // Index in the palette, whose colours colour-blind people can distinguish (Okabe and Ito). It also determines the
   // shape of the marks.

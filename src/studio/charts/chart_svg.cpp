@@ -392,7 +392,7 @@ class SvgDrawing {
     for (const Vec2d& point : s.points) {
       if (isDrawn(point)) {
         const Vec2d p = pixel(point);
-        // For label placement, an emphasised line is a staircase, so each step is a box without width or height.
+        // For label placement. Emphasised lines are staircases, so the box of each step has no width or no height.
         if (open && s.emphasised) {
           lines_.push_back(
               {std::min(p.x, before.x), std::min(p.y, before.y), std::max(p.x, before.x), std::max(p.y, before.y)});
@@ -442,7 +442,7 @@ class SvgDrawing {
 
   const Chart& chart_;
   double width_, height_;
-  bool emphasised_ = false;  // at least one series is emphasised
+  bool emphasised_ = false;  // true: at least one series is emphasised
   ChartBox area_;            // rectangle of the plot, without title, legend and axis labels
   const ChartScale *x_ = nullptr, *y_ = nullptr;
   std::vector<ChartBox> taken_;  // boxes of marks and labels, which new labels must not overlap

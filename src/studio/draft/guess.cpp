@@ -14,8 +14,8 @@
 namespace scanmill::draft {
 namespace {
 
-// Returns the concept that `whole` has for the same words as the detail `named`; for instance, cars and trains have
-// different wheels. Null if there is none.
+// Returns the detail of `whole` that has the same words as the detail `named`; for instance, the wheels of a train
+// instead of the wheels of a car. Null if there is none.
 const Concept* detailOf(const std::vector<Concept>& concepts, const Concept* named, const Concept* whole) {
   if (named == nullptr || whole == nullptr || named->kind != ConceptKind::Detail) return nullptr;
   for (const Concept& c : concepts) {
@@ -285,8 +285,8 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
-  // Names of objects often contain the words of these concepts for another reason: stone or sand as material, water and
-  // floor as use, as in water towers and floor lamps.
+  // Concepts whose words occur in names of objects with another meaning: sand and stone as a material, water and floor
+  // as a use, as in "water tower" and "floor lamp".
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();

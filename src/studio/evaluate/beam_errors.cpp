@@ -44,7 +44,7 @@ struct Outcome {
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // absolute error (m); 0 unless both have a hit
+  float range = 0;               // absolute error (m); 0 if only one or none has a hit
   float intensity = kUnknown;    // absolute error; NaN if not known
   float nearestTo = kUnknown;    // distance from the true point to the nearest tested point (m); NaN if not known
   float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known

@@ -75,7 +75,7 @@ struct BeamErrors {
   std::vector<SizeRecall> byLength;     // object instances grouped by the longest edge of their box
 };
 
-// A shot with the exact hits of its beams and what is derived from them.
+// A shot with the exact hits of its beams, and data that are derived from these hits.
 struct TrueShot {
   Shot shot;
   ExactHits truth;  // exact hits with the channels kErrorChannels

@@ -172,7 +172,7 @@ class Features {
     return v;
   }
 
-  // Lets a variant use the scene and the method of the unchanged pipeline, since its change affects neither.
+  // Lets a variant use the scene and the method of the unchanged pipeline. The variant's change must affect neither.
   void share(Variant& v) const {
     v.scene = whole_.scene;
     v.method = whole_.method;
@@ -202,8 +202,8 @@ class Features {
     }
   }
 
-  // Adds a variant for each column, with the column added or removed; except the intensity, which is removed together
-  // with its effect.
+  // Adds a variant for each column, with the column added or removed. The intensity is skipped, since it is removed
+  // together with its effect.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
       if (c == kIntensity.index || (c == kPower.index && !setsIntensity(pipeline_))) continue;

@@ -53,8 +53,8 @@ std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, 
 // Returns the index of the cheapest candidate that keeps all limits, the first of several with equal cost; nothing if
 // there is none.
 std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const ErrorLimits& limits);
-// Returns the index of the candidate that comes nearest to keeping all limits: its largest factor by which it exceeds a
-// limit is the smallest.
+// Returns the index of the candidate that comes nearest to keeping all limits. For each candidate, the largest factor
+// by which it exceeds a limit is compared; the smallest wins.
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits);
 
 // Returns the indices of the Pareto front of two costs, sorted by increasing `a`. An item is on the front if no other

@@ -60,7 +60,7 @@ std::string shareText(double value) {
   const double fromEnd = std::min(value, 1 - value) * 100;
   if (fromEnd <= 0) return fmt::format("{:.0f} %", value * 100);
   if (fromEnd < 1e-5) return value < 0.5 ? "below 0.00001 %" : "above 99.99999 %";
-  // Two significant digits of the difference to 0 or to 100 %.
+  // Show two significant digits of the difference from 0 or from 100 %.
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(fromEnd))), 1, 6);
   return fmt::format("{:.{}f} %", value * 100, decimals);
 }

@@ -115,7 +115,7 @@ class PlaneMaker {
     addEntries(p.semantic, semanticColor, semanticName);
     addIds("instance", "a colour each", p.instance, instanceColor,
            [](std::uint32_t id) { return id == 0 ? std::string("none") : std::to_string(id); });
-    // Color 0 of instanceColor() means no instance.
+    // 0 is the id of a material or primitive, but instanceColor(0) is the colour for no instance.
     const auto colorEach = [](std::uint32_t id) { return instanceColor(id + 1); };
     addIds("material", image_->materials.empty() ? "a colour each" : "", p.material, colorEach,
            [image = image_.get()](std::uint16_t id) {

@@ -114,7 +114,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
                      const std::string& title) {
   constexpr ImageId kStrip = 1;
   constexpr double kReadableWidth = 1600;
-  constexpr double kReadableShare = 1.0 / 7;  // height divided by width
+  constexpr double kReadableShare = 1.0 / 7;  // least height of the image divided by its width
   const Coloring coloring = colorScan(scan, colorBy, ontology);
   const Legend& legend = coloring.legend;
   const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});

@@ -21,23 +21,23 @@ constexpr int kMostPictureSide = 8192;
 constexpr int kMostPicturePixels = 36'000'000;
 
 struct PictureOptions {
-  std::optional<ColorBy> colorBy;  // absent: colorScan() chooses
+  std::optional<ColorBy> colorBy;  // quantity that colours show; absent: colorScan() chooses it
   View view = View::Chase;
   int width = 1600;
   int height = 900;
   double zoom = 1;
-  double pointSize = 1;    // factor of the usual diameter
-  bool depthEdges = true;  // points behind a nearer surface are darkened (eye-dome lighting)
+  double pointSize = 1;    // factor by which the usual diameter of points is multiplied
+  bool depthEdges = true;  // darkens points behind nearer surfaces (eye-dome lighting)
 };
 
-// Draws the scan in perspective or from above, with `title` over it and the number of points and the legend beside it.
+// Draws the scan as `options.view` requires, with `title` and the number of points above it and the legend beside it.
 // The picture of an empty scan says that it is empty.
 Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title);
 
 // Draws the scan as drawPicture() does, in the colours of `coloring`; `options.colorBy` is ignored.
 Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptions& options, const std::string& title);
 
-// Returns the colour of a scan among scans that lie over one another; `scan`: counted from 0.
+// Returns the colour of a scan in an overlay of several scans. `scan`: index of the scan in the overlay.
 Rgb overlayColor(std::size_t scan);
 
 // Draws a scan as a range image with one row per ring, the highest beams at the top, and one pixel per beam, see

@@ -18,15 +18,16 @@ namespace scanmill {
 constexpr std::uint32_t kNoPoint = 0xFFFFFFFFu;
 
 struct RangeStrip {
-  Image image;                         // a row per ring, the highest beams on top
-  std::vector<std::uint32_t> pointAt;  // per pixel, index of the point; kNoPoint if none is shown
-  std::vector<std::uint32_t> pixelOf;  // per point, row * width + column, even if that pixel shows another point
-  bool ringsRise = false;              // ring 0 is the lowest beam, in the last row
-  bool outward = false;                // left is on the left, and rings are shifted so that upright things are upright
-  bool fullTurn = false;               // `outward`, and straight ahead is in the middle
-  std::size_t columns = 0;  // columns of the sensor; the image is wider if rings of less than a revolution are shifted
+  Image image;                         // the picture; one row per ring, the highest beams at the top
+  std::vector<std::uint32_t> pointAt;  // index of the point that each pixel shows; kNoPoint: none
+  // Pixel of each point (row * width + column), even if the pixel shows another point.
+  std::vector<std::uint32_t> pixelOf;
+  bool ringsRise = false;   // true: ring 0 is the lowest; it is in the last row
+  bool outward = false;     // true: the left side shows the left, and rings are shifted to show upright edges upright
+  bool fullTurn = false;    // true: `outward` is true, and straight ahead is in the middle
+  std::size_t columns = 0;  // number of the sensor's columns; the image is wider if rings of a partial turn are shifted
 
-  // Returns the column and the row of a point in the image.
+  // Returns the column and the row of the pixel of a point.
   std::pair<int, int> place(std::size_t point) const {
     const auto width = static_cast<std::uint32_t>(image.width);
     return {static_cast<int>(pixelOf[point] % width), static_cast<int>(pixelOf[point] / width)};
@@ -34,14 +35,14 @@ struct RangeStrip {
 };
 
 // Draws the range image of a scan, with a separate pixel for each beam. `colors`: one per point. `shown`: for each
-// point, whether it is drawn; empty: all are. If several points are in the same pixel, the nearest is drawn. `beams`:
-// beam table of the sensor; null if unknown. If azimuths do not increase or decrease with the column, the order is
-// Sensor. Throws InputError if the scan is too large for a picture, or if it is not organised and has no columns ring
-// and column.
+// point, whether it is drawn; empty: all are drawn. If several points are in the same pixel, the nearest is drawn.
+// `beams`: beam table of the sensor; null if unknown. If azimuths do not increase or decrease with the column, columns
+// are in the sensor's order. Throws InputError if the scan is too large for a picture, or if it is not organised and
+// has no columns ring and column.
 RangeStrip makeRangeStrip(const Scan& scan, std::span<const Rgb> colors, const std::vector<bool>& shown,
                           const BeamTable* beams = nullptr);
 
-// Returns "128 rings x 1024 columns, looking outward, straight ahead in the middle".
+// Returns a description, such as "128 rings x 1024 columns, looking outward, straight ahead in the middle".
 std::string describeStrip(const RangeStrip& strip);
 
 }  // namespace scanmill

@@ -18,7 +18,8 @@ struct ScaleTick {
 // values are integers, so are the ticks. A scale with a single value has one tick, in the middle.
 std::vector<ScaleTick> scaleTicks(const Legend& legend);
 
-// Returns the title with the way in which colours depend on values, such as "range (m), by its square root".
+// Returns the legend's title, with a remark if colours are not proportional to values or the user has chosen the ends,
+// such as "range (m), by its square root".
 std::string scaleTitle(const Legend& legend);
 
 }  // namespace scanmill

@@ -29,7 +29,7 @@ std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std
                                          const BeamTable* beams);
 
 // How rings are shifted in a range image: column c of a ring is drawn in the pixel column base[ring] - c; if the sensor
-// rotates clockwise, in base[ring] + c. In a full revolution, this is taken modulo the width.
+// rotates clockwise, in base[ring] + c. In a full revolution, pixel columns are taken modulo the width.
 struct StripShifts {
   std::vector<std::ptrdiff_t> base;
   bool clockwise = false;
@@ -39,9 +39,9 @@ struct StripShifts {
   std::size_t place(std::size_t ring, std::size_t column) const;
 };
 
-// Returns shifts such that the middle of the image shows straight ahead, or the middle of the field of view if it is
-// less than a full revolution, and the left side shows the left. Returns nothing if the azimuths of two rings differ so
-// much that their rows would not overlap.
+// Returns shifts such that the left side of the image shows the left. The middle of the image shows straight ahead; if
+// the field of view is less than a full revolution, it shows the middle of the field of view. Returns nothing if the
+// azimuths of two rings differ so much that their rows would not overlap.
 std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns);
 
 }  // namespace scanmill

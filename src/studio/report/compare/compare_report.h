@@ -6,7 +6,7 @@
 
 namespace scanmill {
 
-// Returns the HTML page of a comparison, which needs no other file. `date`: such as "2026-11-23".
+// Returns the HTML page of a comparison, which needs no other file. `date`: date on the page, such as "2026-11-23".
 std::string comparisonPage(const SetComparison& comparison, const std::string& date);
 
 // Returns the suggested value as text, such as "0.07" or "30 (the most)".

@@ -61,7 +61,7 @@ struct UsualSides {
   // True if objects can be recognised by this size. False for classes of varied objects, such as boxes and barrows, and
   // for tiny objects.
   bool tell() const {
-    // Ratio of `high` to `low`; lengths (m).
+    // Largest ratio and difference (m) of `high` and `low`; least length of usual objects (m).
     constexpr double kMostRatio = 2.5, kMostDifference = 0.5, kLeastLength = 0.4;
     if (middle[0] < kLeastLength) return false;
     for (std::size_t side = 0; side < 3; ++side) {
@@ -109,8 +109,8 @@ class AnomalySearch {
  private:
   bool isPlain(const ThingSummary& thing) const { return !mixed_.contains({thing.sequence, thing.id}); }
 
-  // True if points of the class usually have no instance id: only a few objects of the class have one. Classes of parts
-  // of other classes' objects are excluded.
+  // True if only a few objects of the class have an instance id, so that ids are probably an error. False for classes
+  // of parts of other objects, such as trunks.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
     constexpr double kFewShare = 0.02;  // a class with at most this fraction of all instances counts as rare

@@ -19,9 +19,9 @@ struct DatasetWarning {
 
 // Faults that were found while reading the dataset, one line each.
 struct ReadingFaults {
-  std::vector<std::string> shards;    // about missing or damaged shards
-  std::vector<std::string> scans;     // about scans that could not be read
-  std::vector<std::string> mistaken;  // about scans that contradict the manifest
+  std::vector<std::string> shards;    // missing or damaged shards
+  std::vector<std::string> scans;     // scans that could not be read
+  std::vector<std::string> mistaken;  // scans that contradict the manifest
 };
 
 // Returns the warnings. `folder`: path of the dataset as the user gave it.

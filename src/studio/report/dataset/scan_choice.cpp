@@ -12,8 +12,8 @@ namespace scanmill {
 namespace {
 
 // Returns a random number for a seed and a sample, from the Philox generator with the seed as key and the sample in the
-// counter. kPictures in the counter's last word, which holds the purpose for all other random numbers of the program,
-// makes the number independent of them.
+// counter. The counter's last word states the purpose of a random number, so the result is independent of the program's
+// other random numbers.
 std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
   constexpr std::uint32_t kPictures = 0xFFFF0000u;
   const RandomBlock block = philox4x32(

@@ -44,7 +44,7 @@ bool isElsewhere(std::uint8_t cause) {
 }
 
 // Measures the boxes of instances. Points whose position is not on the object (mirror images, stray light, false
-// positives, weather) are used only if an instance has no others.
+// positives, weather) are used only if an instance has no other points.
 void measure(const Scan& scan, const Mat3& levelFromSensor, std::map<std::uint32_t, InstanceCounts>& instances) {
   if (instances.empty()) return;
   struct Places {

@@ -13,7 +13,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts do not draw points with this value
-constexpr double kRounding = 1e-12;     // m²; smaller values are rounding errors of float32
+constexpr double kRounding = 1e-12;     // fitness (m²) below which values are rounding errors
 constexpr std::size_t kMostPlaces = 7;  // maximum number of poses in one chart, each of which is a line
 
 using OfLevels = FitnessSpread LevelFitness::*;

@@ -151,8 +151,8 @@ struct Shown {
 // NaN if there is none.
 using Figure = std::function<std::pair<double, std::string>(const BeamErrors& errors, std::size_t name)>;
 
-// Returns the chart with one series per setting. Each series has a value for each name on the x axis; if the y axis has
-// names, for each of these.
+// Returns the chart with one series per setting. Each series has one value per name on the y axis; if the y axis has no
+// names, one per name on the x axis.
 Chart settingsChart(const Study& study, const Shown& shown, Chart chart, ChartMark mark, double step,
                     const Figure& figure) {
   const bool lying = !chart.y.names.empty();

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Number of methods, from the start of methods(), that have fixed colours: the first of the palette.
+// The first kMethodColors methods of the table methods() have fixed colours, which are the first ones of the palette.
 constexpr std::size_t kMethodColors = 3;
 constexpr std::array<std::size_t, 5> kMoreColors{3, 4, 5, 7, 6};
 

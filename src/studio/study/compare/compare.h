@@ -1,6 +1,6 @@
 #pragma once
 
-// Compares two sets of scans, real and simulated: which differences would a network notice that was trained on one set?
+// Compares a real and a simulated set of scans, to find differences that a network trained on one set would notice.
 
 #include <array>
 #include <cstdint>
@@ -52,7 +52,7 @@ struct KeyChange {
   std::string_view unit;           // unit of the figure
   double now = 0;                  // current value of the key
   double next = 0;                 // value that would make the figures equal if nothing else influenced them
-  bool isEnd = false;  // `next` is the end of the key's allowed range, and not enough to make the figures equal
+  bool isEnd = false;  // true: `next` is the end of the key's allowed range, and the figures would still differ
 };
 
 struct SetComparison {
@@ -73,9 +73,9 @@ struct SetComparison {
   std::string unadvised;   // the reason why there is no advice, as a sentence; empty if there is advice
 };
 
-// Compares two sets. The classes of one set are mapped to the other set's classes with the same name or alias. Of the
-// two directions, the one is used in which the class frequencies agree better; it maps to the coarser classes. If a set
-// has no labels, groups are shapes of patches.
+// Compares two sets. The classes of one set are mapped to the other set's classes with the same name or alias. The
+// direction of this mapping is the one in which the class frequencies agree better; it leads to the coarser classes. If
+// a set has no labels, groups are shapes of patches.
 SetComparison compareSets(ScanSet real, ScanSet simulated);
 
 // Returns the comparison as JSON. `date`: written into the JSON.

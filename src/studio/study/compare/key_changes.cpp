@@ -71,8 +71,9 @@ std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view na
   return {};
 }
 
-// Returns the figure of the complete sets, from which chance has been removed; otherwise the figure of patches. Returns
-// nothing if both exist and suggest opposite changes, since something other than the key then causes the difference.
+// Returns the figure of the complete sets, from which chance has been removed; if there is none, the figure of patches.
+// Returns nothing if both exist and suggest opposite changes, since something other than the key then causes the
+// difference.
 std::optional<Shown> shown(const SetComparison& comparison, const Mover& mover) {
   const std::optional<Shown> sets = ofSets(comparison, mover.figure);
   const std::optional<Shown> patches = ofPatches(comparison, mover.figure);

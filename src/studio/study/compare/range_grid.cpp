@@ -165,8 +165,8 @@ class GridMaker {
     grid_.knowsRings = grid_.knowsMisses = grid_.wraps = true;
     const std::vector<std::uint32_t> row = rowsOfRings(ofRing);
     for (std::uint32_t r = 0; r < rings; ++r) {
-      // Azimuths are noisy, so a rounded column may be wrong by one. A point gets the column after the previous point's
-      // column, unless there is room for another point between them.
+      // Azimuths are noisy, so a rounded column may be wrong by one. A point that is less than 1.5 steps after the
+      // previous point gets the column after the previous point's column.
       std::int64_t last = -2;  // no previous point
       double before = 0;
       for (const std::uint32_t i : ofRing[r]) {

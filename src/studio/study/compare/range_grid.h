@@ -12,7 +12,7 @@
 namespace scanmill {
 
 // Rows are rings from top to bottom; columns are azimuth steps in the firing order. Rows are shifted such that a column
-// has the same azimuth in all rows, except for up to half a step; this matters for sensors with lasers side by side,
+// has the same azimuth in all rows, to within half a step; this matters for sensors with lasers side by side,
 // whose columns differ in azimuth. If a beam has several returns, the pixel has the nearest.
 struct RangeGrid {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -21,7 +21,7 @@ struct RangeGrid {
   std::uint32_t columns = 0;
   bool wraps = false;        // true: the last column is a neighbour of the first
   bool knowsRings = false;   // true: rows are the sensor's rings; false: rows are steps of elevation
-  bool knowsMisses = false;  // true: an empty pixel is a beam without a return; false: no beam may belong to the pixel
+  bool knowsMisses = false;  // true: an empty pixel is a beam without a return; false: it may be a gap between beams
   std::vector<std::uint32_t> point;   // index in the scan for each pixel (row * columns + column); kNone: empty
   std::vector<float> range;           // distance from the origin of the points' frame for each pixel (m); NaN: empty
   std::vector<std::uint8_t> returns;  // number of returns of each pixel's beam

@@ -112,7 +112,7 @@ double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& poi
 // Measures the ground, which is the level surface below the sensor. Fits a plane to the lowest points, then a second
 // plane to the points within 0.5 m of the first.
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
-  constexpr double kBelow = 0.3, kOff = 0.5;  // m: least depth below the sensor, largest distance from the first plane
+  constexpr double kBelow = 0.3, kOff = 0.5;  // least depth below sensor, largest distance from the first plane (m)
   constexpr std::size_t kFewest = 200, kFewestInCell = 6;
   constexpr double kFewestSpread = 0.05;  // least standard deviation of a cell's points in both directions (m)
   std::vector<Vec3d> points;
@@ -184,9 +184,9 @@ ScanCounts countScan(const Scan& scan, std::uint32_t number, const ScanSetOption
   return counts;
 }
 
-// Returns the standard deviation of `values` between rows of the grid: that of the rows' medians over flat patches,
-// after the standard errors of these medians are removed. Deviations are computed from medians too, since a few rows
-// are far off where the ground ends at a wall or a step.
+// Returns by how much `values` differ between rows of the grid: the standard deviation of the rows' medians over flat
+// patches, without the part that the medians' standard errors explain. Standard deviations are computed from medians
+// too, since a few rows are far off where the ground ends at a wall or a step.
 double spreadOverRows(const Patches& patches, const std::vector<float>& values) {
   constexpr std::size_t kFewest = 30, kFewestRows = 4;
   constexpr double kNormal = 1.4826;     // standard deviation / median absolute deviation, for normal distributions

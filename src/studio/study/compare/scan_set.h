@@ -86,7 +86,7 @@ struct ScanSet {
   bool foundSensor = false;  // true: the set has a sensor with the requested name
   bool knowsRings = true;    // true: rings are known in all scans
   bool knowsMisses = true;   // true: missing beams are known in all scans
-  bool labelled = false;     // all scans have labels, and their classes are known
+  bool labelled = false;     // true: all scans have labels, and their classes are known
   std::optional<Ontology> ontology{};
   // Values in the order of kSetFigures; NaN if the scans do not show the figure.
   std::array<double, kSetFigureCount> figures{};

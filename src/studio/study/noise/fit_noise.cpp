@@ -21,7 +21,7 @@ constexpr std::size_t kFewestPatches = 50;  // least number of patches in a band
 constexpr double kMostUneven = 2.5;         // largest unevenness of a band that the fit uses
 constexpr int kResamples = 200;
 constexpr double kGoodChiSquare = 3;  // largest acceptable chi^2 per degree of freedom
-constexpr double kGoodMisfit = 0.1;   // relative error of all bands up to which a line is accepted, whatever its chi^2
+constexpr double kGoodMisfit = 0.1;   // if no band has a larger relative error, any chi^2 is acceptable
 
 using Patches = std::vector<const FlatPatch*>;
 

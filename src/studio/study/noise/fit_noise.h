@@ -82,8 +82,9 @@ struct FitNoiseOptions {
 NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans, const std::vector<FlatPatch>& patches,
                   const FitNoiseOptions& options = {});
 
-// Returns a line that states up to which range the noise was measured and how the model continues beyond, then a line
-// for each band beyond that the fit did not use. Empty if the sensor's maximum range was measured.
+// Returns a line that states up to which range the noise was measured and how the model continues at larger ranges,
+// then a line for each band at larger ranges that has enough patches, but that the fit did not use. Empty if the noise
+// was measured up to the sensor's maximum range.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
 // Returns the YAML text of the key `effects` for a sensor file, with comments about the origin of the figures. Ends

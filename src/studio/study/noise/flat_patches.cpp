@@ -127,9 +127,9 @@ LinearFit fitLines(const BeamTable& beams, const std::vector<const Cell*>& cells
   return fitLinear(design, kTerms, values);
 }
 
-// Counts the measured beams inside of the window that are enclosed (at least three of their four neighbours, which are
-// all tested beams, have returns, and these lie on the plane), and those among them that have no return themselves
-// (holes).
+// Counts enclosed beams and holes. A measured beam inside of the window is enclosed if at least three of its four
+// neighbours, all of which are tested beams, have returns, and all these returns lie on the plane. An enclosed beam
+// without a return is a hole.
 void countHoles(const BeamTable& beams, const Cells& cells, double deviation, FlatPatch& patch) {
   for (const Cell& cell : cells) {
     const bool inner = cell.row > 0 && cell.row + 1 < kPatchRings && cell.column > 0 && cell.column + 1 < kPatchColumns;

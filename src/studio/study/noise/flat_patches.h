@@ -23,7 +23,7 @@ namespace scanmill {
 constexpr std::uint32_t kPatchRings = 5;
 constexpr std::uint32_t kPatchColumns = 9;
 
-// The cosine of the incidence angle, 60 degrees, that separates steep from grazing views. In grazing views, the ranges
+// The cosine of 60 degrees, the incidence angle that separates steep from grazing views. In grazing views, the ranges
 // also vary due to the roughness of the surface and the width of the beam.
 constexpr double kSteep = 0.5;
 
@@ -72,8 +72,8 @@ class BeamImage {
   std::uint32_t columns() const { return columns_; }
   // Returns the number of columns at which a window of this width (columns) can start.
   std::uint32_t starts(std::uint32_t width) const;
-  // Returns the index of a pixel's beam; nothing if the shift of its ring leads beyond a field of view of less than a
-  // full revolution.
+  // Returns the index of a pixel's beam. Returns nothing if the ring has no beam there because it is shifted; this
+  // happens only if the field of view is less than a full revolution.
   std::optional<std::uint32_t> beam(std::uint32_t row, std::uint32_t column) const;
 
  private:

@@ -28,7 +28,8 @@ struct ResidualComparison {
 };
 
 // Compares the recorded deviations on the patches with deviations that `effects` simulates. Returns an entry for steep
-// and one for grazing incidence, unless there are no such patches. Only ranges that the fit uses are compared.
+// incidence and one for grazing incidence; an entry without patches is omitted. Only ranges that the fit uses are
+// compared.
 // `effects`: YAML text with the key `effects`, see effectsYaml().
 std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans,
                                              const std::vector<FlatPatch>& patches, const NoiseFit& fit,

@@ -83,8 +83,8 @@ PatchView viewOf(const BeamTable& beams, const BeamImage& image, const RecordedS
   return kept;
 }
 
-// Adds a patch to the normal equations. `values`: for each return of `ring`. `columns`: basis of the functions (a
-// plane, or a slope) that are fitted to each patch separately and removed from the values.
+// Adds a patch to the normal equations. `ring`, `values`: ring and measured value of each return. `columns`: basis of
+// the functions (a plane, or a slope) that are fitted to each patch separately and removed from the values.
 void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std::vector<double>& values,
            const Eigen::MatrixXd& columns) {
   std::vector<std::uint32_t> rings = ring;

@@ -46,7 +46,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
   std::string kept;
   std::size_t begin = first + 1;
   for (std::size_t i = 0; i < list.items.size(); ++i) {
-    // An item ends before the next item and the comments above that.
+    // An item ends before the comments above the next item.
     std::size_t stop = i + 1 < list.items.size() ? static_cast<std::size_t>(list.items[i + 1].where.line - 1) : end;
     const auto own = static_cast<std::size_t>(list.items[i].where.line - 1);
     while (i + 1 < list.items.size() && stop > own + 1 && isComment(lines[stop - 1])) --stop;

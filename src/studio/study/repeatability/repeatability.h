@@ -41,8 +41,8 @@ struct RepeatedPlace {
 
 struct RepeatedView {
   std::size_t method = 0;  // index in Repeatability::methods
-  // The view's name, such as "small_box front". It consists of the scene, the seed and the sensor if there are several,
-  // and the trajectory.
+  // The view's name, such as "small_box front". It consists of the scene, the seed if there are several seeds, the
+  // trajectory, and the sensor if there are several sensors.
   std::string name;
   std::string sensor;  // the sensor with its size, such as "lidar0 (OS1-128, 128 x 1024 beams)"
   std::vector<RepeatedPlace> places;

@@ -13,7 +13,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
-// Largest difference from a full revolution (as a fraction) at which columns count as one.
+// Columns whose angle differs by at most this fraction from a full revolution count as a full revolution.
 constexpr double kNearlyWhole = 0.015;
 constexpr double kSpreadWanted = 1;    // least spread of the distances (m) in a ring to find the beams' origin
 constexpr double kSurely = 3;          // number of standard errors from which an offset counts as not zero

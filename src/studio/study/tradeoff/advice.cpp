@@ -57,8 +57,8 @@ const std::array<Need, 4> kNeeds{{
     {.name = "speed at any price", .limits = ""},
 }};
 
-// A sentence of the advice, which is written in advice of the kind `kind` if `fact` is among the facts of a setting.
-// Sentences are written in the order of kSentences.
+// A sentence that advice of the kind `kind` contains if `fact` is among the facts of the setting. Sentences are written
+// in the order of kSentences.
 struct Sentence {
   const char* kind;
   const char* fact;
@@ -69,7 +69,7 @@ constexpr const char* kTake = "take";  // a setting that is recommended for a ne
 constexpr const char* kUnbeaten = "unbeaten";
 constexpr const char* kBeaten = "beaten";  // a method that is not recommended and all of whose settings are dominated
 constexpr const char* kUnheld = "unheld";  // a need for which no setting is good enough
-constexpr const char* kSlow = "slow";      // slow settings of methods of which another setting is recommended
+constexpr const char* kSlow = "slow";      // slow settings of methods that have another, recommended setting
 constexpr const char* kAny = "any";        // sentences about any setting that may be recommended
 constexpr auto kSentences = std::to_array<Sentence>({
     {kTake, "alone", "Only this setting was measured. "},
@@ -234,8 +234,8 @@ class Comparison {
   std::size_t fastest = 0, mostExact = 0;
 };
 
-// Returns the facts that the sentences about a setting need. `there` in a fact is the value of ray tracing with
-// defaults, if that is better.
+// Returns the facts that the sentences about a setting need. Facts named `there_...` are values of ray tracing with
+// defaults; they are given only where these values are better.
 Json factsOf(const Comparison& c, std::size_t i) {
   const GroupErrors& e = c.errors(i);
   const Cost& cost = c.result(i).measured.cost;
@@ -396,7 +396,7 @@ std::vector<Advice> advise(const Study& study) {
   for (const Answer& answer : answers) advice.push_back(adviceTo(c, answer, noTrade));
   advice.insert(advice.end(), unheld.begin(), unheld.end());
 
-  // List the slow settings of methods of which another setting is recommended. A setting that is as fast as the one it
+  // List the slow settings of methods that have another, recommended setting. A setting that is as fast as the one it
   // is compared with is not listed, since it might be faster in another run.
   Json slow = Json::array();
   for (const std::string& method : methodsOf(study)) {

@@ -62,9 +62,9 @@ struct ItemLook {
   bool round = false;       // draws points as discs instead of squares
 };
 
-// A corner of a triangle of the overlay. The overlay is drawn on top of the views: the triangles of panels and their
-// text. The colours of each triangle are multiplied by the colours of an image. Later triangles are on top of earlier
-// ones.
+// A corner of a triangle of the overlay. The overlay consists of the triangles of panels and their text; it is drawn on
+// top of the views. The colours of each triangle are multiplied by the colours of an image. Later triangles are on top
+// of earlier triangles.
 struct OverlayVertex {
   float x = 0;  // position on the canvas (pixels)
   float y = 0;

@@ -245,7 +245,7 @@ std::shared_ptr<const ViewMesh> FrameLoader::waitMesh(const SceneChoice& scene) 
   State& s = *state_;
   std::unique_lock lock(s.mutex);
   while (!s.meshShows(scene)) {
-    if (!s.meshMissing()) {  // otherwise another thread's mesh is still to be loaded, and goes first
+    if (!s.meshMissing()) {  // otherwise first waits for the mesh that another thread requested
       s.wantedMesh = scene;
       s.work.notify_all();
     }

@@ -322,7 +322,7 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
   return all;
 }
 
-// Returns the sensor pose of the first scan in the sample that is shown; null if it is unknown.
+// Returns the sensor pose of the sample's first scan that is shown; null if this pose is unknown.
 const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
   for (const ScanRecord& scan : sample.scans) {
     const bool shown = input_.sensor.empty() || lowerCase(scan.sensor) == lowerCase(input_.sensor);

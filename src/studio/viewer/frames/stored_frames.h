@@ -33,7 +33,7 @@ class StoredFrames : public FrameSource {
   struct Store {
     std::unique_ptr<const ScanStore> scans;
     std::string label;    // last components of the path, as many as make it unique among the stores
-    std::string classes;  // text about how this store's classes differ from the shown classes; empty: not at all
+    std::string classes;  // how this store's classes differ from the shown classes, as text; empty: no difference
   };
   struct Loading;
 

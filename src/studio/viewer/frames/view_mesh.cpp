@@ -67,8 +67,8 @@ std::string ruleKey(const Surface& surface) {
   return surface.semantic == 0 ? "none" : "own";
 }
 
-// Returns the text about a surface's class that comes from the object and not from a rule: the position in the scene
-// file, and the class.
+// Returns the text for a surface that has its class from the object, not from a rule: the object's position in the
+// scene file, and the class.
 std::string ofTheObject(const Scene& scene, const Surface& surface) {
   const SemanticClass* const known = scene.ontology.find(surface.semantic);
   return fmt::format("{}: {} (of the object)", shortPlace(scene, surface.labelledBy),

@@ -48,7 +48,7 @@ struct ViewMesh {
   Ontology ontology;
   Box bounds;                         // bounding box, relative to `origin` (m)
   Box core;                           // box that contains most of the mesh, relative to `origin` (m)
-  std::vector<std::string> warnings;  // about rules without effect and files with only one instance, see ruleWarnings()
+  std::vector<std::string> warnings;  // result of ruleWarnings(), about rules without effect
   bool moves = false;                 // true: the scene has moving objects, and the mesh shows them at one time
   std::vector<Box> boxes;  // bounding boxes of kTrianglesPerBox consecutive triangles, relative to `origin` (m)
 

@@ -42,11 +42,12 @@ void drawCaption(const PixelRect& view, const std::string& text, bool active);
 // Draws the reason why a view is empty, in large letters in the middle of the view.
 void drawMessage(const PixelRect& view, const std::string& text);
 
-// Draws the entries of a legend, and returns which of them was clicked. `hidden`: one per entry, or empty.
+// The user's clicks in a legend.
 struct LegendUse {
   std::optional<std::size_t> entry;  // index of the clicked entry
   bool all = false;                  // true: the row for all entries was clicked
 };
+// Draws the entries of a legend, and returns what was clicked. `hidden`: true for hidden entries; empty: all are shown.
 LegendUse legendRows(const Legend& legend, const std::vector<bool>& hidden, bool clickable, bool still);
 // Draws a legend in a picture: its entries in as many columns as fit, or its scale. legendTableHeight() returns the
 // height in pixels.

@@ -25,8 +25,8 @@ using Kind = CanvasEvent::Kind;
 constexpr double kDoubleClick = 0.4;  // maximum time between the presses of a double click (s)
 constexpr double kSamePlace = 4;      // maximum distance between the presses of a double click (pixels)
 
-// Returns GLFW's last error message. It is global, since GLFW's error handler does not get the window; only one window
-// can be open at a time.
+// Returns the first error message of GLFW since the last check. It is global, since GLFW's error handler does not get
+// the window; only one window can be open at a time.
 std::string& complaint() {
   static std::string text;
   return text;

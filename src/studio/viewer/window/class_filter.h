@@ -11,12 +11,12 @@
 
 namespace scanmill {
 
-// Filters by class id, so that the filter works whatever colours stand for.
+// A filter by class id. It is independent of the quantity that colours show.
 class ClassFilter {
  public:
   ClassFilter() = default;
-  // `names`: classes by name, alias or id that are hidden, or, with `only`, the only classes that are shown. Throws
-  // InputError if the ontology does not list a class; without an ontology only ids are accepted.
+  // `names`: names, aliases or ids of classes. These classes are hidden; if `only` is true, all others are hidden.
+  // Throws InputError if the ontology does not list a class; without an ontology only ids are accepted.
   ClassFilter(const std::vector<std::string>& names, bool only, const Ontology* ontology);
 
   bool shows(std::uint16_t id) const { return listed_.contains(id) == only_; }
@@ -25,7 +25,7 @@ class ClassFilter {
   // Shows this class alone.
   void showOnly(std::uint16_t id);
   void showAll();
-  // Returns "without road, car" or "only road"; empty if all classes are shown.
+  // Returns a description, such as "without road, car" or "only road"; empty if all classes are shown.
   std::string text(const Ontology* ontology) const;
 
  private:

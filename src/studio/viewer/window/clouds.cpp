@@ -28,7 +28,7 @@ ScaleRange changedScale(const Legend& legend, KeyAction change) {
     case KeyAction::RaiseHighEnd:
       scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
       break;
-    case KeyAction::LowerLowEnd:  // scales that are not negative stay so
+    case KeyAction::LowerLowEnd:  // the low end does not become negative
       scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
       break;
     default:
@@ -93,8 +93,8 @@ bool Clouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
   return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
 }
 
-// Returns the quantity that the view's colours show. Without a choice it is the one that colorScan() chooses, but the
-// second view of a single scan shows another quantity than the first.
+// Returns the quantity that the view's colours show: the user's choice, otherwise the first of class, intensity and
+// range that the scan has. The second view of a single scan shows another quantity than the first view.
 ColorBy Clouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!context_.frame || context_.frame->scans.empty()) return kByClass;
@@ -107,8 +107,8 @@ ColorBy Clouds::colorOf(std::size_t view) const {
   return kByHeight;
 }
 
-// Returns the ends of the view's scale. Scans side by side share ends that follow from the values of all, so that they
-// can be compared.
+// Returns the ends of the view's scale; nothing if they are computed from the scan alone. Scans side by side have the
+// same ends, computed from the values of all of them, so that they can be compared.
 std::optional<ScaleRange> Clouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);
@@ -316,7 +316,7 @@ void Clouds::makeStrip() {
   const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
   try {
     const ViewScan& viewed = context_.frame->scans[cloud.scan];
-    // In the overlay a scan has a single colour, in which a range image would show nothing.
+    // In the overlay, all points of a scan have the same colour, so the range image needs other colours.
     const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
     strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown, viewed.beams.get());
     setImage(context_.canvas, kStripImage, strip->image);

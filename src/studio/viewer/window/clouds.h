@@ -1,7 +1,7 @@
 #pragma once
 
-// The scans of the frame as points on the canvas: which view shows which scan, in which colours, and which of its
-// points; and the range image of one of them.
+// Shows the scans of the frame as points on the canvas: chooses the scan of each view, its colours and its visible
+// points. Also draws the range image of one of the scans.
 
 #include <array>
 #include <cstddef>
@@ -26,7 +26,7 @@ struct ShownCloud {
   std::size_t view = 0;
   Affine canvasFromScan{};
   Coloring coloring{};
-  std::vector<std::uint8_t> shown{};  // per point; empty: all
+  std::vector<std::uint8_t> shown{};  // for each point, 1 if it is shown; empty: all are shown
   std::uint64_t finite = 0;           // number of finite points
   std::uint64_t visible = 0;          // number of finite points that are shown
 };
@@ -34,9 +34,9 @@ struct ShownCloud {
 struct Clouds {
   explicit Clouds(SessionContext& context);
 
-  // Makes the items of the frame's scans for the current layout, and drops all others.
+  // Creates the canvas items of the frame's scans for the current layout, and removes those of other scans.
   void arrange();
-  // Shows the points that the filter lets through.
+  // Shows only the points that the filter does not hide.
   void applyFilter();
   void makeStrip();
 
@@ -44,29 +44,30 @@ struct Clouds {
     return context_.options.layout == ViewLayout::Overlay && context_.frame && context_.frame->scans.size() > 1;
   }
   std::size_t viewCount() const;
-  std::size_t shownScan() const;  // index of the scan in layout One
+  std::size_t shownScan() const;  // returns the index of the scan that the layout One shows
   ColorBy colorOf(std::size_t view) const;
   bool hasColor(const ViewScan& scan, const ColorBy& by) const;
-  const ShownCloud* inView(std::size_t view) const;  // the first cloud in the view; null: none
-  bool isHidden(
-      const ShownCloud& cloud) const;  // true if the cloud's scan is hidden among scans that lie over one another
+  const ShownCloud* inView(std::size_t view) const;  // returns the first cloud in the view; null if there is none
+  // True if the user has hidden the cloud's scan in the overlay of all scans.
+  bool isHidden(const ShownCloud& cloud) const;
 
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   void changeScale(KeyAction change);
-  // Colours the points of a view anew.
+  // Computes the colours of a view's points again.
   void recolor(std::size_t view);
 
   std::vector<ShownCloud> list;
   std::array<std::optional<ColorBy>, kMostSplitViews> colors{};
-  std::array<std::optional<ScaleRange>, kMostSplitViews> scales{};  // chosen ones; absent: follow from the values
-  std::optional<std::size_t> activeView;                            // the view whose colours change; none: all
-  std::string scanName;                                             // the scan shown in layout One; empty: the first
-  std::set<std::uint16_t> presentClasses;                           // classes known to occur in a frame
+  // For each view, the ends of the scale that the user has chosen; absent: computed from the values.
+  std::array<std::optional<ScaleRange>, kMostSplitViews> scales{};
+  std::optional<std::size_t> activeView;   // the view to which the user's changes of colours apply; absent: all views
+  std::string scanName;                    // name of the scan that the layout One shows; empty: the first scan
+  std::set<std::uint16_t> presentClasses;  // ids of classes that are known to occur in at least one frame
   std::string colorProblem, instanceProblem, stripProblem;
-  std::optional<std::string> columnMissing;  // message about a column in the options' colours
+  std::optional<std::string> columnMissing;  // message about a column that the options name, but a scan lacks
   std::optional<RangeStrip> strip;
-  std::size_t stripCloud = 0;  // the index in `list` of the cloud that the range image shows
+  std::size_t stripCloud = 0;  // index in `list` of the cloud that the range image shows
 
  private:
   Coloring colored(std::size_t scan, std::size_t view);
@@ -75,8 +76,8 @@ struct Clouds {
   std::vector<std::size_t> actedViews() const;
 
   SessionContext& context_;
-  std::map<ColorBy, ScaleRange> commonScales_;  // shared by the frame's scans side by side
-  bool classesKnown_ = false;                   // presentClasses covers all frames
+  std::map<ColorBy, ScaleRange> commonScales_;  // ends of scales that scans side by side share
+  bool classesKnown_ = false;                   // true: presentClasses contains the classes of all frames
 };
 
 }  // namespace scanmill

@@ -39,18 +39,18 @@ void Drawing::draw(bool whole, std::uint64_t points, std::size_t items, double b
 }
 
 bool Drawing::mayFollowPointer() const {
-  constexpr double kBetweenPictures = 0.012;  // s: moves that come in quicker succession are drawn together
+  constexpr double kBetweenPictures = 0.012;  // least time between pictures while the pointer moves (s)
   return now() - lastPicture_ > std::max(kBetweenPictures, pictureSeconds_);
 }
 
 bool Drawing::wholeIsDue() const {
-  // The longer a picture of all points takes, the longer the view must be at rest before it is drawn.
+  // Time (s) without changes after which all points are drawn. It is longer if drawing all points takes long.
   const double rest = 0.15 + 0.5 * wholeSeconds_;
   return partial_ && now() - lastChange_ > rest;
 }
 
 bool Drawing::slow() const {
-  constexpr double kQuick = 0.05;  // s
+  constexpr double kQuick = 0.05;  // longest time for drawing all points that does not count as slow (s)
   return wholeSeconds_ > kQuick;
 }
 

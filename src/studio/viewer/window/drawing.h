@@ -1,7 +1,7 @@
 #pragma once
 
-// Drawing decides when the canvas is drawn, and with how many points: quickly with few points while something moves,
-// with all points when nothing has changed for a while.
+// Decides when the canvas is drawn, and with how many points: with few points, to be fast, while something moves; with
+// all points when nothing has changed for a while.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,20 +24,20 @@ struct Changes {
 
 class Drawing {
  public:
-  // `seconds`: a clock that never goes back; empty: the time since now.
+  // `seconds`: a clock (s) that never goes back; empty: uses a clock that starts now.
   explicit Drawing(Canvas& canvas, std::function<double()> seconds = {});
 
-  double now() const { return seconds_(); }  // s
+  double now() const { return seconds_(); }  // returns the clock's time (s)
   const std::vector<CanvasView>& views() const { return views_; }
 
-  // Gives the canvas these views if a camera, an item or a rectangle has changed.
+  // Passes the views to the canvas if a camera, an item or a rectangle has changed.
   void setViews(std::vector<CanvasView> views);
   // Draws a picture if something has changed or, with `whole`, if the last picture lacks points. `points`: number of
   // points that the items show together; `items`: number of items with points. `began`: the time at which the work for
   // this picture began.
   void draw(bool whole, std::uint64_t points, std::size_t items, double began);
 
-  // True if so much time has passed since the last picture that moves of the pointer are drawn.
+  // True if enough time has passed since the last picture to draw a new one after a move of the pointer.
   bool mayFollowPointer() const;
   // True if the last picture lacks points, and nothing has changed for so long that all of them should be drawn.
   bool wholeIsDue() const;
@@ -52,12 +52,12 @@ class Drawing {
   std::function<double()> seconds_;
   DrawPace pace_;
   std::vector<CanvasView> views_;
-  bool partial_ = false;        // the last picture did not show all points
-  std::uint64_t lastMost_ = 0;  // the limit of points per item in the last picture; 0: none
-  double lastChange_ = 0;       // s, time of the last change of anything except the overlay
-  double wholeSeconds_ = 0;     // time that the last picture of all points took
-  double lastPicture_ = 0;      // s, time of the last picture
-  double pictureSeconds_ = 0;   // time that the last picture took, with the work before it
+  bool partial_ = false;        // true: the last picture did not show all points
+  std::uint64_t lastMost_ = 0;  // maximum number of points per item in the last picture; 0: no limit
+  double lastChange_ = 0;       // time of the last change of cameras, views or items (s)
+  double wholeSeconds_ = 0;     // duration of drawing the last picture of all points (s)
+  double lastPicture_ = 0;      // time of the last picture (s)
+  double pictureSeconds_ = 0;   // duration of the last picture, including the work before drawing (s)
 };
 
 }  // namespace scanmill

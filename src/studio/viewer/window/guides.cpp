@@ -34,7 +34,7 @@ void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color) {
 }
 
 void addTrack(LineSet& lines, std::span<const Vec3d> places, std::size_t current, const Rgb& color) {
-  constexpr double kMarkRadius = 0.5;  // m
+  constexpr double kMarkRadius = 0.5;  // radius of the circle at the current place (m)
   for (std::size_t i = 0; i + 1 < places.size(); ++i) {
     lines.add(places[i], places[i + 1], i < current ? mix(color, {0, 0, 0}, 0.5) : color);
   }
@@ -51,7 +51,7 @@ void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, bool front, c
     }
   }
   if (!front) return;
-  const double nose = std::max(0.5, size.x / 4);  // m
+  const double nose = std::max(0.5, size.x / 4);  // length of the line at the front (m)
   const Vec3d low{size.x / 2, 0, -size.z / 2};
   lines.add(pose * low, pose * (low + Vec3d{nose, 0, 0}), color);
 }

@@ -11,7 +11,7 @@
 
 namespace scanmill {
 
-// Two ends and a colour per segment; metres.
+// Line segments: two ends (m) and one colour per segment.
 struct LineSet {
   std::vector<Vec3f> ends;
   std::vector<Rgb> colors;
@@ -19,16 +19,16 @@ struct LineSet {
   void add(const Vec3d& from, const Vec3d& to, const Rgb& color);
 };
 
-constexpr std::array<double, 4> kRingRadii{10, 20, 50, 100};  // m
+constexpr std::array<double, 4> kRingRadii{10, 20, 50, 100};  // radii of the range rings (m)
 
-// Draws the axes of a frame, each `length` m long: x red, y green, z blue.
+// Adds the axes of a frame, each `length` m long: x red, y green, z blue.
 void addAxes(LineSet& lines, const Affine& pose, double length);
-// Draws level circles with the radii kRingRadii.
+// Adds horizontal circles with the radii kRingRadii.
 void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color);
-// Draws lines through the places, darker before place `current`, and a small circle about that place.
+// Adds lines from place to place, darker before the place with the index `current`, and a small circle around it.
 void addTrack(LineSet& lines, std::span<const Vec3d> places, std::size_t current, const Rgb& color);
 
-// Draws the edges of a box and, if `front`, a line that sticks out of its front. `pose` places the box's centre.
+// Adds the edges of a box and, if `front` is true, a line that sticks out of its front. `pose`: pose of its centre.
 void addBox(LineSet& lines, const Affine& pose, const Vec3d& size, bool front, const Rgb& color);
 
 // Returns the height (m) of the ground around a sensor: the 5th percentile of z over the finite points, transformed by

@@ -6,8 +6,8 @@
 namespace scanmill {
 
 void ImagePane::place(int imageWidth, int imageHeight, const PixelRect& room) {
-  constexpr double kFlattest = 1.0 / 7;  // height over width; flatter images are hard to read
-  constexpr double kWorthwhile = 0.75;   // least share of the fitted size at which a whole factor is used
+  constexpr double kFlattest = 1.0 / 7;  // least height of the drawn image divided by its width
+  constexpr double kWorthwhile = 0.75;   // least fraction of the fitted size at which an integer scale is used
   if (imageWidth != width_ || imageHeight != height_) zoom_ = 1;
   width_ = std::max(imageWidth, 1);
   height_ = std::max(imageHeight, 1);
@@ -20,7 +20,7 @@ void ImagePane::place(int imageWidth, int imageHeight, const PixelRect& room) {
 }
 
 void ImagePane::keep() {
-  constexpr double kLargestPixel = 64;  // px, side of an image pixel at the greatest zoom
+  constexpr double kLargestPixel = 64;  // width of an image pixel at the largest zoom (pixels of the canvas)
   zoom_ = std::clamp(zoom_, 1.0, std::max({1.0, std::min(width_, height_) / 4.0, kLargestPixel / fit_}));
   const bool whole = zoom_ == 1;
   centerX_ = whole ? width_ / 2.0 : std::clamp(centerX_, 0.0, static_cast<double>(width_));

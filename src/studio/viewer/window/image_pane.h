@@ -1,6 +1,6 @@
 #pragma once
 
-// Fits an image into its rectangle of the window, enlarges it about a place and moves it.
+// Fits an image into a rectangle of the window, and lets the user enlarge and move it.
 
 #include <optional>
 #include <utility>
@@ -9,22 +9,23 @@
 
 namespace scanmill {
 
-// All positions are pixels of the canvas, unless they are a column and a row of the image.
+// Positions are pixels of the canvas; columns and rows are pixels of the image.
 class ImagePane {
  public:
-  // Sets the image's size and the rectangle `room`; the image pixel in the middle of the rectangle stays there.
+  // Sets the image's size and the rectangle `room` for it. The image pixel in the middle of the rectangle stays there.
   void place(int imageWidth, int imageHeight, const PixelRect& room);
-  // Enlarges by the factor `by`; the image pixel at (x, y) stays there. The image never gets smaller than fitted.
+  // Enlarges by the factor `by`; the image pixel at (x, y) stays there. At zoom 1, the image fits the rectangle; it
+  // cannot be made smaller.
   void zoomAt(double by, double x, double y);
-  // Moves the image; the middle of the rectangle stays over the image.
+  // Moves the image by pixels, at most until one of its edges is in the middle of the rectangle.
   void moveBy(double right, double down);
   void showWhole();
 
-  // Returns the image's column and row at (x, y); none beside the image or outside the rectangle.
+  // Returns the image's column and row at (x, y); nothing if (x, y) is beside the image or outside of the rectangle.
   std::optional<std::pair<int, int>> pixelAt(int x, int y) const;
-  // Returns the middle of an image pixel, which may lie outside the rectangle.
+  // Returns the position of the middle of an image pixel, which may be outside of the rectangle.
   std::pair<double, double> placeOf(int column, int row) const;
-  // Returns the rectangle of the whole image, which may reach beyond the rectangle `room`.
+  // Returns the rectangle of the complete image, which may extend beyond the rectangle `room`.
   PixelRect rect() const;
 
  private:
@@ -38,8 +39,8 @@ class ImagePane {
 
   int width_ = 0, height_ = 0;
   PixelRect room_;
-  double fit_ = 1;      // px of the canvas per column when the whole image is seen
-  double upright_ = 1;  // a row's height over a column's width: flat images are stretched
+  double fit_ = 1;      // pixels of the canvas per column at zoom 1, which shows the complete image
+  double upright_ = 1;  // height of a row divided by the width of a column; above 1 for flat images
   double zoom_ = 1;
   double centerX_ = 0, centerY_ = 0;  // column and row of the image in the middle of the rectangle
 };

@@ -111,7 +111,7 @@ struct ImageSession::State {
     if (playing && index + 1 == images.files.size()) goTo(0);
   }
 
-  // `x` and `y`: px of the canvas.
+  // Enlarges the image around the pixel (x, y) of the canvas. `steps`: steps of the wheel; negative: makes it smaller.
   void zoom(double steps, int x, int y) {
     constexpr double kStep = 1.25;
     pane.zoomAt(std::pow(kStep, std::clamp(steps, -20.0, 20.0)), x, y);
@@ -141,7 +141,7 @@ struct ImageSession::State {
     view.background = kBackground;
     canvas.setViews({&view, 1});
     runPanels();
-    runPanels();  // in the second run all sizes are known
+    runPanels();  // sizes that depend on contents are known in the second run
     canvas.render();
     changed = false;
   }
@@ -281,7 +281,7 @@ struct ImageSession::State {
   std::size_t plane = 0;
   ImagePane pane;
   PanelRooms rooms;
-  PixelRect note;  // rectangle of the text above the image: the range of the colours' values
+  PixelRect note;  // rectangle of the text above the image, PassPlane::note
   std::vector<std::string> problems, notices;
   bool playing = false;
   bool legends = true;
@@ -292,8 +292,8 @@ struct ImageSession::State {
   bool pictureChanged = true;
   int pointerX = -1, pointerY = -1;
   WallTimer clock;
-  double noticeUntil = 0;  // s
-  double lastStep = 0;     // s, time of the last step while playing
+  double noticeUntil = 0;  // time until which notices are shown (s)
+  double lastStep = 0;     // time of the last change of the image, or of the start of playing (s)
 };
 
 ImageSession::ImageSession(ImageList images, Canvas& canvas, const std::string& plane, bool bare, bool still)
@@ -332,7 +332,7 @@ bool ImageSession::handle(const CanvasEvent& event) {
       s.tick();
       break;
   }
-  // Moves are frequent, so they are drawn together with the next tick.
+  // Moves are frequent, so their effects are drawn only at the next tick.
   if (s.changed && event.kind != CanvasEvent::Kind::Move) s.show();
   return true;
 }

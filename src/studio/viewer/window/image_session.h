@@ -15,14 +15,15 @@ namespace scanmill {
 
 class ImageSession {
  public:
-  // Reads the first image. Throws InputError if the image cannot be read or lacks the plane (`plane`: its name; empty:
-  // the first). `still`: for a picture, in which nothing can be clicked.
+  // Reads the first image. `plane`: name of the plane to show; empty: the first. `bare`: shows the image without
+  // panels. `still`: the session draws a picture, in which nothing can be clicked. Throws InputError if the image
+  // cannot be read or lacks the plane.
   ImageSession(ImageList images, Canvas& canvas, const std::string& plane, bool bare, bool still = false);
   ~ImageSession();
   ImageSession(const ImageSession&) = delete;
   ImageSession& operator=(const ImageSession&) = delete;
 
-  // Handles an event. False if the session is to be closed.
+  // Handles an event. Returns false if the session is to be closed.
   bool handle(const CanvasEvent& event);
   // Draws the image and the panels.
   void settle();
@@ -30,7 +31,7 @@ class ImageSession {
   Image picture();
   // Returns the name of the image that is shown.
   const std::string& name() const;
-  // Returns the name of every plane and its value at a pixel of the canvas; none beside the image.
+  // Returns the name of every plane and its value at a pixel of the canvas; nothing if the pixel is beside the image.
   std::optional<std::vector<std::pair<std::string, std::string>>> pick(int x, int y) const;
 
  private:

@@ -12,7 +12,7 @@ double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// Returns the corners of the convex hull, counterclockwise (A. M. Andrew, Inf. Proc. Letters 9, 1979).
+// Returns the corners of the places' convex hull, counterclockwise (A. M. Andrew, Inf. Proc. Letters 9, 1979).
 std::vector<Vec2d> hullOf(std::vector<Vec2d> places) {
   std::sort(places.begin(), places.end(),
             [](const Vec2d& a, const Vec2d& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
@@ -32,12 +32,12 @@ std::vector<Vec2d> hullOf(std::vector<Vec2d> places) {
 
 struct FlatBox {
   Vec2d middle{0, 0};
-  Vec2d sides{0, 0};   // m, the longer side first
-  double heading = 0;  // rad, of the longer side
+  Vec2d sides{0, 0};   // lengths of the sides (m), the longer side first
+  double heading = 0;  // heading of the longer side (rad)
 };
 
-// Returns the enclosing rectangle of least area, which has a side along a side of the hull (H. Freeman and R. Shapira,
-// Comm. ACM 18, 1975).
+// Returns the rectangle of least area that encloses the hull. One of its sides is along a side of the hull (H. Freeman
+// and R. Shapira, Comm. ACM 18, 1975).
 FlatBox smallestRectangle(const std::vector<Vec2d>& hull) {
   FlatBox best;
   if (hull.size() == 1) best.middle = hull.front();

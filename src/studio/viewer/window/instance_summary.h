@@ -13,16 +13,17 @@ namespace scanmill {
 
 struct InstanceSummary {
   std::uint32_t id = 0;
-  std::vector<std::uint32_t> points;                             // indices of its finite points, ascending
-  std::vector<std::pair<std::uint16_t, std::uint64_t>> classes;  // id and number of points, the largest number first;
-                                                                 // empty without labels
-  // The smallest upright box that holds the points: its longer and shorter side and its height (m), and its pose in the
-  // scan after levelFromScan; the longer side is along x, the origin is the box's centre.
+  std::vector<std::uint32_t> points;  // indices of the instance's finite points, ascending
+  // Pairs of class id and number of points, the most frequent class first; empty if the scan has no labels.
+  std::vector<std::pair<std::uint16_t, std::uint64_t>> classes;
+  // The smallest upright box that contains the points. `size`: longer side, shorter side and height (m).
+  // `levelFromBox`: transform from the box's frame, with x along the longer side and the origin at the box's centre, to
+  // the level frame.
   Vec3d size;
   Affine levelFromBox;
 };
 
-// Summarises one instance. `levelFromScan` turns the scan upright.
+// Summarises one instance. `levelFromScan`: transform from the scan's frame to a frame whose z axis is vertical.
 InstanceSummary summarizeInstance(const Scan& scan, std::uint32_t instance, const Affine& levelFromScan);
 // Summarises all instances except 0, in the order of their ids.
 std::vector<InstanceSummary> summarizeInstances(const Scan& scan, const Affine& levelFromScan);

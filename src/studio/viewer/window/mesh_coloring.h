@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Object: the placed object and the node of its file. Rule: the rule that gave the class.
+// Quantities that colours can show. Object: the placed object and the node in its file. Rule: the rule for the class.
 enum class MeshColor { Class, Instance, Object, Material, Texture, Rule, Reflectance };
 constexpr std::array<std::string_view, 7> kMeshColorNames{"class",   "instance", "object",     "material",
                                                           "texture", "rule",     "reflectance"};

@@ -14,13 +14,13 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLeastDistance = 0.1;   // m
-constexpr double kMostDistance = 1e4;    // m
-constexpr double kFarthestTarget = 1e5;  // m, along each axis
+constexpr double kLeastDistance = 0.1;   // least distance from the eye to the target (m)
+constexpr double kMostDistance = 1e4;    // largest distance from the eye to the target (m)
+constexpr double kFarthestTarget = 1e5;  // largest coordinate of the target along each axis (m)
 constexpr double kUsualFocal = 1.15;
 
-// Returns the height of the largest 16 : 9 rectangle in the picture. The focal length refers to it, so that a picture
-// of any shape shows all of a 16 : 9 view.
+// Returns the height (pixels) of the largest 16 : 9 rectangle in the picture. Focal lengths are multiples of this
+// height, so that a picture of any shape shows at least the contents of a 16 : 9 picture.
 double sideOf(int width, int height) {
   return std::min(width / 16.0 * 9.0, static_cast<double>(height));
 }
@@ -57,9 +57,10 @@ Vec3d OrbitCamera::eye() const {
 }
 
 ViewCamera OrbitCamera::camera(int width, int height) const {
-  // An orthographic eye is farther away than any point that a LiDAR reports, so that no point lies behind it.
+  // Least distance from an orthographic camera to the target (m). It exceeds the range of any LiDAR, so that no point
+  // is behind the camera.
   constexpr double kOrthographicDistance = 1000;
-  constexpr double kNearestShare = 0.05;  // share of the distance; half a metre for the presets
+  constexpr double kNearestShare = 0.05;  // depth of the nearest drawn points divided by the target's distance
   ViewCamera view;
   view.orthographic = orthographic;
   view.forward = forwardOf(yaw, pitch);
@@ -105,7 +106,7 @@ void OrbitCamera::lookAt(const Vec3d& place) {
 void OrbitCamera::frame(const Box& box) {
   if (box.empty()) return;
   target = within(box.center());
-  constexpr double kFilled = 0.9;  // share of the picture, which is at least as wide as high
+  constexpr double kFilled = 0.9;  // largest fraction of a 16 : 9 picture's height that the box fills
   const Vec3d forward = forwardOf(yaw, pitch);
   const Vec3d rightward = rightOf(yaw);
   const Vec3d downward = cross(forward, rightward);
@@ -140,13 +141,13 @@ OrbitCamera presetCamera(View view) {
     case View::Driver:
       camera.target = {10, 0, 0};
       camera.distance = 10;
-      camera.focal = 0.9;  // 89 degrees across
+      camera.focal = 0.9;  // horizontal field of view of 89 degrees
       break;
     case View::Above:
-      camera.yaw = kPi / 2;  // y is up in the picture
+      camera.yaw = kPi / 2;  // the y axis points up in the picture
       camera.pitch = kPi / 2;
       camera.orthographic = true;
-      camera.distance = 50 * kUsualFocal;  // 50 m from top to bottom
+      camera.distance = 50 * kUsualFocal;  // the picture's height is 50 m
       break;
     case View::Chase: {
       const Vec3d eye{-12, 0, 6.5};
@@ -160,7 +161,7 @@ OrbitCamera presetCamera(View view) {
 }
 
 CameraChoice parseCamera(const std::string& text) {
-  constexpr double kFarthestPlace = 1e8;  // m: map coordinates, such as UTM, are smaller
+  constexpr double kFarthestPlace = 1e8;  // largest coordinate of the target (m); UTM coordinates are smaller
   for (std::size_t i = 0; i < kViewNames.size(); ++i) {
     const auto view = static_cast<View>(i);
     if (kViewNames[i] == text) return {presetCamera(view), view};

@@ -1,6 +1,6 @@
 #pragma once
 
-// The camera that the user turns about a target.
+// A camera that the user rotates around a target.
 
 #include <optional>
 #include <string>
@@ -10,30 +10,31 @@
 
 namespace scanmill {
 
-// Metres and radians in the canvas's frame: x forward, y left, z up.
+// Positions are in the canvas frame (m): x forward, y left, z up. Angles are in radians.
 struct OrbitCamera {
   Vec3d target;
-  double yaw = 0;        // direction of the line of sight: 0 looks along x, counter-clockwise seen from above
-  double pitch = 0;      // positive looks down, -pi/2 to pi/2
-  double distance = 30;  // from the eye to the target
-  double focal = 1.15;   // focal length over the height of a view of 16 : 9; an orthographic camera shows as
-                         // much as a pinhole does at `distance`
+  double yaw = 0;        // heading of the line of sight, counter-clockwise; at 0 the camera looks along x
+  double pitch = 0;      // angle by which the camera looks down, from -pi/2 to pi/2
+  double distance = 30;  // distance from the eye to the target
+  // Focal length divided by the height of a 16 : 9 picture. An orthographic camera shows as much as a pinhole camera
+  // shows at `distance`.
+  double focal = 1.15;
   bool orthographic = false;
 
-  // Returns the camera for a view of this size (px).
+  // Returns the camera for a view of this size (pixels).
   ViewCamera camera(int width, int height) const;
   Vec3d eye() const;
-  // Turns about the target by a drag of the pointer (px). The pitch stops at straight up and straight down.
+  // Rotates around the target by a drag of the pointer (pixels). The pitch stops at straight up and straight down.
   void orbit(double right, double down, int height);
-  // Moves the target in the image plane by a drag of the pointer (px), so that the picture follows the pointer.
+  // Moves the target parallel to the image plane by a drag of the pointer (pixels); the picture follows the pointer.
   void pan(double right, double down, int width, int height);
   // Moves towards the target, a tenth of the distance per step; the distance stays between 0.1 m and 10 km.
   void zoom(double steps);
-  // Makes `place` the target. A pinhole camera turns and keeps its eye; an orthographic camera moves.
+  // Makes `place` the target. A pinhole camera keeps its position and turns; an orthographic camera only moves.
   void lookAt(const Vec3d& place);
-  // Moves so that the whole box is seen, without turning.
+  // Moves the camera, without turning it, so that the complete box is visible.
   void frame(const Box& box);
-  // Transforms the camera to a new frame, so that the view stays the same; only rotation about z is applied.
+  // Transforms the camera to a new frame, so that the view stays the same. `newFromOld` may rotate only about z.
   void moveBy(const Affine& newFromOld);
   // Returns "yaw,pitch,distance,x,y,z" in degrees and metres (x, y and z to the millimetre), followed by ",focal" and
   // ",ortho" if they differ from the default; parseCamera() reads this text.
@@ -41,18 +42,18 @@ struct OrbitCamera {
   bool operator==(const OrbitCamera&) const = default;
 };
 
-// Returns the camera that shows the same picture as makeCamera() does; the target of Driver is a place ahead.
+// Returns the camera that shows the same picture as makeCamera(). The target of the view Driver is 10 m ahead.
 OrbitCamera presetCamera(View view);
 
 // The user's choice of a camera.
 struct CameraChoice {
   OrbitCamera camera = presetCamera(View::Chase);
-  std::optional<View> view = View::Chase;  // present if the camera was chosen by the name of a view
-  bool placed = false;                     // the target was given; else the viewer chooses it
+  std::optional<View> view = View::Chase;  // the view if the camera was chosen by a view's name; otherwise absent
+  bool placed = false;                     // true: the user has given the target; false: the viewer chooses it
 };
 
 // Parses "chase", "driver", "above", or YAW,PITCH,DISTANCE[,X,Y,Z[,FOCAL]][,ortho] in degrees and metres. Throws
-// InputError that explains this form.
+// InputError, with an explanation of this form, for other texts.
 CameraChoice parseCamera(const std::string& text);
 
 }  // namespace scanmill

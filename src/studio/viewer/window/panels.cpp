@@ -86,13 +86,13 @@ void Panels::addLabel(const Vec3d& spot, const std::string& text, bool mark) {
 void Panels::addLabels() {
   labels.clear();
   if (context_.options.rangeRings && !clouds_.list.empty()) {
-    // The labels of the rings are ahead of the camera, where they are seen.
+    // Put the labels of the rings in the direction of the camera, where they are visible.
     const Vec3d ahead{std::cos(scenery_.camera.yaw), std::sin(scenery_.camera.yaw), 0};
     for (const double radius : kRingRadii)
       addLabel(scenery_.ground + ahead * radius, fmt::format("{} m", radius), false);
   }
   if (context_.options.axes) {
-    // Name the sensors that are at different places.
+    // If sensors are at different places, add their names.
     std::vector<Vec3d> named;
     for (const ShownCloud& cloud : clouds_.list) {
       const Vec3d& stands = cloud.canvasFromScan.translation;
@@ -104,7 +104,7 @@ void Panels::addLabels() {
       if (named.size() > 1) addLabel(stands, context_.frame->scans[cloud.scan].sensor, false);
     }
   }
-  // The nearest objects have their class, their id and the share (%) of them that is not occluded.
+  // Label the nearest objects with class, id and the fraction (%) of the object that is not occluded.
   for (const auto& [object, view] : scenery_.nearestSeen()) {
     addLabel(scenery_.canvasFromBox(*object) * Vec3d{0, 0, object->size.z / 2},
              fmt::format("{} {}, {:.0f} %", className(context_.source->ontology(), object->semantic), object->id,

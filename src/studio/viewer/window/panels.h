@@ -1,7 +1,7 @@
 #pragma once
 
-// The panels and labels over the views: where they are, and what stands in them. The session draws them and executes
-// what the user clicks there.
+// Computes the positions and the contents of panels and labels on top of the views. The session draws them and executes
+// what the user clicks.
 
 #include <cstddef>
 #include <optional>
@@ -21,10 +21,10 @@ namespace scanmill {
 
 // One of the views side by side.
 struct ViewPane {
-  std::string caption;  // name of its scan: "top, ray_tracing"; drawn if there are several views
+  std::string caption;  // name of the view's scan, such as "top, ray_tracing"; drawn if there are several views
   Legend legend;
-  bool active = false;  // keys act on this view
-  std::string message;  // why the view shows nothing
+  bool active = false;  // true: keys change only this view
+  std::string message;  // the reason why the view shows nothing; empty if it shows something
 };
 
 // A legend, and the views that share it.
@@ -37,14 +37,14 @@ struct Panels {
   Panels(const SessionContext& context, const Playback& playback, const Clouds& clouds, const Scenery& scenery,
          const Pointer& pointer);
 
-  // Fills the panes and the legends, and then finds the rectangles of all panels, which depend on these.
+  // Computes the contents of the panes and legends, then the rectangles of all panels, which depend on the contents.
   void arrange();
   // Returns the views in the rectangle that the panels leave free.
   std::vector<CanvasView> views() const;
   void addLabels();
   std::string title() const;
   std::string summary() const;
-  PixelRect stripRect() const;  // px: rectangle of the range image
+  PixelRect stripRect() const;  // returns the rectangle of the range image
   bool isHidden(const LegendEntry& entry) const;
 
   Toolkit toolkit;
@@ -52,15 +52,15 @@ struct Panels {
   std::vector<ViewPane> panes;
   std::vector<LegendBlock> legends;
   std::vector<PanelLabel> labels;
-  bool overStrip = false;             // the pointer is over the range image
-  std::optional<std::string> prompt;  // the text typed so far that names a frame; none: nothing is asked
-  bool help = false;                  // the list of keys is shown
+  bool overStrip = false;             // true: the pointer is over the range image
+  std::optional<std::string> prompt;  // the name of a frame as typed so far; absent: the user is not asked for a frame
+  bool help = false;                  // true: the list of keys is shown
 
  private:
-  // panels.cpp
+  // Functions in panels.cpp:
   void fillPanes();
   void addLabel(const Vec3d& spot, const std::string& text, bool mark);
-  // panels_legends.cpp
+  // Functions in panels_legends.cpp:
   void completeClasses(Legend& legend) const;
   void collectLegends();
   void addMessages();

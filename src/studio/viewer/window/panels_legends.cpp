@@ -32,7 +32,7 @@ LegendEntry* entryOf(Legend& legend, std::int64_t id) {
 
 }  // namespace
 
-// Adds the classes that occur in other frames to a legend, so that its rows keep their places from frame to frame.
+// Adds the classes that occur in other frames to a legend, so that its rows are the same in all frames.
 void Panels::completeClasses(Legend& legend) const {
   if (!isOfClasses(legend)) return;
   for (const std::uint16_t id : clouds_.presentClasses) {
@@ -43,8 +43,8 @@ void Panels::completeClasses(Legend& legend) const {
   std::ranges::sort(legend.entries, {}, &LegendEntry::id);
 }
 
-// Collects the legends of all views. Views whose colours mean the same share one legend, with the counts of the view
-// that keys act on.
+// Collects the legends of all views. Views whose colours have the same meaning share one legend, which has the numbers
+// of points in the active view; they are 0 if no view is active.
 void Panels::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {

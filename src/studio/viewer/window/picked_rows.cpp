@@ -18,7 +18,7 @@ std::string angle(double rad) {
   return fmt::format("{:.3f} deg", degrees(rad));
 }
 
-// Returns ring, column and return of a point; none if the scan does not know its beams.
+// Returns ring, column and return number of a point; nothing if the scan does not assign points to beams.
 std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
   return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
@@ -27,7 +27,7 @@ double elevationOf(const Vec3d& direction) {
   return std::atan2(direction.z, std::hypot(direction.x, direction.y));
 }
 
-// Returns "range error" for "range error (m)", since the value is shown with its unit.
+// Returns the title without its unit, such as "range error" for "range error (m)"; the value is shown with its unit.
 std::string withoutUnit(const std::string& title) {
   const std::size_t unit = title.rfind(" (");
   return unit == std::string::npos || title.back() != ')' ? title : title.substr(0, unit);
@@ -38,7 +38,7 @@ std::string valueIn(const Rows& rows, const std::string& name) {
   return found == rows.end() ? "" : found->second;
 }
 
-// Returns the point of this beam and return; none if there is none.
+// Returns the index of the point with this ring, column and return number; nothing if the scan has no such point.
 std::optional<std::size_t> pointOf(const Scan& scan, const PointKey& wanted) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (keyOf(scan, i) == wanted) return i;
@@ -81,7 +81,7 @@ void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
   if (scan.scan.organised && scan.scan.planes > 1 && scan.scan[kReturn].empty()) {
     rows.emplace_back("return", fmt::format("{}", key->number + 1));
   }
-  const std::string of = known ? "beam " : "";  // if false, angles of the point itself
+  const std::string of = known ? "beam " : "";  // if the beam is unknown, the angles of the point are shown
   rows.emplace_back(of + "azimuth", angle(std::atan2(direction.y, direction.x)));
   rows.emplace_back(of + "elevation", angle(elevationOf(direction)));
   if (known && beam < table->time.size()) {

@@ -11,21 +11,21 @@
 
 namespace scanmill {
 
-// Describes a point: all its columns with their units, its class, its beam. `place` is not set.
+// Describes a point: all its columns with their units, its class and its beam. Does not set PickedThing::place.
 PickedThing describePoint(const ViewScan& scan, std::size_t scanIndex, std::size_t point, const Ontology* ontology);
 
-// Adds the rows that are shown while the pointer is over the point: range, ring and column, and the quantity that
-// colours show.
+// Adds the rows that are shown while the pointer is over the point: range, ring and column, and `shown`, the quantity
+// that colours show.
 void addBrief(PickedThing& thing, const ColorBy& shown);
 
 // Adds the instance's number of points in the scan, its size, and its classes if it has several.
 void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontology* ontology);
 
-// Adds the other scan's return of the same beam and return number, if both scans know their beams and have equally many
-// rings and columns. Each scan numbers its own returns.
+// Adds a row about the point in `other` with the same beam and return number, if both scans assign points to beams and
+// have the same numbers of rings and columns.
 void addSameBeam(PickedThing& thing, const Scan& own, const ViewScan& other, const Ontology* ontology);
 
-// Returns dataset, sensor and method, as far as known.
+// Returns the scan's name together with its dataset, sensor and method, as far as these are known.
 std::string wholeName(const ViewScan& scan, const std::string& dataset);
 
 PickedThing describeTriangle(const ViewMesh& mesh, std::size_t triangle, const Vec3d& worldPlace);

@@ -10,8 +10,8 @@ namespace scanmill {
 
 namespace {
 
-// Rows of the transform from a point of the item to w times its distance right of and below the pointer (px), and to
-// its depth. w is the depth, or 1 for an orthographic camera.
+// A linear map from a point of the item to three values: its depth, and w times its distance (pixels) to the right of
+// the pointer and below the pointer. w is the depth, or 1 for an orthographic camera.
 struct ToPointer {
   Vec3f right, down, depth;
   float rightAt, downAt, depthAt;
@@ -88,7 +88,7 @@ std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewC
       Best own;
       for (std::size_t begin = first; begin < last; begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, last);
-        // Tests if any point of the block is near the pointer, without a branch, so that the compiler can vectorise it.
+        // Test if any point of the block is near the pointer, without a branch, so that the compiler can use SIMD.
         int near = 0;
         for (std::size_t i = begin; i < end; ++i) {
           const float w = points[i].x * m.depth.x + points[i].y * m.depth.y + points[i].z * m.depth.z + m.depthAt;

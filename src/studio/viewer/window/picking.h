@@ -15,25 +15,25 @@ namespace scanmill {
 // The points of one item on the canvas.
 struct PickCloud {
   std::span<const Vec3f> positions;
-  std::span<const std::uint8_t> shown;  // per point, 0: hidden; empty: all are shown
+  std::span<const std::uint8_t> shown;  // for each point, 0 if it is hidden; empty: all are shown
   Affine canvasFromItem;
 };
 
 struct PointHit {
   std::size_t cloud = 0;
   std::size_t point = 0;
-  double depth = 0;     // m, along the line of sight
-  double distance = 0;  // px, from the pointer
+  double depth = 0;     // distance along the line of sight (m)
+  double distance = 0;  // distance from the pointer (pixels)
 };
 
-// Returns the point that is seen at (x, y), pixels of the camera's picture: among the points whose squares of `size`
-// pixels cover (x, y), the one nearest to the eye. If no square covers (x, y), returns the point nearest to (x, y) in
-// the picture, within `reach` pixels. At equal distances the first point is returned. Uses all threads; the result does
-// not depend on their number.
+// Returns the point that is visible at the pixel (x, y) of the camera's picture. Points are drawn as squares of `size`
+// pixels; among those that cover (x, y), the one nearest to the eye is returned. If no square covers (x, y), returns
+// the point nearest to (x, y) in the picture, within `reach` pixels. At equal distances the first point is returned.
+// Uses all threads; the result does not depend on their number.
 std::optional<PointHit> pickPoint(std::span<const PickCloud> clouds, const ViewCamera& camera, double x, double y,
                                   double size, double reach);
 
-// The line of sight through a pixel: its start and its unit direction; canvas frame.
+// The line of sight through a pixel, given by its start (m) and its unit direction in the canvas frame.
 struct SightLine {
   Vec3d origin;
   Vec3d direction;

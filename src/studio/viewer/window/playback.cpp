@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Factors of the speed at which frames are played; 0: as fast as they load.
+// Playing speeds as multiples of the recorded speed; 0: as fast as frames load.
 constexpr std::array<double, 5> kSpeeds{0.5, 1, 2, 5, 0};
 constexpr std::size_t kUsualSpeed = 1;
 
@@ -60,7 +60,8 @@ std::shared_ptr<const ViewFrame> Playback::wait(double now) {
   return nullptr;
 }
 
-// Makes the loaded frame the current one. False if it cannot be read and another frame has been requested instead.
+// Makes the loaded frame the current one. Returns false if the frame could not be read and another frame has been
+// requested instead.
 bool Playback::accept(const std::shared_ptr<const ViewFrame>& loaded, double now) {
   const bool next = current_ && requested_ == *current_ + 1;
   const std::optional<double> time = loaded->scans.empty() ? std::nullopt : std::optional(loaded->scans.front().time);
@@ -85,8 +86,8 @@ bool Playback::accept(const std::shared_ptr<const ViewFrame>& loaded, double now
   return true;
 }
 
-// Requests the next frame that is not known to be unreadable; after the last one gives up and requests the first
-// choice again.
+// Requests the next frame that is not known to be unreadable. If there is none, requests the frame with which the
+// search began.
 void Playback::requestNextReadable() {
   const auto known = source_->damaged();
   while (nextTried_ < count() &&
@@ -106,8 +107,8 @@ void Playback::togglePlaying(double now) {
 
 // Returns how long each frame is shown while frames are played (s).
 double Playback::frameSeconds() const {
-  constexpr double kLeast = 0.1;  // s: at most ten frames per second
-  constexpr double kMost = 0.2;   // s: recordings with longer intervals are played faster than they were recorded
+  constexpr double kLeast = 0.1;  // least time per frame at speed 1 (s)
+  constexpr double kMost = 0.2;   // largest time per frame at speed 1 (s), even if the recorded interval is longer
   const double times = kSpeeds[speed_];
   return times > 0 ? std::clamp(recordedSeconds_, kLeast, kMost) / times : 0;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Playback decides which frame is shown: the frame that the user requested, or the next one while frames are played. It
-// knows neither a canvas nor a clock: callers pass the time, in seconds of one clock.
+// Decides which frame is shown: the frame that the user requested, or the next frame while frames are played. Callers
+// pass the current time `now` in seconds, always from the same clock.
 
 #include <cstddef>
 #include <memory>
@@ -17,48 +17,48 @@ namespace scanmill {
 
 class Playback {
  public:
-  // Requests the frame that `sample` names (see findFrame()). If `sample` is empty, no frame is chosen: the middle one
-  // is requested and, if it cannot be read, the others in their order. Throws InputError if the sample does not exist.
+  // Requests the frame that `sample` names, see findFrame(). If `sample` is empty, requests the middle frame; if this
+  // frame cannot be read, requests the others in their order. Throws InputError if the sample does not exist.
   Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, const std::string& sample);
 
-  // Requests a frame, or the last one if there are fewer frames, and afterwards its neighbours in the direction of
-  // `step` (1, -1, or 0: none).
+  // Requests a frame, or the last frame if there are fewer. Afterwards its neighbours in the direction of `step` (1 or
+  // -1; 0: none) are read ahead.
   void goTo(std::size_t frame, int step);
-  // Requests the frame `count` frames after the requested one, or before it if `count` is negative, at most the last or
-  // the first frame. False if that frame is requested already.
+  // Requests the frame that is `count` frames after the requested frame, or before it if `count` is negative. Stops at
+  // the first and last frame. Returns false if the request does not change.
   bool stepBy(std::ptrdiff_t count);
 
-  // Returns the requested frame if it is loaded and is not the current one, and makes it the current one; else null.
-  // take() returns at once, wait() when the frame is loaded.
+  // Makes the requested frame the current frame and returns it; returns null if it is the current frame already. If it
+  // is not loaded yet, take() returns null and wait() waits.
   std::shared_ptr<const ViewFrame> take(double now);
   std::shared_ptr<const ViewFrame> wait(double now);
 
-  // Starts playing at the current frame, or at the first one if the current frame is the last; or stops.
+  // Stops playing if frames are played. Otherwise starts at the requested frame, or at the first if this is the last.
   void togglePlaying(double now);
   void stop() { playing_ = false; }
   // Makes playing faster (1) or slower (-1).
   void changeSpeed(int step);
-  // Requests the next frame if it is due. True if playing has ended, a frame was requested or busy() has changed.
+  // Requests the next frame if it is due. Returns true if playing has ended, a frame was requested or busy() changed.
   bool tick(double now);
-  // Loads the frames after the current one in advance from now on.
+  // From now on, the frames after the requested frame are loaded in advance.
   void readAhead();
 
   std::size_t count() const { return source_->keys().size(); }
   std::size_t requested() const { return requested_; }
-  std::optional<std::size_t> current() const { return current_; }  // none: no frame has been loaded yet
+  std::optional<std::size_t> current() const { return current_; }  // absent: no frame has been loaded
   bool settled() const { return current_ == requested_; }
   bool playing() const { return playing_; }
-  // Returns the playing speed for the user: "2x", "as fast as it loads".
+  // Returns the playing speed as text for the user, such as "2x" or "as fast as it loads".
   std::string speedText() const;
-  // Returns the name of what is being loaded, for the user; empty: nothing.
+  // Returns the name of the frame or scene that is being loaded; empty if nothing is being loaded.
   const std::string& busy() const { return busy_; }
   void clearBusy() { busy_.clear(); }
   // Returns the indices of the frames that are known to be unreadable, ascending.
   std::vector<std::size_t> damaged() const;
-  // Returns why the current frame is not the one that was requested first; empty if it is.
+  // Returns a text for the user if another frame is shown because the first request could not be read; otherwise empty.
   const std::string& substituted() const { return substituted_; }
 
-  // The loader also loads scenes.
+  // Returns the loader, which also loads scenes.
   FrameLoader& loader() { return *loader_; }
 
  private:
@@ -71,13 +71,13 @@ class Playback {
   std::unique_ptr<FrameLoader> loader_;
   std::size_t requested_ = 0;
   std::optional<std::size_t> current_;
-  std::optional<double> currentTime_;  // s since the start of its sequence; none: the frame has no scan
-  double shownAt_ = 0;                 // s, when the current frame was taken or playing began
-  double recordedSeconds_ = 0;         // time between the last two frames, if they are consecutive
+  std::optional<double> currentTime_;  // time of the current frame in its sequence (s); absent: the frame has no scan
+  double shownAt_ = 0;                 // time at which the current frame was taken or playing began (s)
+  double recordedSeconds_ = 0;         // recorded time between the last two frames (s); 0: they are not consecutive
   bool playing_ = false;
-  std::size_t speed_;  // index into the factors of the speed
+  std::size_t speed_;  // index in kSpeeds
   bool readsAhead_ = false;
-  bool seeking_ = false;                // the user chose no frame: the first readable one is searched
+  bool seeking_ = false;                // true: the user chose no frame, and a readable frame is being searched for
   std::size_t sought_ = 0;              // the frame with which the search began
   std::size_t nextTried_ = 0;           // the next frame that the search requests
   std::set<std::size_t> unreadable_{};  // frames that could not be loaded

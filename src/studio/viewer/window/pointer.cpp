@@ -41,7 +41,7 @@ void Pointer::press(const CanvasEvent& event) {
 }
 
 void Pointer::moveTo(const CanvasEvent& event) {
-  constexpr int kStill = 3;  // px: a press that moves no farther is a click
+  constexpr int kStill = 3;  // largest distance (pixels) that the pointer moves during a click
   x = event.x;
   y = event.y;
   context_.changes.hover = true;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The pointer: what is under it or was clicked, and what is drawn for that: the instance's outline, the beam through
-// its returns, a measured distance.
+// Finds the point or triangle that is under the pointer or was clicked, and draws its instance's outline, a line
+// through the returns of its beam, and measured distances. Also turns the camera while the user drags.
 
 #include <cstddef>
 #include <cstdint>
@@ -24,9 +24,9 @@ struct InstancePlace {
 };
 
 struct PointerDrag {
-  int button = 0;  // 0: none
+  int button = 0;  // button that is pressed, see CanvasEvent; 0: none
   bool pan = false;
-  int downX = 0, downY = 0;  // px
+  int downX = 0, downY = 0;  // pixel at which the button was pressed
   int x = 0, y = 0;
   bool moved = false;
 };
@@ -34,12 +34,12 @@ struct PointerDrag {
 struct Pointer {
   Pointer(SessionContext& context, const Clouds& clouds, Scenery& scenery);
 
-  // Forgets everything that belongs to a frame.
+  // Resets everything that belongs to the current frame.
   void leaveFrame();
-  // Moves what is marked when positions on the canvas change.
+  // Transforms the marked positions when the canvas frame changes.
   void moveBy(const Affine& newFromOld);
 
-  // pointer.cpp: dragging, clicking, measuring
+  // Functions in pointer.cpp, for dragging, clicking and measuring:
   void press(const CanvasEvent& event);
   void moveTo(const CanvasEvent& event);
   void release(const CanvasEvent& event);
@@ -47,35 +47,37 @@ struct Pointer {
   void turnAbout();
   void lookAt(const Vec3d& place);
   void placeMeasure();
-  // Returns what is under the pointer, or else what was clicked; null: nothing.
+  // Returns what is under the pointer, otherwise what was clicked; null if there is neither.
   const PickedThing* shown() const { return hover ? &*hover : pinned ? &*pinned : nullptr; }
 
-  // pointer_pick.cpp: the point or the triangle at a pixel
+  // Functions in pointer_pick.cpp, for the point or triangle at a pixel:
   std::optional<PickedThing> pick(int px, int py) const;
-  // `rect`: px of the canvas, where the range image is drawn.
+  // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
   std::optional<PickedThing> pickStrip(const PixelRect& rect, int px, int py) const;
   PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
-  // Adds the returns of the same beam in the other scans that are shown.
+  // Adds the scan's name and the points of the same beam in the other scans that are shown, if there are any.
   PickedThing inFull(PickedThing thing) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedThing& thing) const;
-  // Finds what is under the pointer. `panels`: a panel is. `strip`: the rectangle of the range image, if that is.
+  // Finds the point or triangle under the pointer. `panels`: true if a panel covers it. `strip`: rectangle of the range
+  // image if the pointer is over it.
   void updateHover(bool panels, const std::optional<PixelRect>& strip);
   Rgb colorOf(const PickedThing& thing) const;
-  std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // none: belongs to no instance
+  std::optional<std::uint32_t> instanceOf(const PickedThing& thing) const;  // returns the instance id, if there is one
 
-  // pointer_light.cpp
-  // Outlines the points of the instance under the pointer, or else of the clicked one.
+  // Functions in pointer_light.cpp:
+
+  // Outlines the points of the instance under the pointer, otherwise those of the clicked instance.
   void lightInstance();
   // Draws a line through the returns of the beam that is under the pointer or was clicked.
   void placeBeam();
 
-  int x = -1, y = -1;  // px of the canvas; negative: not on it
+  int x = -1, y = -1;  // pixel of the canvas; negative: the pointer is not on the canvas
   std::optional<PickedThing> hover;
-  std::optional<PickedThing> pinned;  // what was clicked
+  std::optional<PickedThing> pinned;  // the point or triangle that was clicked
   PointerDrag drag;
   bool measuring = false;
-  std::vector<Vec3d> ends;  // ends of the measured distance, canvas frame
+  std::vector<Vec3d> ends;  // ends of the measured distance (canvas frame)
 
  private:
   std::optional<std::size_t> viewAt(int px, int py) const;
@@ -86,11 +88,11 @@ struct Pointer {
   SessionContext& context_;
   const Clouds& clouds_;
   Scenery& scenery_;
-  double lastMove_ = 0;  // s, time of the pointer's last move
+  double lastMove_ = 0;  // time of the pointer's last move (s)
   mutable std::optional<std::pair<InstancePlace, InstanceSummary>> lastSummary_;
   std::optional<InstancePlace> lit_;  // the instance that is highlighted on the canvas
   CanvasItem litItem_;
-  std::optional<std::pair<std::size_t, std::size_t>> beamOf_;  // scan and point whose beam is drawn through its returns
+  std::optional<std::pair<std::size_t, std::size_t>> beamOf_;  // indices of scan and point whose beam is drawn
   bool beamDrawn_ = false;
 };
 

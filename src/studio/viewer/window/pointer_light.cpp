@@ -1,4 +1,4 @@
-// Outlines the instance and draws the beam that the pointer is on.
+// Draws the outline of the instance and the line of the beam to which the point under the pointer belongs.
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the points of a beam, the nearest first.
+// Returns the points of a point's beam, the nearest first; nothing if no beam of the scan can have several points.
 std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
   if (!knowsBeams(scan) || (scan.organised ? scan.planes < 2 : scan[kReturn].empty())) return {};
   const PointKey own = keyOf(scan, point);
@@ -26,9 +26,9 @@ std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
 
 }  // namespace
 
-// Draws the instance's points once more in white, larger and a little farther away, as an outline.
+// The outline consists of the instance's points in white, larger and slightly farther away than the points themselves.
 void Pointer::lightInstance() {
-  constexpr double kRest = 0.15;  // s: the pointer rests if it has not moved for so long
+  constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
   const PickedThing* const thing = shown();
   std::optional<InstancePlace> wanted;
   const ShownCloud* cloud = nullptr;
@@ -44,7 +44,7 @@ void Pointer::lightInstance() {
     if (lit_ && context_.changes.views) outline(*cloud, false);
     return;
   }
-  // Do not draw a large scan again for every point that the pointer passes.
+  // If drawing takes long, do not draw again for every point that the moving pointer passes.
   const bool moves = context_.drawing.now() - lastMove_ < kRest;
   if (!context_.changes.items && context_.drawing.slow() && moves) return;
   lit_ = wanted;
@@ -55,9 +55,9 @@ void Pointer::lightInstance() {
 
 // Places the outline of the instance `lit_` behind its points. `anew`: the points have changed.
 void Pointer::outline(const ShownCloud& cloud, bool anew) {
-  constexpr double kEdge = 1.5;      // px, width of the outline
-  constexpr double kFarther = 1.03;  // factor of the distance from the eye
-  constexpr double kBehind = 0.2;    // m, distance behind the points for an orthographic camera
+  constexpr double kEdge = 1.5;      // width of the outline (pixels)
+  constexpr double kFarther = 1.03;  // distance of the outline from the eye divided by the points' distance
+  constexpr double kBehind = 0.2;    // distance of the outline behind the points for an orthographic camera (m)
   if (context_.drawing.views().empty()) return;
   if (anew) {
     std::vector<Vec3f> places;
@@ -88,7 +88,7 @@ void Pointer::placeBeam() {
   const PickedThing* const thing = shown();
   std::optional<std::pair<std::size_t, std::size_t>> beam;
   if (thing != nullptr && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
-  if (beam == beamOf_ && !context_.changes.items) return;  // the search for returns reads the whole scan
+  if (beam == beamOf_ && !context_.changes.items) return;  // unchanged; searching for returns is slow
   beamOf_ = beam;
   constexpr Rgb kBeam{255, 220, 80};
   LineSet lines;

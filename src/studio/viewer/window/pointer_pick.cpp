@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kReach = 8;  // px, greatest distance of a picked point from the pointer
+constexpr double kReach = 8;  // largest distance of a picked point from the pointer (pixels)
 
 }  // namespace
 
@@ -64,7 +64,7 @@ std::optional<PickedThing> Pointer::pick(int px, int py) const {
   const auto view = viewAt(px, py);
   if (!view) return {};
   const CanvasView& in = context_.drawing.views()[*view];
-  const double right = px - in.rect.left + 0.5;  // the pixel's middle
+  const double right = px - in.rect.left + 0.5;  // position of the pixel's middle in the view
   const double down = py - in.rect.top + 0.5;
   std::vector<PickCloud> candidates;
   std::vector<std::size_t> cloudOf;
@@ -133,8 +133,7 @@ std::optional<std::uint32_t> Pointer::instanceOf(const PickedThing& thing) const
   return id == 0 ? std::nullopt : std::optional(id);
 }
 
-// Returns the instance's summary. The last summary is cached, since the pointer mostly stays on an instance for a
-// while.
+// Returns the instance's summary. The last summary is cached, since the pointer often stays on the same instance.
 const InstanceSummary& Pointer::summaryOf(const ShownCloud& cloud, std::uint32_t instance) const {
   const InstancePlace place{cloud.scan, instance};
   if (!lastSummary_ || !(lastSummary_->first == place)) {

@@ -6,8 +6,8 @@
 
 namespace scanmill {
 
-// Writes the last picture drawn to scanmill_view_000.png in the current folder, or to the first number that no file has
-// yet; returns the file. Throws Error.
+// Writes the picture that was drawn last to scanmill_view_000.png in the current folder, or to the file with the first
+// number that is not used yet. Returns the file. Throws Error.
 std::filesystem::path savePictureOf(Canvas& canvas);
 
 }  // namespace scanmill

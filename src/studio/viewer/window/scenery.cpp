@@ -24,9 +24,9 @@ void Scenery::takeFrame(std::size_t index) {
   place();
 }
 
-// Finds the pose of the world on the canvas.
+// Computes canvasFromWorld.
 void Scenery::place() {
-  instancesOf_.reset();  // the boxes of instances are in the canvas frame
+  instancesOf_.reset();  // the cached boxes of instances are in the old canvas frame
   if (context_.source->isScene()) {
     canvasFromWorld = mesh ? Affine{{}, -mesh->origin} : Affine{};
   } else if (!worldFromAnchor) {
@@ -34,15 +34,15 @@ void Scenery::place() {
   } else if (world) {
     canvasFromWorld = {{}, -(trajectory.empty() ? worldFromAnchor->translation : trajectory.front().translation)};
   } else {
-    // The canvas frame is level, however the sensor is mounted.
+    // The z axis of the canvas frame is vertical, even if the sensor is tilted.
     const Vec3d ahead = toMatrix(worldFromAnchor->rotation).x;
     const double yaw = std::hypot(ahead.x, ahead.y) > 1e-6 ? std::atan2(ahead.y, ahead.x) : 0;
     canvasFromWorld = inverse(toAffine(Pose{fromYawPitchRoll(yaw, 0, 0), worldFromAnchor->translation}));
   }
 }
 
-// Returns the pose of a scan. A scan without a pose, such as a file over a dataset, gets the pose of the frame's first
-// scan.
+// Returns the pose of a scan in the canvas frame. A scan without a pose, such as a single file on top of a dataset,
+// gets the pose worldFromAnchor.
 Affine Scenery::canvasFromScan(const ViewScan& scan) const {
   if (!worldFromAnchor) return {};
   return canvasFromWorld * toAffine(scan.worldFromSensor.value_or(*worldFromAnchor));

@@ -1,7 +1,7 @@
 #pragma once
 
-// Everything on the canvas except points, and where it is: the camera, the frames of reference, the scene's mesh, axes,
-// range rings, the trajectory, and the boxes of objects and instances.
+// Everything on the canvas except points: the camera, the frames of reference, the scene's mesh, axes, range rings, the
+// trajectory, and the boxes of objects and instances.
 
 #include <cstddef>
 #include <cstdint>
@@ -23,80 +23,79 @@
 
 namespace scanmill {
 
-// A ball about a sensor that encloses the points of its scan.
+// A ball around a sensor that encloses the points of its scan.
 struct ContentBall {
-  Vec3d center;  // m, canvas's frame
+  Vec3d center;  // position of the sensor (m, canvas frame)
   double radius = 0;
 };
 
 struct Scenery {
   Scenery(SessionContext& context, Clouds& clouds);
 
-  // Takes the poses of the context's frame, the `index`-th of the source.
+  // Sets the poses to those of the context's frame. `index`: index of the frame in the source.
   void takeFrame(std::size_t index);
 
-  // scenery.cpp: poses and guides
+  // Functions in scenery.cpp, for poses and guides:
   void placeClouds();
   void placeGuides();
   void setLines(ItemId item, const LineSet& lines, double width);
-  // Lets the camera stay in the world, or follow the sensor again. Returns how positions on the canvas change; none if
-  // the poses are unknown.
+  // Switches between a camera that stays in the world and one that follows the sensor. Returns the transform from the
+  // old to the new canvas frame; nothing if the poses are unknown.
   std::optional<Affine> toggleWorld();
-  double pointSize() const;                 // px
-  double farthest(const Vec3d& eye) const;  // m, the distance of the farthest thing from the eye
+  double pointSize() const;                 // returns the side of a drawn point (pixels)
+  double farthest(const Vec3d& eye) const;  // returns an upper bound of the distance from the eye to what is drawn (m)
 
-  // scenery_camera.cpp
+  // Functions in scenery_camera.cpp, for the camera:
   OrbitCamera preset(View view) const;
-  // Returns the camera that the options choose; it may change when a scene has been loaded.
+  // Returns the camera that the options choose. For a scene, the result may be different after its mesh is loaded.
   OrbitCamera firstCamera() const;
-  // Looks at the close-up of the options, in the direction that they choose, the first time that there are points.
+  // Moves the camera to the close-up that the options require, once, when the first points are shown.
   void lookAtCloseUp();
   // Returns the camera as a value of --camera.
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
 
-  // scenery_mesh.cpp: the scene's mesh
+  // Functions in scenery_mesh.cpp, for the scene's mesh:
   bool meshOn() const { return context_.options.mesh || context_.source->isScene(); }
   // True if the mesh has triangles and its pose on the canvas is known.
   bool meshSeen() const {
     return mesh && meshOn() && mesh->size() > 0 && (context_.source->isScene() || worldFromAnchor);
   }
   void takeMesh(std::shared_ptr<const ViewMesh> loaded);
-  // Puts the mesh on the canvas, or takes it away if it is not to be seen.
+  // Adds the mesh to the canvas, or removes it if meshSeen() is false.
   void placeMesh();
   void placeMeshLook();
   void applyFilter();
   void chooseMeshColor(MeshColor by);
   std::optional<PickedThing> pickMesh(const SightLine& line) const;
-  // Hints at a part that encloses the rest of the scene, such as a closed sky box, if nothing else is seen, from inside
-  // or outside.
+  // Shows a hint if only one part of the mesh is visible and this part encloses all others, such as a closed sky box.
   void tellWhatEncloses();
 
-  // scenery_boxes.cpp: objects that samples list, and instances
+  // Functions in scenery_boxes.cpp, for objects that samples list, and instances:
   Affine canvasFromBox(const ObjectRecord& object) const;
-  const ObjectView* shownView(
-      const ObjectRecord& object) const;  // the view of the object by the first scan's sensor; null: none
+  // Returns how the first scan's sensor sees the object; null if this is not known.
+  const ObjectView* shownView(const ObjectRecord& object) const;
   void placeBoxes();
-  // Returns the shown objects that the first scan's sensor sees, with their views, the nearest first, at most 30.
+  // Returns the shown objects that the first scan's sensor sees, with their views: at most 30, the nearest first.
   std::vector<std::pair<const ObjectRecord*, const ObjectView*>> nearestSeen() const;
   void addObjectRows(PickedThing& thing, std::uint32_t instance) const;
   // Returns the instances of the first scan that is shown.
   const std::vector<InstanceSummary>& instances();
 
   OrbitCamera camera;
-  std::vector<Pose> trajectory;         // worldFromSensor of the sequence's frames
-  std::optional<Pose> worldFromAnchor;  // pose of the frame's first scan that has one
-  bool world = false;                   // the camera stays in the world instead of following the sensor
+  std::vector<Pose> trajectory;         // sensor poses (worldFromSensor) in all frames of the sequence
+  std::optional<Pose> worldFromAnchor;  // pose of the frame's first scan that has a pose
+  bool world = false;                   // true: the camera stays in the world; false: it follows the sensor
   Affine canvasFromWorld;
-  Vec3d ground;                          // the ground below the first scan's sensor, canvas frame
-  std::shared_ptr<const ViewMesh> mesh;  // the loaded mesh; null: none
+  Vec3d ground;                          // point of the ground below the first scan's sensor (canvas frame)
+  std::shared_ptr<const ViewMesh> mesh;  // the loaded mesh; null: none is loaded
   std::optional<SceneChoice> meshWanted;
   std::string meshProblem;
   CanvasItem meshItem;
   MeshColor meshColor = MeshColor::Class;
   Coloring meshColoring;
-  std::vector<std::uint8_t> meshShown;  // per triangle; empty: all
-  bool instanceBoxes = false;           // boxes about the points of instances, if the sample lists no objects
+  std::vector<std::uint8_t> meshShown;  // for each triangle, 1 if it is shown; empty: all are shown
+  bool instanceBoxes = false;           // true: draws boxes around instances' points if the sample lists no objects
 
  private:
   void place();
@@ -107,12 +106,12 @@ struct Scenery {
   SessionContext& context_;
   Clouds& clouds_;
   std::vector<ContentBall> content_;
-  bool framed_ = false;  // the first camera, which needs the scene's box or the scan's pose, has been set
-  std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // the frame and scan of `instances_`
+  bool framed_ = false;  // true: the camera has been set to the scene's mesh or to the close-up, which happens once
+  std::optional<std::pair<const ViewFrame*, std::size_t>> instancesOf_;  // frame and scan of the cached `instances_`
   std::vector<InstanceSummary> instances_;
 };
 
-// Returns the class of most of an instance's points; 0 if its points have none.
+// Returns the most frequent class of an instance's points; 0 if its points have no classes.
 std::uint16_t classOf(const InstanceSummary& instance);
 
 }  // namespace scanmill

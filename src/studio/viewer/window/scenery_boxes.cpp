@@ -1,4 +1,4 @@
-// Boxes and tracks of the objects that a sample lists, and boxes about the points of instances.
+// Draws boxes and tracks of the objects that a sample lists, and boxes around the points of instances.
 
 #include <fmt/core.h>
 
@@ -14,9 +14,9 @@ namespace scanmill {
 namespace {
 
 constexpr Rgb kUnknownClass{200, 200, 200};
-constexpr double kFaint = 0.75;         // share of the background in the colour of objects that the sensor does not see
-constexpr double kUnseenWithin = 40;    // m, from the sensor: boxes of unseen objects farther away are left out
-constexpr std::size_t kMostNames = 30;  // greatest number of labels
+constexpr double kFaint = 0.75;  // fraction of the background in the colour of objects that the sensor does not see
+constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn objects that the sensor does not see
+constexpr std::size_t kMostNames = 30;  // largest number of labels
 
 }  // namespace
 
@@ -29,8 +29,8 @@ const ObjectView* Scenery::shownView(const ObjectRecord& object) const {
   return nullptr;
 }
 
-// Returns the pose of the object's box: relative to the scan if its sensor has a view of the object, so that the box
-// fits the points; else in the world.
+// Returns the pose of the object's box on the canvas. If the sensor has a view of the object, the pose is computed from
+// this view, so that the box fits the points; otherwise from the object's pose in the world.
 Affine Scenery::canvasFromBox(const ObjectRecord& object) const {
   const ObjectView* const view = shownView(object);
   if (view != nullptr) return clouds_.list.front().canvasFromScan * toAffine(view->sensorFromBox);
@@ -111,7 +111,7 @@ const std::vector<InstanceSummary>& Scenery::instances() {
   return instances_;
 }
 
-// Adds the smallest upright box about each instance's points, in the colour of its class.
+// Adds the smallest upright box around each instance's points, in the colour of the instance's most frequent class.
 void Scenery::placeInstanceBoxes(LineSet& lines) {
   if (!instanceBoxes || clouds_.list.empty() || !context_.frame->objects.empty()) return;
   for (const InstanceSummary& instance : instances()) {

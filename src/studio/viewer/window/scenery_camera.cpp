@@ -1,4 +1,4 @@
-// The cameras: presets, the first one, and the current one as text.
+// Computes the camera of each preset and the first camera, and writes the current camera as text.
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +9,8 @@ namespace scanmill {
 
 namespace {
 
-// Frames the box, then moves the camera aside and nearer until the box fills the picture, since in perspective its near
-// parts appear larger than its far parts.
+// Moves the camera until the picture of the box is centred and fills the canvas. Starts with frame() and improves the
+// result in steps, since in perspective near parts of the box appear larger than far parts.
 void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
   constexpr int kSteps = 16;
   constexpr double kFilled = 0.9;
@@ -38,7 +38,7 @@ void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
 OrbitCamera Scenery::preset(View view) const {
   OrbitCamera chosen = presetCamera(view);
   if (context_.source->isScene()) {
-    // The view from above shows the whole scene, unless a part of it is far away from the rest.
+    // The view from above shows the complete scene, or only ViewMesh::core if the scene is much larger than its core.
     constexpr double kFarAway = 3;
     if (!mesh) return chosen;
     const auto longest = [](const Box& box) { return box.empty() ? 0 : length(box.high - box.low); };
@@ -63,13 +63,13 @@ void Scenery::lookAtCloseUp() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
   if (!closeUp || framed_ || clouds_.list.empty()) return;
   framed_ = true;
-  constexpr double kFilled = 0.85;  // share of the picture's shorter side; the panels cover some of it
+  constexpr double kFilled = 0.85;  // fraction of the picture's shorter side that the ball fills; panels cover the rest
   const int width = context_.canvas.width();
   const int height = context_.canvas.height();
   OrbitCamera chosen = camera;
   chosen.orthographic = false;
   chosen.target = clouds_.list.front().canvasFromScan * closeUp->at;
-  // The tangents from the eye to the ball are at this slope to the line of sight.
+  // Slope of the tangents from the eye to the ball, relative to the line of sight.
   const double slope = kFilled * std::min(width, height) / 2 / chosen.camera(width, height).focal;
   chosen.distance = closeUp->within * std::hypot(1, 1 / slope);
   setCamera(chosen);

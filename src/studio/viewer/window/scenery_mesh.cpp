@@ -1,4 +1,4 @@
-// The scene's mesh: its look, its colours, which of it is shown, what lies under a pixel.
+// Shows the scene's mesh: look, colours, visible triangles, and the triangle at a pixel.
 
 #include <fmt/core.h>
 
@@ -78,9 +78,9 @@ std::optional<PickedThing> Scenery::pickMesh(const SightLine& line) const {
   const Affine meshFromCanvas = inverse(canvasFromWorld * Affine{{}, mesh->origin});
   Vec3d origin = meshFromCanvas * line.origin;
   const Vec3d direction = meshFromCanvas.linear * line.direction;
-  // The line of sight passes through hidden triangles.
+  // Hidden triangles are skipped: the search continues behind them.
   constexpr int kMostLayers = 32;
-  constexpr double kBeyond = 1e-4;  // m: the next search starts this far behind a hidden triangle
+  constexpr double kBeyond = 1e-4;  // distance behind a hidden triangle at which the search continues (m)
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const auto hit = pickTriangle(*mesh, origin, direction);
     if (!hit) return {};
@@ -97,7 +97,7 @@ std::optional<PickedThing> Scenery::pickMesh(const SightLine& line) const {
 
 void Scenery::tellWhatEncloses() {
   constexpr int kAcross = 7;
-  constexpr double kEnough = 0.1;  // share of the lines of sight that must hit the part
+  constexpr double kEnough = 0.1;  // least fraction of the lines of sight that must hit the part
   const ViewCamera view = camera.camera(context_.canvas.width(), context_.canvas.height());
   std::optional<std::size_t> first;  // the first triangle that a line of sight hits
   int met = 0;

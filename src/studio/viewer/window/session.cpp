@@ -17,7 +17,7 @@ std::shared_ptr<const FrameSource> notEmpty(std::shared_ptr<const FrameSource> s
   return source;
 }
 
-// Throws InputError if no point of the frame's scans is in the close-up. The message says where the nearest one is.
+// Throws InputError if no point of the frame's scans is in the close-up. The message states the nearest point.
 void requirePoints(const ViewFrame& frame, const CloseUp& closeUp) {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   double distance = kNone;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What all parts of a viewer's session read: what is viewed, how, which of it is hidden, and what the user is told.
+// The data that all parts of a viewer's session use: the frame, the options, the filter, and messages to the user.
 
 #include <cstdint>
 #include <memory>
@@ -21,16 +21,16 @@ namespace scanmill {
 // A message that is shown for some seconds.
 struct ViewNotice {
   std::string text;
-  double until = 0;                // s, of Drawing::now()
-  std::optional<KeyAction> cause;  // the action that caused it
+  double until = 0;                // time of Drawing::now() at which the message disappears (s)
+  std::optional<KeyAction> cause;  // the action that caused the message
 };
 
 // Which points and triangles are shown.
 struct ShownFilter {
   ClassFilter classes;
-  std::set<std::uint32_t> instances;  // the only instances that are shown; empty: all
-  std::optional<CloseUp> closeUp;     // only points in this ball are shown; absent: all
-  std::set<std::string> hiddenScans;  // names of the scans that are hidden when scans lie over one another
+  std::set<std::uint32_t> instances;  // ids of the only instances that are shown; empty: all are shown
+  std::optional<CloseUp> closeUp;     // only points in this ball are shown; absent: all are shown
+  std::set<std::string> hiddenScans;  // names of the scans that the overlay of all scans does not show
 
   bool showsInstance(std::uint32_t id) const { return instances.empty() || instances.contains(id); }
 };
@@ -48,17 +48,17 @@ struct SessionContext {
 
   // Shows a message for some seconds.
   void say(const std::string& text, double seconds = 4);
-  // Shows a message for longer, once in a session.
+  // Shows a message for a longer time. The same message is shown only once in a session.
   void hint(const std::string& text);
-  // Removes the notices whose time is over. True if there was one.
+  // Removes the notices whose time is over. Returns true if there was at least one.
   bool forgetNotices();
 
   std::shared_ptr<const FrameSource> source;
   Canvas& canvas;
-  ViewOptions options;  // the current ones
+  ViewOptions options;  // the options at the start, changed by the user's actions since
   Drawing drawing;
   Changes& changes = drawing.changes;
-  std::shared_ptr<const ViewFrame> frame;  // the frame that is shown; null: none has been loaded
+  std::shared_ptr<const ViewFrame> frame;  // the frame that is shown; null: no frame has been loaded yet
   ShownFilter filter;
   std::vector<ViewNotice> notices;
   std::vector<std::string> hints;

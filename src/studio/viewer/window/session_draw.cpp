@@ -24,7 +24,7 @@ void ViewSession::State::flush(bool whole) {
     const bool held = panels.toolkit.hasPointer();
     runPanels();
     if (held || panels.toolkit.hasPointer())
-      context.changes.panels = true;  // a panel highlights what is under the pointer
+      context.changes.panels = true;  // panels highlight their parts under the pointer
     updateHover();
   }
   pointer.lightInstance();
@@ -32,7 +32,7 @@ void ViewSession::State::flush(bool whole) {
   if (changes.views || changes.items || changes.panels || changes.light) {
     panels.addLabels();
     runPanels();
-    runPanels();  // in the second run all sizes are known
+    runPanels();  // sizes that depend on contents are known in the second run
   }
   std::uint64_t points = 0;
   for (const ShownCloud& cloud : clouds.list) points += cloud.visible;

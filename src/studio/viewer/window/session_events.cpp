@@ -31,7 +31,7 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Down:
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
-      // Panels get the event first; the views get it only if no panel uses it.
+      // Panels receive the event first; views receive it only if no panel uses it.
       panels.toolkit.take(event);
       runPanels();
       context.changes.panels = true;
@@ -66,14 +66,14 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
   const bool passing = event.kind == CanvasEvent::Kind::Move || event.kind == CanvasEvent::Kind::Wheel;
   if (!passing || context.drawing.mayFollowPointer()) {
     flush(false);
-    for (const std::string& problem : problems()) warn(problem);  // warns of each only once
+    for (const std::string& problem : problems()) warn(problem);  // warn() prints each text only once
     for (const std::string& text : context.hints) warn(text);
   }
   return true;
 }
 
 void ViewSession::State::tick() {
-  const double now = context.drawing.now();  // before a frame is taken: a frame that arrives now is drawn at any speed
+  const double now = context.drawing.now();  // read before loaded frames are shown, so that each of them is drawn
   takeWhatIsLoaded();
   // Reading ahead must not delay the first picture.
   if (playback.settled() && context.drawing.drawnOnce()) playback.readAhead();
@@ -93,7 +93,7 @@ void ViewSession::State::key(const CanvasEvent& event) {
   context.acting.reset();
 }
 
-// Returns the option that the action switches on and off, and the option's name.
+// Returns the option that the action switches on and off, and the option's name; null if the action is not a switch.
 std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
   switch (action) {
     case KeyAction::ToggleAxes:
@@ -225,7 +225,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return setLayout(ViewLayout::Split);
     case KeyAction::NextView:
       if (clouds.viewCount() < 2) return context.say("there is one view only; s splits it");
-      // Goes through the views one by one, then selects all of them.
+      // Each press activates the next view; after the last view, all views are active if they show different scans.
       clouds.activeView = clouds.activeView ? *clouds.activeView + 1 : 0;
       if (*clouds.activeView >= clouds.viewCount()) clouds.activeView.reset();
       if (!clouds.activeView && context.frame->scans.size() == 1) clouds.activeView = 0;
@@ -317,7 +317,7 @@ void ViewSession::State::toggleAlone() {
     applyFilter();
     return context.say("all instances");
   }
-  refresh();  // the last moves of the pointer may not have been drawn yet
+  refresh();  // the last moves of the pointer may not have been processed yet
   updateHover();
   const PickedThing* const thing = pointer.shown();
   if (thing == nullptr) return context.say("nothing lies there: point at an instance");

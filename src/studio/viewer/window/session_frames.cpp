@@ -61,7 +61,7 @@ void ViewSession::State::showFrame(std::shared_ptr<const ViewFrame> loaded) {
   if (scenery.meshItem.there() != scenery.meshSeen()) placeMesh();
 }
 
-// Makes everything that depends on the frame and the layout anew.
+// Updates everything that depends on the frame and the layout.
 void ViewSession::State::arrange() {
   clouds.arrange();
   scenery.placeClouds();

@@ -1,4 +1,4 @@
-// The table of the instances of the first scan that is shown.
+// Draws the table of the instances in the first scan that is shown.
 
 #include <imgui.h>
 
@@ -17,7 +17,7 @@ void ViewSession::State::drawInstances() {
   const float high = ImGui::GetTextLineHeightWithSpacing() * kRows;
   if (!ImGui::BeginTable("instances", 4, kTable, {0, high})) return;
   ImGui::TableSetupScrollFreeze(0, 1);
-  // The columns of points and sizes sort in descending order first.
+  // A first click on the heading of the columns "points" and "box (m)" sorts in descending order.
   for (const auto& [name, share] : {std::pair("class", 0.28F), {"id", 0.12F}, {"points", 0.19F}, {"box (m)", 0.41F}}) {
     const bool large = name[0] == 'p' || name[0] == 'b';
     ImGui::TableSetupColumn(

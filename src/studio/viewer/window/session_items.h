@@ -23,7 +23,7 @@ constexpr ItemId cloudItem(std::size_t cloud) {
 constexpr ImageId kStripImage = 2;
 constexpr ItemId kLitItem = 1'000'000;  // the points of the instance under the pointer
 
-// An item that need not exist. A canvas refuses changes of an item that does not exist, so these calls skip them.
+// An item of a canvas that may not exist. A canvas refuses to change such an item; the functions here then do nothing.
 class CanvasItem {
  public:
   CanvasItem(Canvas& canvas, ItemId id) : canvas_(canvas), id_(id) {}

@@ -1,4 +1,4 @@
-// Menus and panels. They execute the same actions as keys.
+// Draws menus and panels. Menus and buttons execute the same actions as keys.
 
 #include <fmt/core.h>
 #include <imgui.h>
@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-// Runs all panels once and executes what the user has clicked.
+// Draws all panels once and executes what the user has clicked.
 void ViewSession::State::runPanels() {
   panels.toolkit.suit(context.options.background);
   panels.toolkit.frame([&] { drawPanels(); });
@@ -52,7 +52,7 @@ void ViewSession::State::drawPanels() {
     drawFrameBar();
     std::vector<std::string> said;
     for (const ViewNotice& notice : context.notices) said.push_back(notice.text);
-    if (messages(panels.rooms.body, problems(), said)) {  // problems of the frame itself are still shown
+    if (messages(panels.rooms.body, problems(), said)) {  // the frame's own problems cannot be dismissed
       clouds.colorProblem.clear();
       scenery.meshProblem.clear();
       clouds.stripProblem.clear();
@@ -113,7 +113,7 @@ void ViewSession::State::drawMenus() {
   ImGui::EndMainMenuBar();
 }
 
-// Draws the list of quantities that colours can show: those of colorNames(), and the scan's foreign columns.
+// Draws the menu of quantities that colours can show: those of colorNames(), and the scan's foreign columns.
 void ViewSession::State::drawColumns() {
   std::vector<ColorBy> all;
   std::string shown;
@@ -141,7 +141,7 @@ void ViewSession::State::drawColumns() {
   if (chosen) chooseColor(*chosen);
 }
 
-// Draws the legends that are scales, or those that are rows.
+// Draws the legends that are scales if `ofScales` is true; otherwise draws those that are lists.
 void ViewSession::State::drawLegends(bool ofScales) {
   const bool choose = !context.options.still && !clouds.overlaid() && !clouds.list.empty();
   const auto blocks = panels.legends;  // a copy, since a click changes `legends`
@@ -173,7 +173,7 @@ void ViewSession::State::drawLegends(bool ofScales) {
   }
 }
 
-// Hides or shows what a row of a legend stands for, or shows it alone.
+// Hides or shows the class or the scan of a legend's row; if `alone` is true, shows this class or scan and no other.
 void ViewSession::State::pressLegend(const LegendEntry& entry, bool alone) {
   if (entry.id < 0) return;
   if (clouds.overlaid()) {
@@ -280,7 +280,7 @@ void ViewSession::State::drawPrompt() {
   }
 }
 
-// Lists the datasets, sensors and methods of the sample.
+// Lists the sample's scans with their datasets, sensors and methods.
 void ViewSession::State::drawSources() {
   for (std::size_t s = 0; s < context.frame->scans.size(); ++s) {
     const ViewScan& scan = context.frame->scans[s];
@@ -298,7 +298,7 @@ void ViewSession::State::drawSources() {
   }
 }
 
-// Draws a few rows beside the pointer.
+// Draws the tooltip beside the pointer.
 void ViewSession::State::drawTips() {
   const bool told = pointer.pinned && pointer.hover && pointer.pinned->scan == pointer.hover->scan &&
                     pointer.pinned->point == pointer.hover->point;

@@ -1,4 +1,4 @@
-// The actions of keys if a scene is shown without scans: it has triangles, but neither points nor frames.
+// States which keys do nothing if a scene is shown without scans: it has triangles, but neither points nor frames.
 
 #include <fmt/core.h>
 #include <fmt/ranges.h>

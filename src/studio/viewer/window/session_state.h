@@ -1,7 +1,7 @@
 #pragma once
 
-// The state of the viewer, in parts of which each reads those before it, and the functions that connect them: events,
-// the actions of keys, frames that arrive, panels that are clicked. Included only by session*.cpp.
+// The state of the viewer, and the functions that handle events, actions of keys, loaded frames and clicks in panels.
+// The state consists of parts; each part uses only the parts that are listed before it. Included only by session*.cpp.
 
 #include "viewer/window/clouds.h"
 #include "viewer/window/panels.h"
@@ -18,24 +18,24 @@ struct ViewSession::State {
   State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
         const ViewOptions& chosen);
 
-  // session_events.cpp
+  // Functions in session_events.cpp:
   bool handle(const CanvasEvent& event);
   void tick();
   void key(const CanvasEvent& event);
   void act(const KeyMeaning& meaning);
   void escape();
-  std::pair<bool*, const char*> switchOf(KeyAction action);  // null: the action is no switch
+  std::pair<bool*, const char*> switchOf(KeyAction action);
   void chooseColor(const ColorBy& by);
   void cycleColor(int step);
   void toggleWorld();
   void toggleAlone();
   void savePicture();
 
-  // session_scene_keys.cpp
-  std::string sceneLacks(const KeyMeaning& meaning) const;  // why a key does nothing for a scene; empty: it works
+  // Functions in session_scene_keys.cpp, which return why a key or quantity cannot be used for a scene; empty: it can.
+  std::string sceneLacks(const KeyMeaning& meaning) const;
   std::string sceneLacks(const ColorBy& by) const;
 
-  // session_frames.cpp: frames and scenes that are requested, loaded and shown
+  // Functions in session_frames.cpp, which request, load and show frames and scenes:
   void goTo(std::size_t frame, int step);
   void stepBy(std::ptrdiff_t count);
   void togglePlaying();
@@ -50,12 +50,12 @@ struct ViewSession::State {
   void placeMesh();
   std::vector<std::string> problems() const;
 
-  // session_draw.cpp
+  // Functions in session_draw.cpp:
   void refresh();  // updates the panels and the views
   void updateHover();
   void flush(bool whole);
 
-  // session_panels.cpp, session_instances.cpp: by Dear ImGui
+  // Functions in session_panels.cpp and session_instances.cpp, which draw with Dear ImGui:
   void runPanels();
   void drawPanels();
   void drawMenus();

@@ -63,23 +63,23 @@ enum class KeyAction {
 
 struct KeyMeaning {
   KeyAction action = KeyAction::Quit;
-  std::size_t number = 0;  // for ColorByNumber: index into colorNames()
+  std::size_t number = 0;  // index in colorNames(), only for the action ColorByNumber
 };
 
-// A command in a menu, or, if `menu` is empty, of a key alone.
+// A command. If `menu` is empty, the command is in no menu and has only keys.
 struct ViewCommand {
   std::string_view menu;
   KeyMeaning meaning;
   std::string label;
-  std::vector<std::string> keys;  // the characters that they type: "c"; or their names: "Left"; "shift + Left"
+  std::vector<std::string> keys;  // typed characters, such as "c", or names of keys, such as "Left" or "shift + Left"
 };
 // Returns all commands, in the order of the menus.
 const std::vector<ViewCommand>& viewCommands();
 
-// Returns the meaning of a key; none if the key does nothing.
+// Returns the meaning of a key; nothing if the key has no function.
 std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift);
 
-// Returns the command's keys as menus and help show them: "space", "F1 or v".
+// Returns the command's keys as text for menus and help, such as "space" or "F1 or v".
 std::string keysText(const ViewCommand& command);
 
 }  // namespace scanmill
