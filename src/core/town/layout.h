@@ -20,7 +20,7 @@ namespace scanmill::town {
 
 enum class GroundKind { Road, Parking, Curb, Verge, Shoulder, Sidewalk, Driveway, Path, Lawn, Water, Lot, Paved };
 
-// A rectangle of ground of another kind, such as a driveway, from the road's edge into a plot.
+// A rectangle whose ground differs from the ground around it: a driveway, a lot for parking, a path in a park.
 struct Patch {
   models::Footprint place;
   GroundKind kind = GroundKind::Driveway;

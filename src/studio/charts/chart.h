@@ -57,7 +57,7 @@ struct Chart {
   // The series of the chart. A vertical bar is drawn at the name with index point.x on the x axis. If the y axis has
   // names, bars are horizontal and are drawn at the name with index point.y.
   std::vector<ChartSeries> series{};
-  bool stacked = false;  // stacks bars that have the same name; only for linear axes
+  bool stacked = false;  // stacks the bars that several series have at one name of an axis; not for logarithmic axes
   int width = 860;       // width of the drawing in pixels
   int height = 480;      // height of the drawing in pixels
 };

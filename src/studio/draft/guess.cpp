@@ -323,8 +323,8 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   }
   std::map<int, double> areas;
   for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
-  constexpr double kMost = 0.8;  // least fraction of the footprint that a plate covers
-  constexpr int kLowest = 250;   // maximum height of a plate, in thousandths of the asset's height
+  constexpr double kLeastCover = 0.8;   // a plate covers at least this fraction of the footprint
+  constexpr int kGreatestHeight = 250;  // a plate is at most this high, in thousandths of the asset's height
   // Maximum height difference within a plate, with kerbs and pavements, in thousandths of the asset's height.
   constexpr int kThick = 100;
   constexpr double kAbove = 0.02;  // fraction of the asset's height that is added above the plate
@@ -336,7 +336,7 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
       area += above->second;
       highest = above->first;
     }
-    if (height <= kLowest && area >= kMost * footprint) level = highest;
+    if (height <= kGreatestHeight && area >= kLeastCover * footprint) level = highest;
   }
   if (!level) return std::nullopt;
   plate.height = (*level / 1000.0 + kAbove) * tall;

@@ -17,8 +17,8 @@ struct Container {
   std::optional<Vec3d> center;  // m, RTC_CENTER of a .b3dm, z up
 };
 
-// Reads a file. Throws an InputError that calls the file `name` if a GLB or the .b3dm around it is damaged, or is glTF
-// 1.0.
+// Reads a file. Throws an InputError that calls the file `name` if the .b3dm or its GLB is damaged, or if the GLB is of
+// glTF 1.0.
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name);
 
 }  // namespace scanmill::gltf

@@ -39,8 +39,8 @@ struct Plan {
   // Throws InputError if the method renders no passes that could be saved. Also throws for `method: auto` if it may
   // choose such a method.
   void requirePasses() const;
-  // Throws InputError if beams may fire several rays, if there is an ego vehicle, or if mounts are random. Recordings
-  // of hits and passes are then impossible, since they contain only the scene, with one ray per beam.
+  // Throws InputError if beams may fire several rays, if there is an ego vehicle, or if mounts are random. Hits and
+  // passes cannot be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.
   void requireOneRay() const;
 
   // Returns an upper bound of the memory that a frame takes while it is computed (bytes).

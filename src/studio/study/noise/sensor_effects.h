@@ -1,6 +1,6 @@
 #pragma once
 
-// Writes effects into a sensor file.
+// Replaces the noise effects in the text of a sensor file.
 
 #include <string>
 

@@ -99,7 +99,7 @@ void Scenery::tellWhatEncloses() {
   constexpr int kAcross = 7;
   constexpr double kEnough = 0.1;  // least fraction of the lines of sight that must hit the part
   const ViewCamera view = camera.camera(context_.canvas.width(), context_.canvas.height());
-  std::optional<std::size_t> first;  // the first triangle that a line of sight hits
+  std::optional<std::size_t> first;  // triangle seen along the first line of sight that hits any
   int met = 0;
   for (int line = 0; line < kAcross * kAcross; ++line) {
     const int column = line % kAcross;
