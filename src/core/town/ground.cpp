@@ -15,7 +15,7 @@ namespace {
 using models::Shape;
 using models::SurfaceIndex;
 
-constexpr double kSmallest = 0.5;  // m, side of the smallest cell
+constexpr double kSmallest = 0.5;  // m, side of the smallest cells away from potholes
 
 class GroundMaker {
  public:

@@ -142,7 +142,7 @@ struct GlfwWindow::State {
   bool control = false;
   CanvasEvent lastPress;
   double pressedAt = 0;  // time of the last press (s)
-  int clicks = 0;        // number of clicks up to the last press
+  int clicks = 0;        // 2 if the last press ended a double click, else 1; 0: no press yet
 
   ~State() {
     if (window != nullptr) glfwDestroyWindow(window);

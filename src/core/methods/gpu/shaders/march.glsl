@@ -50,7 +50,7 @@ Voxel find(vec3 q) {
   precise float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
   precise float share = most * perReach;
   int level = min(max((int(floatBitsToUint(share) - 1u) >> 23) - 126, 0), lastLevel);
-  uvec4 place = texelFetch(levels, 2 * level);  // bits of the offset, and the first entry of the table
+  uvec4 place = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of its first entry
   uvec4 box = texelFetch(levels, 2 * level + 1);
   Voxel v;
   v.scale = uintBitsToFloat(uint(127 - level) << 23);
