@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 #include "tests/core/dataset/fixture.h"
 
 namespace scanmill {

@@ -1,4 +1,3 @@
-#include "dataset/shard_ranges.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,6 +6,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "dataset/shard_name.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
