@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/uri.h"
+#include "assets/references.h"
 #include "base/error.h"
 #include "tests/core/assets/triangle_files.h"
 

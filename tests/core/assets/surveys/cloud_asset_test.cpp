@@ -1,5 +1,3 @@
-#include "assets/surveys/cloud_asset.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +6,7 @@
 #include <set>
 
 #include "assets/asset_parts.h"
+#include "assets/surveys/surveys.h"
 #include "scene/scene.h"
 #include "scene/texture.h"
 #include "scenefile/scene_file.h"

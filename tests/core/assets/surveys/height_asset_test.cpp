@@ -1,11 +1,10 @@
-#include "assets/surveys/height_asset.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "assets/asset_parts.h"
+#include "assets/surveys/surveys.h"
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "tests/support/geo_tiff.h"

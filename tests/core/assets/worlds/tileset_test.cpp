@@ -1,7 +1,6 @@
-#include "assets/worlds/tileset.h"
-
 #include <cstring>
 
+#include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "tests/core/assets/gltf/gltf_builder.h"
 #include "world_files.h"
