@@ -7,9 +7,8 @@
 
 #include "assets/asset_parts.h"
 #include "assets/surveys/surveys.h"
-#include "scene/scene.h"
 #include "scene/texture.h"
-#include "scenefile/scene_file.h"
+#include "tests/core/assets/read_assets.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -45,11 +44,7 @@ class Clouds : public testing::Test {
     return readAsset(folder_.write("a.ply", text), options);
   }
   Scene scene(const std::string& object) const {
-    return readScene(
-        folder_.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
-                                            "{0}/labels/materials.yaml\nobjects:\n  - {{file: a.ply{1}}}\n",
-                                            SCANMILL_SOURCE_DIR, object)),
-        {});
+    return sceneOf(folder_, "objects:\n  - {file: a.ply" + object + "}\n");
   }
   TemporaryFolder folder_;
 };
@@ -140,7 +135,8 @@ TEST_F(Clouds, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { read(ply("", {})); }), AllOf(HasSubstr("a.ply"), HasSubstr("has no point")));
   EXPECT_THAT(messageOf([&] { read(ply("", {"nan nan nan"})); }), HasSubstr("has no point"));
   read(ply("", lawn("")));
-  EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }), AllOf(HasSubstr("s.yaml:4"), HasSubstr("'spacng'")));
+  EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }),
+              AllOf(HasSubstr("scene.yaml:4"), HasSubstr("'spacng'")));
   EXPECT_THAT(messageOf([&] { scene(", points: {radius: [2, 1]}"); }), HasSubstr("[least, most]"));
   EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
   EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
@@ -159,9 +155,7 @@ TEST_F(Clouds, MistakesAreNamed) {
 TEST_F(Clouds, ARealRevolutionIsASceneOfItsPoints) {
   SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
   const Asset asset = readAsset(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd", {});
-  std::uint64_t triangles = 0;
-  for (const AssetPart& part : asset.parts) triangles += part.triangles.size();
-  EXPECT_EQ(triangles, 2u * 107647);
+  EXPECT_EQ(trianglesOf(asset), 2u * 107647);
   EXPECT_TRUE(asset.parts[0].fileMaterial.textured) << "by its reflectivity";
 }
 

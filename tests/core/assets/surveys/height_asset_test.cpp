@@ -5,8 +5,7 @@
 
 #include "assets/asset_parts.h"
 #include "assets/surveys/surveys.h"
-#include "scene/scene.h"
-#include "scenefile/scene_file.h"
+#include "tests/core/assets/read_assets.h"
 #include "tests/support/geo_tiff.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -42,12 +41,6 @@ class Heights : public testing::Test {
   }
   TemporaryFolder folder_;
 };
-
-std::uint64_t trianglesOf(const Asset& asset) {
-  std::uint64_t count = 0;
-  for (const AssetPart& part : asset.parts) count += part.triangles.size();
-  return count;
-}
 
 TEST_F(Heights, AreWhereTheRasterSaysToTheMillimetre) {
   const Asset asset = read(tilted());
@@ -167,13 +160,11 @@ TEST_F(Heights, OfLongitudeAndLatitudeLieAsOnTheEarth) {
 
 TEST_F(Heights, AreObjectsOfAScene) {
   folder_.write("dem.tif", tilted().bytes());
-  const Scene scene = readScene(
-      folder_.write("s.yaml", std::string("ontology: ") + SCANMILL_SOURCE_DIR +
-                                  "/labels/scanmill.yaml\nmaterials: " + SCANMILL_SOURCE_DIR +
-                                  "/labels/materials.yaml\nobjects:\n  - {file: dem.tif, position: [-500000, -5400000, "
-                                  "0], heights: {every: 2}, rules: [{match: {box: [[500000, 5400000, 0], [500050, "
-                                  "5400100, 999]]}, class: road}, {match: {slope_deg: [10, 20]}, class: terrain}]}\n"),
-      {});
+  const Scene scene = sceneOf(
+      folder_,
+      "objects:\n  - {file: dem.tif, position: [-500000, -5400000, 0], heights: {every: 2}, rules: [{match: {box: "
+      "[[500000, 5400000, 0], [500050, 5400100, 999]]}, class: road}, {match: {slope_deg: [10, 20]}, class: "
+      "terrain}]}\n");
   ASSERT_EQ(scene.instances.size(), 1u);
   EXPECT_EQ(scene.instances[0].name, "dem");
   EXPECT_NEAR(scene.bounds().low.x, 5, 1e-3);
