@@ -105,8 +105,7 @@ assert np.abs(turned + list(map(float, words[0][7:])) - moved).max() < 1e-9
 }
 
 TEST_F(PlyLayout, MissesAreLeftOut) {
-  ExportSample sample = this->sample(0, 0, true);
-  writeSample(sample);
+  writeSample(sample(0, 0, true));
   ply("assert len(ply.points) == 356 and np.isfinite(ply.xyz).all() and 89 not in ply['column']\n");
 }
 

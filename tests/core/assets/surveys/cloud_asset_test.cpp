@@ -95,15 +95,15 @@ TEST_F(Clouds, IntensitiesAreReflectances) {
   std::vector<std::string> lines = lawn("51");
   for (const std::string& line : lawn("204", 50)) lines.push_back(line);
   const std::string text = ply("property float intensity\n", lines);
-  const Material m = read(text).parts.at(0).fileMaterial;
   const auto reflectanceAt = [&](const Asset& asset, std::size_t k) {
     const AssetPart& part = asset.parts[0];
     const Vec2f uv = part.uvs[4 * k];
     const Material& own = part.fileMaterial;
     return own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
   };
-  EXPECT_TRUE(m.textured);
   const Asset asset = read(text);
+  const Material& m = asset.parts.at(0).fileMaterial;
+  EXPECT_TRUE(m.textured);
   EXPECT_NEAR(reflectanceAt(asset, 3), 0.2, 0.004) << "of 255";
   EXPECT_NEAR(reflectanceAt(asset, 500), 0.8, 0.004);
   EXPECT_NEAR(m.reflectance, 0.5, 0.006) << "a few texels more than points";
@@ -120,14 +120,12 @@ TEST_F(Clouds, ColoursAreReflectancesWhereThereIsNoIntensity) {
   const std::string green = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const Asset asset = read(ply(green, lawn("0 255 0")));
   EXPECT_NEAR(asset.parts.at(0).fileMaterial.reflectance, 0.7152, 1e-3);
-  read(ply(green, lawn("0 255 0")));
   const Scene s = scene(", rules: [{match: {color: \"#00ff00\"}, class: terrain}]");
   EXPECT_TRUE(s.unlabeled.empty());
 }
 
 TEST_F(Clouds, MayBeThinnedOut) {
-  AssetOptions options;
-  options.points.spacing = 0.5;
+  const AssetOptions options{.points = {.spacing = 0.5}};
   EXPECT_EQ(read(ply("", lawn("", 0.01, 0.01)), options).parts.at(0).triangles.size(), 2u * 4 * 4);
 }
 
