@@ -19,7 +19,6 @@
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
-#include "dataset/shard_ranges.h"
 #include "evaluate/auto/calibrate.h"
 #include "pipeline/plan/dataset_plan.h"
 #include "pipeline/plan/shard_jobs.h"

@@ -6,7 +6,7 @@
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/stop_signal.h"
-#include "dataset/shard_ranges.h"
+#include "dataset/shard_name.h"
 #include "pipeline/plan/dataset_plan.h"
 
 namespace scanmill {

@@ -5,7 +5,7 @@
 #include "assets/asset.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
-#include "formats/las_reader.h"
+#include "formats/readers.h"
 #include "images/images.h"
 #include "tests/fuzz/target.h"
 

@@ -1,11 +1,10 @@
-#include "assets/assimp_files.h"
-
 #include <assimp/DefaultIOSystem.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <system_error>
 
+#include "assets/assimp_parts.h"
 #include "assets/references.h"
 #include "config/text.h"
 

@@ -1,11 +1,10 @@
-#include "assets/assimp_materials.h"
-
 #include <assimp/material.h>
 #include <assimp/scene.h>
 
 #include <cstring>
 #include <initializer_list>
 
+#include "assets/assimp_parts.h"
 #include "assets/base_color.h"
 #include "base/error.h"
 

@@ -19,8 +19,7 @@
 
 #include "assets/ac3d.h"
 #include "assets/asset_parts.h"
-#include "assets/assimp_files.h"
-#include "assets/assimp_materials.h"
+#include "assets/assimp_parts.h"
 #include "assets/imported_asset.h"
 #include "base/error.h"
 

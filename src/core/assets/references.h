@@ -1,9 +1,10 @@
 #pragma once
 
-// Checks names of files that untrusted files contain.
+// Names of files that files contain, which may be untrusted.
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace scanmill {
 
@@ -13,5 +14,8 @@ bool leadsOutside(const std::string& name);
 
 // Returns the message about a name that leads outside: it contains the name, and says how to allow it by allow_outside.
 std::string refusalOf(const std::string& name);
+
+// Decodes the escapes of a URI: "%2F" becomes "/". All other text is unchanged.
+std::string decodeUri(std::string_view uri);
 
 }  // namespace scanmill

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "assets/references.h"
-#include "assets/uri.h"
 #include "assets/worlds/model_search.h"
 #include "base/error.h"
 #include "config/text.h"

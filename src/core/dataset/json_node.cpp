@@ -63,6 +63,16 @@ Ontology ontologyOf(const JsonNode& node) {
   return ontology;
 }
 
+std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id, const std::string& name) {
+  const std::uint16_t number = node[id].integer<std::uint16_t>();
+  const SemanticClass* known = ontology.find(number);
+  if (known == nullptr) node[id].fail(fmt::format("class {} is not in ontology '{}'", number, ontology.name));
+  if (node[name].text() != known->name) {
+    node[name].fail(fmt::format("class {} is '{}' in the ontology", number, known->name));
+  }
+  return number;
+}
+
 MethodRecord choiceOf(const JsonNode& choice) {
   choice.keys({"setting", "assignment", "why"});
   return {choice["setting"].text(), choice["assignment"].text(), choice["why"].text()};

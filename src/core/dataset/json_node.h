@@ -126,6 +126,9 @@ class JsonNode {
 Pose poseOf(const JsonNode& node);
 Ontology ontologyOf(const JsonNode& node);
 
+// Returns the id of a class that a map states under the key `id`, with the class's name under the key `name`.
+std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id = "id",
+                      const std::string& name = "name");
 MethodRecord choiceOf(const JsonNode& choice);
 
 }  // namespace scanmill

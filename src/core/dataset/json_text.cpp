@@ -86,6 +86,12 @@ OrderedJson choiceJson(const MethodRecord& chosen) {
   return {{"setting", chosen.setting}, {"assignment", chosen.assignment}, {"why", chosen.why}};
 }
 
+const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology) {
+  const SemanticClass* const known = ontology.find(id);
+  if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
+  return *known;
+}
+
 OrderedJson ontologyJson(const Ontology& ontology) {
   OrderedJson classes = OrderedJson::array();
   for (const SemanticClass& c : ontology.classes) {

@@ -30,6 +30,8 @@ double finite(double value, std::string_view what);
 OrderedJson finiteList(const std::vector<double>& values, std::string_view what);
 
 OrderedJson poseJson(const Pose& pose, std::string_view what);
+// Returns the class with this id. Throws an Error that begins with `key` if the ontology does not have it.
+const SemanticClass& requireClass(std::uint16_t id, const std::string& key, const Ontology& ontology);
 OrderedJson ontologyJson(const Ontology& ontology);
 OrderedJson choiceJson(const MethodRecord& chosen);
 

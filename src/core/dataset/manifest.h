@@ -66,6 +66,8 @@ struct SampleRecord {
   std::vector<ScanRecord> scans;
   std::vector<std::string> members;    // names of the members in the shard, in order
   std::vector<std::string> xxh3 = {};  // hash of each member's bytes; empty in manifests of earlier versions
+  // Returns the hash of the member's bytes; empty if the manifest does not state it.
+  std::string xxh3Of(const std::string& member) const;
   // Counts of the objects in the member `<key>.objects.json`, by class; nothing if the pipeline does not ask for
   // objects.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
@@ -123,6 +125,14 @@ std::string samplesFileOf(const std::string& shardFile);
 // Returns the text of the file that samplesFileOf() names. `numbers`: the indices of the shard's samples in the
 // manifest, in order.
 std::string samplesJson(const Manifest& manifest, std::uint32_t shard, const std::vector<std::uint64_t>& numbers);
+
+// Returns the text of the member `<key>.json`, which is the first member of each sample in a shard: key, sequence,
+// frame, split, time (of the first scan) and the poses and counts of the scans. Class ids are those of the manifest's
+// ontology. The record's shard and members are left out.
+std::string sampleJson(const SampleRecord& sample);
+// Returns the first difference between a member's text and the record ("/scans/0/points is 11, not 12"), or a message
+// that the text is not JSON. Empty if text and record agree.
+std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sample);
 
 // Returns the text of the manifest, without samples that other files describe. Its last key, `digest`, is the SHA-256
 // of the complete text with 64 zeros in place of the digest.

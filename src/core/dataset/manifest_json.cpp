@@ -10,21 +10,16 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "config/text.h"
 #include "dataset/json_text.h"
 #include "dataset/manifest.h"
-#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 
 namespace scanmill {
 
 namespace {
 
 constexpr std::string_view kNoDigest = "0000000000000000000000000000000000000000000000000000000000000000";
-
-const SemanticClass& classOf(std::uint16_t id, const std::string& key, const Ontology& ontology) {
-  const SemanticClass* const known = ontology.find(id);
-  if (known == nullptr) throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, id, ontology.name));
-  return *known;
-}
 
 // Returns the JSON of a scan; with the names of the classes if `ontology` is not null.
 OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontology* ontology) {
@@ -35,7 +30,7 @@ OrderedJson scanJson(const ScanRecord& scan, const std::string& key, const Ontol
   for (const auto& [id, points] : scan.pointsPerClass) {
     OrderedJson entry = OrderedJson::object();
     entry["id"] = id;
-    if (ontology != nullptr) entry["name"] = classOf(id, key, *ontology).name;
+    if (ontology != nullptr) entry["name"] = requireClass(id, key, *ontology).name;
     entry["points"] = points;
     classes.push_back(std::move(entry));
   }
@@ -166,7 +161,7 @@ OrderedJson sampleEntry(const SampleRecord& s, const Manifest& m) {
     sample["objects"] = listOf(*s.objects, [&](const auto& entry) {
       const auto& [id, count] = entry;
       return OrderedJson{{"id", id},
-                         {"name", classOf(id, s.key, m.ontology).name},
+                         {"name", requireClass(id, s.key, m.ontology).name},
                          {"objects", count.objects},
                          {"with_points", count.withPoints}};
     });
@@ -286,18 +281,13 @@ std::string differenceOfSampleJson(std::string_view text, const SampleRecord& sa
                      scalarText(expected[OrderedJson::json_pointer(place)]));
 }
 
-std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix) {
-  std::string suffix = fmt::format("{}.{}.{}", scan.sensor, scan.method, formatSuffix);
-  for (char& c : suffix) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return suffix;
+std::string SampleRecord::xxh3Of(const std::string& member) const {
+  const auto place = static_cast<std::size_t>(std::find(members.begin(), members.end(), member) - members.begin());
+  return place < xxh3.size() ? xxh3[place] : std::string();
 }
 
-KeyParts partsOfKey(const std::string& key) {
-  const std::size_t dash = key.rfind('-');
-  if (dash == std::string::npos || dash + 1 == key.size()) return {};
-  const std::string frame = key.substr(dash + 1);
-  if (frame.find_first_not_of("0123456789") != std::string::npos) return {};
-  return {key.substr(0, dash), frame};
+std::string memberSuffix(const ScanRecord& scan, std::string_view formatSuffix) {
+  return lowerCase(fmt::format("{}.{}.{}", scan.sensor, scan.method, formatSuffix));
 }
 
 }  // namespace scanmill

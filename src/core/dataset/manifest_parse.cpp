@@ -12,7 +12,6 @@
 #include "base/hash.h"
 #include "dataset/json_node.h"
 #include "dataset/manifest.h"
-#include "dataset/sample_json.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {
@@ -85,17 +84,6 @@ ReasonCounts reasonsOf(const JsonNode& node, std::uint64_t beams) {
   });
   if (sum != beams) node.fail(fmt::format("add up to {} beams, not {}", sum, beams));
   return counts;
-}
-
-// Returns the id of the class whose id and name a map contains.
-std::uint16_t classOf(const JsonNode& node, const Ontology& ontology) {
-  const std::uint16_t id = node["id"].integer<std::uint16_t>();
-  const SemanticClass* known = ontology.find(id);
-  if (known == nullptr) node["id"].fail(fmt::format("class {} is not in ontology '{}'", id, ontology.name));
-  if (node["name"].text() != known->name) {
-    node["name"].fail(fmt::format("class {} is '{}' in the ontology", id, known->name));
-  }
-  return id;
 }
 
 std::map<std::uint16_t, ObjectCount> objectCountsOf(const JsonNode& node, const Ontology& ontology) {

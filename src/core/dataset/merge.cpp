@@ -10,7 +10,6 @@
 #include "dataset/dataset_folder.h"
 #include "dataset/folder_contents.h"
 #include "dataset/shard_name.h"
-#include "dataset/shard_ranges.h"
 
 namespace scanmill {
 

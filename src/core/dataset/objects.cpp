@@ -52,12 +52,9 @@ OrderedJson viewJson(const ObjectView& view, const std::string& what) {
 }
 
 OrderedJson objectJson(const ObjectRecord& object, const std::string& key, const Ontology& ontology) {
-  const SemanticClass* known = ontology.find(object.semantic);
-  if (known == nullptr) {
-    throw Error(fmt::format("{}: class {} is not in ontology '{}'", key, object.semantic, ontology.name));
-  }
+  const SemanticClass& known = requireClass(object.semantic, key, ontology);
   const std::string what = fmt::format("{}: object {}", key, object.id);
-  OrderedJson json{{"id", object.id}, {"class", object.semantic}, {"class_name", known->name}, {"name", object.name}};
+  OrderedJson json{{"id", object.id}, {"class", object.semantic}, {"class_name", known.name}, {"name", object.name}};
   if (!object.parts.empty()) json["parts"] = object.parts;
   json["moves"] = object.moves;
   json["world_from_box"] = roundedPose(object.worldFromBox, what);
@@ -103,14 +100,7 @@ ObjectRecord objectOf(const JsonNode& node, const Ontology& ontology) {
       {"parts"});
   ObjectRecord object;
   object.id = node["id"].integer<std::uint32_t>(1);
-  object.semantic = node["class"].integer<std::uint16_t>();
-  const SemanticClass* known = ontology.find(object.semantic);
-  if (known == nullptr) {
-    node["class"].fail(fmt::format("class {} is not in ontology '{}'", object.semantic, ontology.name));
-  }
-  if (node["class_name"].text() != known->name) {
-    node["class_name"].fail(fmt::format("class {} is '{}' in the ontology", object.semantic, known->name));
-  }
+  object.semantic = classOf(node, ontology, "class", "class_name");
   object.name = node["name"].text();
   if (node.has("parts")) object.parts = node["parts"].texts();
   object.moves = node["moves"].boolean();

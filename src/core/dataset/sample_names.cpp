@@ -55,11 +55,12 @@ MemberName partsOfMember(const std::string& member) {
   return parts;
 }
 
-std::string lowerCase(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return text;
+KeyParts partsOfKey(const std::string& key) {
+  const std::size_t dash = key.rfind('-');
+  if (dash == std::string::npos || dash + 1 == key.size()) return {};
+  const std::string frame = key.substr(dash + 1);
+  if (frame.find_first_not_of("0123456789") != std::string::npos) return {};
+  return {key.substr(0, dash), frame};
 }
 
 std::size_t findKey(const std::vector<std::string>& keys, const std::string& wanted, const std::string& where) {

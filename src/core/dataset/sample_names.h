@@ -18,9 +18,13 @@ struct MemberName {
 };
 MemberName partsOfMember(const std::string& member);
 
-// Returns the text with the letters A to Z in lower case. Members' names are in lower case even if the sensor's name is
-// not.
-[[nodiscard]] std::string lowerCase(std::string text);
+// The parts of a key: "street-s1-drive-000004" is frame "000004" of the sequence "street-s1-drive". Both are empty if
+// the key does not end in a number.
+struct KeyParts {
+  std::string sequence;
+  std::string frame;
+};
+KeyParts partsOfKey(const std::string& key);
 
 // Returns the index of the key that `wanted` specifies: the full key, an index from 0 ("12", "#12"), or a part of
 // exactly one key. If `wanted` is empty, returns the index of the middle key. Throws an InputError that lists the most

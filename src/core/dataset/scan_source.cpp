@@ -1,6 +1,7 @@
 #include "dataset/scan_source.h"
 
 #include "base/error.h"
+#include "config/text.h"
 #include "dataset/sample_names.h"
 #include "dataset/scan_store.h"
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "config/text.h"
 #include "dataset/reader.h"
 #include "dataset/recording.h"
 #include "dataset/sample_names.h"
@@ -288,11 +289,9 @@ std::optional<std::string> ScanStore::voxels(std::size_t sample, const std::stri
 }
 
 void ScanStore::requireUnchanged(const Sample& sample, const std::string& member, std::string_view bytes) const {
-  if (digests_ == Digests::Ignored || sample.record == nullptr || sample.record->xxh3.empty()) return;
-  const std::vector<std::string>& members = sample.record->members;
-  const auto found = std::find(members.begin(), members.end(), member);
-  if (found == members.end()) return;
-  if (xxh3(bytes) == sample.record->xxh3[static_cast<std::size_t>(found - members.begin())]) return;
+  if (digests_ == Digests::Ignored || sample.record == nullptr) return;
+  const std::string stated = sample.record->xxh3Of(member);
+  if (stated.empty() || xxh3(bytes) == stated) return;
   throw InputError({shards_[sample.shard].file.string()},
                    fmt::format("{} was changed since it was written: `scanmill regenerate {}` makes it again", member,
                                folder_.string()));

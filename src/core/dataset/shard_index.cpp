@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/descriptor.h"
 #include "base/error.h"
 #include "dataset/tar_reader.h"
 
@@ -17,18 +18,6 @@ namespace {
 
 // Number of bytes to read at a time: enough for a header and a preceding pax header.
 constexpr std::size_t kHeaderBytes = 2048;
-
-class OpenFile {
- public:
-  explicit OpenFile(const std::filesystem::path& file) : descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC)) {}
-  ~OpenFile() {
-    if (descriptor >= 0) ::close(descriptor);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  const int descriptor;
-};
 
 std::string reasonOf(int error) {
   return std::generic_category().message(error);
@@ -54,13 +43,13 @@ const ShardMember* ShardIndex::find(std::string_view name) const {
 }
 
 std::string ShardIndex::read(const ShardMember& member) const {
-  const OpenFile file(file_);
-  if (file.descriptor < 0) throw InputError({file_.string()}, "cannot be read: " + reasonOf(errno));
+  const Descriptor file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number < 0) throw InputError({file_.string()}, "cannot be read: " + reasonOf(errno));
   std::string bytes(member.bytes, '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t got =
-        ::pread(file.descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
+        ::pread(file.number, bytes.data() + done, bytes.size() - done, static_cast<off_t>(member.offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw InputError({file_.string()}, fmt::format("cannot read '{}': {}", member.name, reasonOf(errno)));
     if (got == 0) {

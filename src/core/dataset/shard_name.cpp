@@ -3,6 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "base/error.h"
 
 namespace scanmill {
 
@@ -36,14 +40,58 @@ bool isShardName(std::string_view name) {
 }
 
 bool isLeftover(std::string_view name) {
+  const std::optional<std::string_view> final = finalName(name);
+  if (!final) return false;
+  constexpr std::string_view kJson = ".json";
+  const bool ofSamples = final->ends_with(kJson) &&  // file names from samplesFileOf()
+                         isShardName(std::string(final->substr(0, final->size() - kJson.size())) + ".tar");
+  return *final == kManifestName || isShardName(*final) || ofSamples;
+}
+
+std::optional<std::string_view> finalName(std::string_view name) {
   constexpr std::string_view kMark = ".partial-";
   const std::size_t mark = name.rfind(kMark);
-  if (mark == std::string_view::npos || !isDigits(name.substr(mark + kMark.size()))) return false;
-  const std::string_view final = name.substr(0, mark);
-  constexpr std::string_view kJson = ".json";
-  const bool ofSamples = final.ends_with(kJson) &&  // file names from samplesFileOf()
-                         isShardName(std::string(final.substr(0, final.size() - kJson.size())) + ".tar");
-  return final == kManifestName || isShardName(final) || ofSamples;
+  if (mark == std::string_view::npos || !isDigits(name.substr(mark + kMark.size()))) return std::nullopt;
+  return name.substr(0, mark);
+}
+
+std::string shardRanges(const std::vector<std::uint64_t>& numbers) {
+  std::string text;
+  for (std::size_t first = 0; first < numbers.size();) {
+    std::size_t last = first;
+    while (last + 1 < numbers.size() && numbers[last + 1] == numbers[last] + 1) ++last;
+    if (!text.empty()) text += ',';
+    text += first == last ? std::to_string(numbers[first]) : fmt::format("{}-{}", numbers[first], numbers[last]);
+    first = last + 1;
+  }
+  return text;
+}
+
+std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t count) {
+  const auto fail = [&](const std::string& why) {
+    throw InputError(fmt::format("'{}': {}; give shards such as 0-9,12", text, why));
+  };
+  std::set<std::uint64_t> numbers;
+  const auto number = [&](std::string_view digits) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size()) fail(fmt::format("'{}' is not a number", digits));
+    if (value >= count) {
+      fail(count == 1 ? "the plan has only the shard 0" : fmt::format("the plan has the shards 0 to {}", count - 1));
+    }
+    return value;
+  };
+  for (std::size_t first = 0; first <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', first), text.size());
+    const std::string_view range = text.substr(first, comma - first);
+    const std::size_t dash = range.find('-');
+    const std::uint64_t low = number(range.substr(0, dash));
+    const std::uint64_t high = dash == std::string_view::npos ? low : number(range.substr(dash + 1));
+    if (high < low) fail(fmt::format("{} is greater than {}", low, high));
+    for (std::uint64_t n = low; n <= high; ++n) numbers.insert(n);
+    first = comma + 1;
+  }
+  return {numbers.begin(), numbers.end()};
 }
 
 }  // namespace scanmill

@@ -1,10 +1,12 @@
 #pragma once
 
-// Names of shards in a dataset's folder: <split>/<split>-000000.tar.
+// Names of shards in a dataset's folder: <split>/<split>-000000.tar. Numbers of shards as people write them: "0-9,12".
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace scanmill {
 
@@ -23,5 +25,15 @@ bool isShardName(std::string_view name);
 // Returns true if `name` is the temporary name, left by a killed run, of a shard, of a file that describes a shard's
 // samples, or of a manifest.
 bool isLeftover(std::string_view name);
+// Returns the final name of a file that has the temporary name `name` (AtomicFile in base/file.h); nothing if `name` is
+// not a temporary name.
+std::optional<std::string_view> finalName(std::string_view name);
+
+// Returns the text for some numbers, which must be sorted: "0-9,12".
+std::string shardRanges(const std::vector<std::uint64_t>& numbers);
+
+// Returns the numbers in `text`, sorted and without duplicates. Throws InputError if the text is not a list of ranges,
+// or if a number is not below `count`.
+std::vector<std::uint64_t> parseShardRanges(std::string_view text, std::uint64_t count);
 
 }  // namespace scanmill

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
-#include "dataset/sample_json.h"
+#include "dataset/manifest.h"
 #include "dataset/shard_name.h"
 
 namespace scanmill {

@@ -16,7 +16,7 @@
 #include "dataset/manifest.h"
 #include "dataset/objects.h"
 #include "dataset/reader.h"
-#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 #include "dataset/scan_check.h"
 #include "dataset/shard_name.h"
 #include "dataset/voxels.h"
@@ -111,9 +111,15 @@ class ShardCheck {
       if (!difference.empty()) problem(fmt::format("{}: {}", name, difference));
       return;
     }
-    if (name == objectsMember(sample.key)) return checkObjects(name, bytes, sample);
-    if (name.ends_with(std::string(".") + std::string(kReasonsSuffix))) return checkReasons(name, bytes, sample);
-    if (name.ends_with(std::string(".") + std::string(kVoxelsSuffix))) return checkVoxels(name, bytes);
+    const std::string endOfReasons = "." + std::string(kReasonsSuffix);
+    const std::string endOfVoxels = "." + std::string(kVoxelsSuffix);
+    try {
+      if (name == objectsMember(sample.key)) return checkObjects(name, bytes, sample);
+      if (name.ends_with(endOfReasons)) return checkReasons(name, bytes, sample);
+      if (name.ends_with(endOfVoxels)) return checkVoxels(name, bytes);
+    } catch (const InputError& error) {
+      return problem(error.what());
+    }
     try {
       checkDecoded(name, decodeMember(name, bytes), sample);
     } catch (const std::exception& error) {
@@ -125,11 +131,8 @@ class ShardCheck {
   // manifest in all other respects.
   void checkDigest(const std::string& name, std::string_view bytes) {
     const auto owner = owner_.find(name);
-    if (owner == owner_.end() || owner->second->xxh3.empty()) return;
-    const std::vector<std::string>& members = owner->second->members;
-    const std::string& stated =
-        owner->second
-            ->xxh3[static_cast<std::size_t>(std::find(members.begin(), members.end(), name) - members.begin())];
+    const std::string stated = owner == owner_.end() ? std::string() : owner->second->xxh3Of(name);
+    if (stated.empty()) return;
     const std::string found = xxh3(bytes);
     if (found != stated) {
       problem(fmt::format("{}: was changed since it was written: its XXH3 is {}, but the manifest says {}", name, found,
@@ -137,16 +140,20 @@ class ShardCheck {
     }
   }
 
+  // Returns the record of the scan to which a member belongs. Reports the member and returns null if there is none.
+  const ScanRecord* recordOf(const std::string& name, std::string_view suffix, const SampleRecord& sample) {
+    for (const ScanRecord& record : sample.scans) {
+      if (name == sample.key + "." + memberSuffix(record, suffix)) return &record;
+    }
+    problem(fmt::format("{}: the manifest has no scan of this sensor and method", name));
+    return nullptr;
+  }
+
   void checkDecoded(const std::string& name, const Scan& scan, const SampleRecord& sample) {
     ++scans_;
     const std::string format = name.substr(name.rfind('.') + 1);
-    const auto record = std::find_if(sample.scans.begin(), sample.scans.end(), [&](const ScanRecord& r) {
-      return name == sample.key + "." + memberSuffix(r, format);
-    });
-    if (record == sample.scans.end()) {
-      problem(fmt::format("{}: the manifest has no scan of this sensor and method", name));
-      return;
-    }
+    const ScanRecord* const record = recordOf(name, format, sample);
+    if (record == nullptr) return;
     points_ += record->points;
     if (objects_ != nullptr && objects_->key == sample.key && !countedSensors_.contains(record->sensor)) {
       countedSensors_.insert(record->sensor);
@@ -162,31 +169,23 @@ class ShardCheck {
   }
 
   void checkVoxels(const std::string& name, std::string_view bytes) {
-    try {
-      const ScanVoxels voxels = decodeVoxels(bytes, name);
-      const auto known = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
-      const auto unknown = std::find_if_not(voxels.label.begin(), voxels.label.end(), known);
-      if (unknown != voxels.label.end()) problem(fmt::format("{}: the ontology has no class {}", name, *unknown));
-    } catch (const InputError& error) {
-      problem(error.what());
-    }
+    const ScanVoxels voxels = decodeVoxels(bytes, name);
+    const auto known = [&](std::uint16_t id) { return id == 0 || manifest_.ontology.find(id) != nullptr; };
+    const auto unknown = std::find_if_not(voxels.label.begin(), voxels.label.end(), known);
+    if (unknown != voxels.label.end()) problem(fmt::format("{}: the ontology has no class {}", name, *unknown));
   }
 
   // Checks a list of objects, and stores it to compare it with the scans of its sample, which follow in the shard.
   void checkObjects(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
     objects_ = nullptr;
     countedSensors_.clear();
-    try {
-      auto objects = std::make_unique<SampleObjects>(parseObjects(bytes, name, manifest_.ontology));
-      if (objects->key != sample.key) {
-        problem(fmt::format("{}: belongs to the sample '{}'", name, objects->key));
-      } else if (objects->counts() != sample.objects) {
-        problem(fmt::format("{}: its objects differ from the counts of the manifest", name));
-      } else {
-        objects_ = std::move(objects);
-      }
-    } catch (const InputError& error) {
-      problem(error.what());
+    auto objects = std::make_unique<SampleObjects>(parseObjects(bytes, name, manifest_.ontology));
+    if (objects->key != sample.key) {
+      problem(fmt::format("{}: belongs to the sample '{}'", name, objects->key));
+    } else if (objects->counts() != sample.objects) {
+      problem(fmt::format("{}: its objects differ from the counts of the manifest", name));
+    } else {
+      objects_ = std::move(objects);
     }
   }
 
@@ -216,19 +215,9 @@ class ShardCheck {
   }
 
   void checkReasons(const std::string& name, std::string_view bytes, const SampleRecord& sample) {
-    const auto record = std::find_if(sample.scans.begin(), sample.scans.end(), [&](const ScanRecord& r) {
-      return name == sample.key + "." + memberSuffix(r, kReasonsSuffix);
-    });
-    if (record == sample.scans.end()) {
-      problem(fmt::format("{}: the manifest has no scan of this sensor and method", name));
-      return;
-    }
-    try {
-      if (countReasons(decodeReasons(bytes, name).reasonOfBeam) == record->beamsPerReason) return;
-      problem(fmt::format("{}: the numbers of its pixels differ from the reasons in the manifest", name));
-    } catch (const InputError& error) {
-      problem(error.what());
-    }
+    const ScanRecord* const record = recordOf(name, kReasonsSuffix, sample);
+    if (record == nullptr || countReasons(decodeReasons(bytes, name).reasonOfBeam) == record->beamsPerReason) return;
+    problem(fmt::format("{}: the numbers of its pixels differ from the reasons in the manifest", name));
   }
 
   void checkOrder(const std::vector<std::string>& found) {
@@ -274,22 +263,20 @@ void checkManifest(const Manifest& manifest, std::vector<std::string>& problems)
         parted.insert(sequence).second) {
       problem(fmt::format("frames of sequence {} are in several splits", sequence));
     }
-    const bool listed =
-        std::find(sample.members.begin(), sample.members.end(), objectsMember(sample.key)) != sample.members.end();
-    if (sample.objects.has_value() != listed) {
+    const auto lists = [&](const std::string& member) {
+      return std::find(sample.members.begin(), sample.members.end(), member) != sample.members.end();
+    };
+    if (sample.objects.has_value() != lists(objectsMember(sample.key))) {
       problem(fmt::format("sample {}: must have either both counts of objects and the member {}, or neither",
                           sample.key, objectsMember(sample.key)));
     }
     for (const ScanRecord& scan : sample.scans) {
       for (const FormatRecord& format : manifest.formats) {
         const std::string member = sample.key + "." + memberSuffix(scan, format.suffix);
-        if (std::find(sample.members.begin(), sample.members.end(), member) == sample.members.end()) {
-          problem(fmt::format("sample {} does not list the member {}", sample.key, member));
-        }
+        if (!lists(member)) problem(fmt::format("sample {} does not list the member {}", sample.key, member));
       }
       const std::string reasons = sample.key + "." + memberSuffix(scan, kReasonsSuffix);
-      if (scan.beamsPerReason.empty() ==
-          (std::find(sample.members.begin(), sample.members.end(), reasons) != sample.members.end())) {
+      if (scan.beamsPerReason.empty() == lists(reasons)) {
         problem(fmt::format("sample {}: a scan must have either both reasons and the member {}, or neither", sample.key,
                             reasons));
       }

@@ -19,7 +19,6 @@
 #include "config/resources.h"
 #include "config/version.h"
 #include "dataset/json_text.h"
-#include "dataset/sample_json.h"
 #include "dataset/sample_names.h"
 #include "dataset/scan_store.h"
 #include "dataset/shard_name.h"
@@ -33,14 +32,6 @@ namespace {
 constexpr const char* kRecord = "scanmill_export.json";       // description of a complete export
 constexpr const char* kUnfinished = ".scanmill_export.json";  // description of an unfinished export
 constexpr const char* kLock = ".scanmill_export.lock";
-
-// Returns true if a file name is the temporary name of an AtomicFile.
-bool isLeftover(const std::string& name) {
-  constexpr std::string_view kMark = ".partial-";
-  const std::size_t mark = name.rfind(kMark);
-  return mark != std::string::npos && name.size() > mark + kMark.size() &&
-         name.find_first_not_of("0123456789", mark + kMark.size()) == std::string::npos;
-}
 
 // A unit of work: a frame, or a complete sequence.
 struct Unit {
@@ -247,7 +238,7 @@ class Export {
     lock_ = std::make_unique<FolderLock>(folder_.path(), folder_.place(kLock));
     std::vector<fs::path> leftovers;  // temporary files of a run that was killed
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
-      if (entry.is_regular_file() && isLeftover(entry.path().filename().string())) leftovers.push_back(entry.path());
+      if (entry.is_regular_file() && finalName(entry.path().filename().string())) leftovers.push_back(entry.path());
     }
     for (const fs::path& leftover : leftovers) fs::remove(leftover);
     folder_.write(kUnfinished, record());

@@ -101,6 +101,12 @@ std::string velodynePoints(const ExportScan& given, std::span<const std::size_t>
   return bytes;
 }
 
+std::array<double, 12> matrixRows(const Pose& pose) {
+  const Mat3 r = toMatrix(pose.rotation);
+  const Vec3d& t = pose.translation;
+  return {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z};
+}
+
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample) {
   const std::string& sensor = plan.sensors.front()->name;
   const auto found = std::find_if(sample.scans.begin(), sample.scans.end(),

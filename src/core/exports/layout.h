@@ -74,6 +74,8 @@ std::vector<std::size_t> velodyneOrder(const ExportScan& given);
 // Returns the bytes of the points in the given order, as in KITTI's files velodyne/*.bin: x, y, z (m) and intensity (0
 // to 1), float32.
 std::string velodynePoints(const ExportScan& given, std::span<const std::size_t> order);
+// Returns the rows of a pose's matrix of 3 x 4 numbers, one after the other.
+std::array<double, 12> matrixRows(const Pose& pose);
 // Returns the scan of the first exported sensor, for layouts with one sensor. Throws InputError if the sample has no
 // scan of this sensor.
 const ScanRecord& onlyScanOf(const ExportPlan& plan, const SampleRecord& sample);

@@ -46,30 +46,43 @@ enum class Kind : std::uint8_t {
 constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
 constexpr std::size_t kChunkBytes = std::size_t{4} << 20;  // a chunk ends when it reaches this size
 
-void putText(std::string_view text, std::string& bytes) {
+template <class Number>
+requires std::is_arithmetic_v<Number>
+void put(Number value, std::string& bytes) {
+  putNumber(value, bytes);
+}
+
+void put(std::string_view text, std::string& bytes) {
   putNumber(static_cast<std::uint32_t>(text.size()), bytes);
   bytes += text;
 }
 
-void putMap(const McapMap& values, std::string& bytes) {
+void put(const McapMap& values, std::string& bytes) {
   std::string entries;
   for (const auto& [key, value] : values) {
-    putText(key, entries);
-    putText(value, entries);
+    put(key, entries);
+    put(value, entries);
   }
-  putText(entries, bytes);
+  put(entries, bytes);
 }
 
-void putHead(Kind kind, std::size_t length, std::string& bytes) {
-  putNumber(static_cast<std::uint8_t>(kind), bytes);
-  putNumber(std::uint64_t{length}, bytes);
-}
-
-std::string record(Kind kind, std::string_view content) {
+// Returns the bytes of some fields of a record, in their order. Texts and maps begin with their length (uint32).
+template <class... Fields>
+std::string fieldsOf(const Fields&... fields) {
   std::string bytes;
-  putHead(kind, content.size(), bytes);
-  bytes += content;
+  (put(fields, bytes), ...);
   return bytes;
+}
+
+// Returns the bytes before the content of a record.
+std::string headOf(Kind kind, std::size_t length) {
+  return fieldsOf(static_cast<std::uint8_t>(kind), std::uint64_t{length});
+}
+
+template <class... Fields>
+std::string record(Kind kind, const Fields&... fields) {
+  const std::string content = fieldsOf(fields...);
+  return headOf(kind, content.size()) + content;
 }
 
 std::uint32_t crcOf(std::string_view bytes, std::uint32_t before = 0) {
@@ -97,35 +110,20 @@ void McapFile::TimeSpan::add(std::uint64_t time) {
 
 McapFile::McapFile(const std::filesystem::path& path, std::string_view profile, std::string_view library)
     : file_(path) {
-  std::string content;
-  putText(profile, content);
-  putText(library, content);
   write(kMagic);
-  write(record(Kind::Header, content));
+  write(record(Kind::Header, profile, library));
 }
 
 void McapFile::addMetadata(std::string_view name, const McapMap& values) {
-  std::string content;
-  putText(name, content);
-  putMap(values, content);
-  const std::string metadata = record(Kind::Metadata, content);
-  std::string index;
-  putNumber(std::uint64_t{file_.size()}, index);
-  putNumber(std::uint64_t{metadata.size()}, index);
-  putText(name, index);
-  metadataIndices_ += record(Kind::MetadataIndex, index);
+  const std::string metadata = record(Kind::Metadata, name, values);
+  metadataIndices_ += record(Kind::MetadataIndex, std::uint64_t{file_.size()}, std::uint64_t{metadata.size()}, name);
   ++metadataCount_;
   write(metadata);
 }
 
 std::uint16_t McapFile::addSchema(std::string_view name, std::string_view encoding, std::string_view text) {
   const std::uint16_t id = ++schemaCount_;  // ids start at 1, because 0 means that a channel has no schema
-  std::string content;
-  putNumber(id, content);
-  putText(name, content);
-  putText(encoding, content);
-  putText(text, content);
-  const std::string schema = record(Kind::Schema, content);
+  const std::string schema = record(Kind::Schema, id, name, encoding, text);
   schemas_ += schema;
   chunk_ += schema;
   return id;
@@ -135,13 +133,7 @@ std::uint16_t McapFile::addChannel(std::uint16_t schema, std::string_view topic,
                                    const McapMap& metadata) {
   const auto id = static_cast<std::uint16_t>(messageCounts_.size());
   messageCounts_[id] = 0;
-  std::string content;
-  putNumber(id, content);
-  putNumber(schema, content);
-  putText(topic, content);
-  putText(encoding, content);
-  putMap(metadata, content);
-  const std::string channel = record(Kind::Channel, content);
+  const std::string channel = record(Kind::Channel, id, schema, topic, encoding, metadata);
   channels_ += channel;
   chunk_ += channel;
   return id;
@@ -149,14 +141,11 @@ std::uint16_t McapFile::addChannel(std::uint16_t schema, std::string_view topic,
 
 void McapFile::addMessage(std::uint16_t channel, std::uint64_t time, std::string_view data) {
   std::uint64_t& count = messageCounts_.at(channel);
-  std::string head;
-  putNumber(channel, head);
-  putNumber(static_cast<std::uint32_t>(count++), head);
-  putNumber(time, head);  // time of recording
-  putNumber(time, head);  // time of publishing
+  // The two times are those of recording and of publishing.
+  const std::string fields = fieldsOf(channel, static_cast<std::uint32_t>(count++), time, time);
   chunkMessages_[channel].emplace_back(time, chunk_.size());
-  putHead(Kind::Message, head.size() + data.size(), chunk_);
-  chunk_ += head;
+  chunk_ += headOf(Kind::Message, fields.size() + data.size());
+  chunk_ += fields;
   chunk_ += data;
   chunkTimes_.add(time);
   times_.add(time);
@@ -170,47 +159,24 @@ void McapFile::endChunk() {
   const std::string_view stored = smaller ? packed : chunk_;
   const std::string_view compression = smaller ? "lz4" : "";
 
-  std::string content;
-  putNumber(chunkTimes_.first, content);
-  putNumber(chunkTimes_.last, content);
-  putNumber(std::uint64_t{chunk_.size()}, content);
-  putNumber(crcOf(chunk_), content);
-  putText(compression, content);
-  putNumber(std::uint64_t{stored.size()}, content);
-  std::string head;
-  putHead(Kind::Chunk, content.size() + stored.size(), head);
+  const std::string fields = fieldsOf(chunkTimes_.first, chunkTimes_.last, std::uint64_t{chunk_.size()}, crcOf(chunk_),
+                                      compression, std::uint64_t{stored.size()});
   const std::size_t start = file_.size();
-  write(head);
-  write(content);
+  write(headOf(Kind::Chunk, fields.size() + stored.size()));
+  write(fields);
   write(stored);
-
   const std::size_t end = file_.size();
+
   std::string offsets;
   for (const auto& [channel, messages] : chunkMessages_) {
-    putNumber(channel, offsets);
-    putNumber(std::uint64_t{file_.size()}, offsets);
+    offsets += fieldsOf(channel, std::uint64_t{file_.size()});
     std::string entries;
-    for (const auto& [time, offset] : messages) {
-      putNumber(time, entries);
-      putNumber(offset, entries);
-    }
-    std::string index;
-    putNumber(channel, index);
-    putText(entries, index);
-    write(record(Kind::MessageIndex, index));
+    for (const auto& [time, offset] : messages) entries += fieldsOf(time, offset);
+    write(record(Kind::MessageIndex, channel, entries));
   }
-
-  std::string index;
-  putNumber(chunkTimes_.first, index);
-  putNumber(chunkTimes_.last, index);
-  putNumber(std::uint64_t{start}, index);
-  putNumber(std::uint64_t{end - start}, index);
-  putText(offsets, index);
-  putNumber(std::uint64_t{file_.size() - end}, index);
-  putText(compression, index);
-  putNumber(std::uint64_t{stored.size()}, index);
-  putNumber(std::uint64_t{chunk_.size()}, index);
-  chunkIndices_ += record(Kind::ChunkIndex, index);
+  chunkIndices_ += record(Kind::ChunkIndex, chunkTimes_.first, chunkTimes_.last, std::uint64_t{start},
+                          std::uint64_t{end - start}, offsets, std::uint64_t{file_.size() - end}, compression,
+                          std::uint64_t{stored.size()}, std::uint64_t{chunk_.size()});
   ++chunkCount_;
 
   chunk_.clear();
@@ -223,38 +189,24 @@ std::string McapFile::statistics() const {
   std::string counts;
   for (const auto& [channel, count] : messageCounts_) {
     messages += count;
-    putNumber(channel, counts);
-    putNumber(count, counts);
+    counts += fieldsOf(channel, count);
   }
-  std::string content;
-  putNumber(messages, content);
-  putNumber(schemaCount_, content);
-  putNumber(static_cast<std::uint32_t>(messageCounts_.size()), content);
-  putNumber(std::uint32_t{0}, content);  // attachments
-  putNumber(metadataCount_, content);
-  putNumber(chunkCount_, content);
-  putNumber(times_.first, content);
-  putNumber(times_.last, content);
-  putText(counts, content);
-  return record(Kind::Statistics, content);
+  constexpr std::uint32_t kAttachments = 0;
+  return record(Kind::Statistics, messages, schemaCount_, static_cast<std::uint32_t>(messageCounts_.size()),
+                kAttachments, metadataCount_, chunkCount_, times_.first, times_.last, counts);
 }
 
 void McapFile::commit() {
   endChunk();
-  std::string dataEnd;
-  putNumber(crc_, dataEnd);
-  write(record(Kind::DataEnd, dataEnd));
+  write(record(Kind::DataEnd, crc_));
 
   const std::size_t start = file_.size();
   std::string summary;
   std::string offsets;
   const auto addGroup = [&](Kind kind, const std::string& records) {
     if (records.empty()) return;
-    std::string offset;
-    putNumber(static_cast<std::uint8_t>(kind), offset);
-    putNumber(std::uint64_t{start + summary.size()}, offset);
-    putNumber(std::uint64_t{records.size()}, offset);
-    offsets += record(Kind::SummaryOffset, offset);
+    offsets += record(Kind::SummaryOffset, static_cast<std::uint8_t>(kind), std::uint64_t{start + summary.size()},
+                      std::uint64_t{records.size()});
     summary += records;
   };
   addGroup(Kind::Schema, schemas_);
@@ -265,10 +217,9 @@ void McapFile::commit() {
   const std::size_t offsetsStart = start + summary.size();
   summary += offsets;
 
-  putHead(Kind::Footer, 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t), summary);
-  putNumber(std::uint64_t{start}, summary);
-  putNumber(std::uint64_t{offsetsStart}, summary);
-  putNumber(crcOf(summary), summary);
+  summary += headOf(Kind::Footer, 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t));
+  summary += fieldsOf(std::uint64_t{start}, std::uint64_t{offsetsStart});
+  put(crcOf(summary), summary);
   write(summary);
   write(kMagic);
   file_.commit();

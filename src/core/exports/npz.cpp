@@ -78,11 +78,7 @@ void addPoints(const ExportPlan& plan, const Scan& scan, Files& files) {
 
 // Appends a pose as a 4 x 4 matrix, row by row.
 void putPose(const Pose& pose, std::string& bytes) {
-  const Mat3 r = toMatrix(pose.rotation);
-  const Vec3d& t = pose.translation;
-  for (const double value : {r.x.x, r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z}) {
-    putNumber(value, bytes);
-  }
+  for (const double value : matrixRows(pose)) putNumber(value, bytes);
   for (const double value : {0.0, 0.0, 0.0, 1.0}) putNumber(value, bytes);
 }
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "dataset/json_text.h"
-#include "exports/json_list_file.h"
 #include "exports/nuscenes_names.h"
 
 namespace scanmill {
@@ -52,6 +52,41 @@ OrderedJson listOf(const Vec3d& v, const std::string& what) {
 OrderedJson listOf(const Quat& q, const std::string& what) {
   return finiteList({q.w, q.x, q.y, q.z}, what);
 }
+
+// A file with a JSON list, one item per line. Items that were added since the last flush() are in memory. The file gets
+// its final name in commit(). All calls except add() and set() throw the errors of AtomicFile.
+class JsonListFile {
+ public:
+  explicit JsonListFile(fs::path path) : file_(std::move(path)) {}
+
+  // Adds the JSON text of an item, without line breaks. Returns the item's index for set(), which is valid until the
+  // next flush().
+  std::size_t add(std::string item) {
+    items_.push_back(std::move(item));
+    return items_.size() - 1;
+  }
+  void set(std::size_t place, std::string item) { items_[place] = std::move(item); }
+
+  void flush() {
+    std::string text;
+    for (const std::string& item : items_) {
+      text += file_.size() == 0 && text.empty() ? "[\n" : ",\n";
+      text += item;
+    }
+    file_.write(text);
+    items_.clear();
+  }
+
+  void commit() {
+    flush();
+    file_.write(file_.size() == 0 ? "[]\n" : "\n]\n");
+    file_.commit();
+  }
+
+ private:
+  AtomicFile file_;
+  std::vector<std::string> items_;
+};
 
 // Returns the token of nuScenes' four levels of visibility, "1" to "4"; an empty text if the visibility is unknown.
 std::string visibilityToken(const std::optional<double>& visible) {
@@ -232,7 +267,7 @@ class Tables {
   }
 
   void addAnnotations(std::size_t s) {
-    struct Instance {
+    struct Annotated {
       std::uint16_t category = 0;
       std::size_t annotations = 0;
       OrderedJson first;      // token of the first annotation
@@ -241,7 +276,7 @@ class Tables {
     };
     const ExportSequence& sequence = plan_.sequences[s];
     JsonListFile& annotations = tables_.at("sample_annotation");
-    std::map<std::uint32_t, Instance> instances;  // by the dataset's instance ids
+    std::map<std::uint32_t, Annotated> instances;  // by the dataset's instance ids
     for (std::size_t f = 0; f < sequence.samples.size(); ++f) {
       const std::optional<SampleObjects> all = read_(s, f);
       if (!all) continue;
@@ -252,7 +287,7 @@ class Tables {
                                        [&](const ObjectView& v) { return v.sensor == sensor_.name; });
         if (!category.thing || view == object.views.end() || view->points == 0) continue;
         OrderedJson row = annotation(s, sample, object, *view, category.name);
-        Instance& instance = instances[object.id];
+        Annotated& instance = instances[object.id];
         if (instance.annotations++ == 0) {
           instance.category = category.id;
           instance.first = row["token"];

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "dataset/sample_names.h"
+#include "config/text.h"
 
 namespace scanmill {
 

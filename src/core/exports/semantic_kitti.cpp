@@ -12,7 +12,7 @@
 // There is no real camera: camera 0 is placed at the sensor's origin and looks along the sensor's x axis. Sequences are
 // numbered in the order of the dataset. If the dataset lists objects, moving objects have the classes 252 to 259.
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstring>
@@ -35,10 +35,7 @@ constexpr std::size_t kMostSequences = 100;      // largest number of sequences,
 const Quat kCameraFromSensor{0.5, 0.5, -0.5, 0.5};
 
 std::string twelve(const Pose& pose) {
-  const Mat3 r = toMatrix(pose.rotation);
-  const Vec3d& t = pose.translation;
-  return fmt::format("{:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e} {:.9e}", r.x.x,
-                     r.y.x, r.z.x, t.x, r.x.y, r.y.y, r.z.y, t.y, r.x.z, r.y.z, r.z.z, t.z);
+  return fmt::format("{:.9e}", fmt::join(matrixRows(pose), " "));
 }
 
 // Returns the numbers of SemanticKITTI's sequences in a split, which are built into training programs; none for other

@@ -9,12 +9,9 @@
 #include "base/file.h"
 #include "config/text.h"
 #include "formats/format.h"
-#include "formats/las_reader.h"
-#include "formats/npz_reader.h"
-#include "formats/pcd_reader.h"
 #include "formats/ply_header.h"
-#include "formats/ply_reader.h"
 #include "formats/point_records.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 

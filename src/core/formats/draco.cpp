@@ -41,10 +41,10 @@
 #include <vector>
 
 #include "base/instruction_sets.h"
-#include "formats/draco_reader.h"
 #include "formats/draco_writer.h"
 #include "formats/grid.h"
 #include "formats/makers.h"
+#include "formats/readers.h"
 #include "formats/scratch.h"
 
 namespace scanmill {

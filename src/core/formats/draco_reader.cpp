@@ -1,5 +1,3 @@
-#include "formats/draco_reader.h"
-
 #include <draco/compression/decode.h>
 #include <fmt/format.h>
 
@@ -9,6 +7,7 @@
 
 #include "base/error.h"
 #include "formats/column_value.h"
+#include "formats/readers.h"
 #include "scan/scan.h"
 
 namespace scanmill {

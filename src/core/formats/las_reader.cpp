@@ -1,5 +1,3 @@
-#include "formats/las_reader.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 namespace {

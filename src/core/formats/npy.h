@@ -1,6 +1,7 @@
 #pragma once
 
-// Writes NumPy's arrays.
+// Writes NumPy's arrays, and reads the arrays of NumPy's archives
+// (numpy.org/doc/stable/reference/generated/numpy.lib.format.html).
 
 #include <cstddef>
 #include <string>
@@ -13,5 +14,19 @@ namespace scanmill {
 // as NumPy writes it ("<f4", "<u2", "|u1", "<U12"); `bytes` are the elements, little-endian, the last index running
 // fastest. Throws Error if `bytes` does not have the size that type and shape require.
 std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape, std::string_view bytes);
+
+struct NpyArray {
+  std::string name;                // file name without .npy
+  std::string type;                // as NumPy writes it ("<f4"); empty for a structured type
+  std::vector<std::size_t> shape;  // empty for a single number
+  std::string bytes;               // elements, last index fastest; if numbers, exactly as many as `shape` says
+};
+
+// Returns all .npy files of the archive, in its order. Throws an InputError that begins with `what` if the bytes are
+// not a ZIP archive or an array is damaged, larger than 4 GiB, in Fortran's order or big-endian.
+std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& what);
+
+// Returns the bytes of an element of a NumPy type such as "<f4", if it is a number of 1 to 8 bytes; else 0.
+std::size_t npyNumberBytes(std::string_view type);
 
 }  // namespace scanmill

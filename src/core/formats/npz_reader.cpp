@@ -1,5 +1,3 @@
-#include "formats/npz_reader.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -10,7 +8,8 @@
 
 #include "base/error.h"
 #include "formats/column_value.h"
-#include "formats/npz_arrays.h"
+#include "formats/npy.h"
+#include "formats/readers.h"
 
 namespace scanmill {
 

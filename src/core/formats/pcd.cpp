@@ -17,7 +17,7 @@
 
 #include "formats/lzf.h"
 #include "formats/makers.h"
-#include "formats/pcd_reader.h"
+#include "formats/readers.h"
 #include "formats/scratch.h"
 #include "formats/text_rows.h"
 

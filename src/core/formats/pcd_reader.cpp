@@ -1,5 +1,3 @@
-#include "formats/pcd_reader.h"
-
 #include <fmt/format.h>
 #include <lzf.h>
 
@@ -13,6 +11,7 @@
 #include "base/error.h"
 #include "formats/cloud_file.h"
 #include "formats/column_value.h"
+#include "formats/readers.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {

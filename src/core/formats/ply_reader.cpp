@@ -1,5 +1,3 @@
-#include "formats/ply_reader.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +15,7 @@
 #include "config/text.h"
 #include "formats/column_value.h"
 #include "formats/ply_header.h"
+#include "formats/readers.h"
 #include "formats/text_rows.h"
 
 namespace scanmill {

@@ -17,8 +17,7 @@
 #include "base/memory.h"
 #include "config/text.h"
 #include "images/images_interface.h"
-#include "images/jpeg_reader.h"
-#include "images/png_reader.h"
+#include "images/readers.h"
 #include "images/reduction.h"
 
 namespace scanmill {

@@ -1,6 +1,6 @@
-#include "images/jpeg_reader.h"
-
 #include <cstdio>
+
+#include "images/readers.h"
 // jpeglib.h does not include the headers that it needs.
 #include <jerror.h>
 #include <jpeglib.h>

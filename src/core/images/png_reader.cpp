@@ -1,5 +1,3 @@
-#include "images/png_reader.h"
-
 #include <png.h>
 
 #include <algorithm>
@@ -11,6 +9,8 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "images/readers.h"
 
 namespace scanmill {
 

@@ -10,24 +10,30 @@ namespace scanmill {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> filesIn(const fs::path& folder, bool (*wanted)(const fs::path&)) {
-  std::vector<fs::path> files;
+namespace {
+
+// Returns the entries of a folder for which `wanted` returns true, sorted by name; none if the folder does not exist.
+template <class Wanted>
+std::vector<fs::path> entriesIn(const fs::path& folder, const Wanted& wanted) {
+  std::vector<fs::path> entries;
   std::error_code failure;
   for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    if (entry.is_regular_file(failure) && wanted(entry.path())) files.push_back(entry.path());
+    if (wanted(entry)) entries.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
-  return files;
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+}  // namespace
+
+std::vector<fs::path> filesIn(const fs::path& folder, bool (*wanted)(const fs::path&)) {
+  std::error_code failure;
+  return entriesIn(folder, [&](const auto& entry) { return entry.is_regular_file(failure) && wanted(entry.path()); });
 }
 
 std::vector<fs::path> foldersIn(const fs::path& folder) {
-  std::vector<fs::path> folders;
   std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    if (entry.is_directory(failure)) folders.push_back(entry.path());
-  }
-  std::sort(folders.begin(), folders.end());
-  return folders;
+  return entriesIn(folder, [&](const auto& entry) { return entry.is_directory(failure); });
 }
 
 std::optional<ScanFolder> readPlainFolder(const fs::path& folder) {

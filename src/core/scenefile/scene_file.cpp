@@ -59,7 +59,7 @@
 
 #include "assets/asset.h"
 #include "assets/asset_files.h"
-#include "assets/surveys/height_asset.h"
+#include "assets/surveys/surveys.h"
 #include "base/random.h"
 #include "config/distribution.h"
 #include "config/file_kind.h"

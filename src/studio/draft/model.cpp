@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "assets/asset_parts.h"
-#include "assets/surveys/cloud_asset.h"
+#include "assets/surveys/surveys.h"
 #include "config/text.h"
 
 namespace scanmill::draft {

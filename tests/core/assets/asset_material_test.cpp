@@ -8,7 +8,7 @@
 #include "assets/texture_search.h"
 #include "base/error.h"
 #include "base/file.h"
-#include "scenefile/scene_file.h"
+#include "tests/core/assets/read_assets.h"
 #include "tests/core/assets/triangle_files.h"
 #include "tests/support/message_of.h"
 
@@ -209,11 +209,8 @@ TEST_F(AssetFiles, ScenesOverrideTheUpAxisAndTheAlpha) {
   write("a.mtl", "newmtl paint\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n");
   write("leaves.obj", squares(10, 0, 0));
   write("z.dae", dae("Z_UP", "1"));
-  const std::string labels = std::string(SCANMILL_SOURCE_DIR) + "/labels/";
   const auto scene = [&](const std::string& object) {
-    return readScene(write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
-                                             "materials.yaml\nobjects:\n  - {" + object + "class: tree}\n"),
-                     {});
+    return sceneOf(folder_, "objects:\n  - {" + object + "class: tree}\n");
   };
   const auto tested = [&](const std::string& alpha) {
     const Scene s = scene("file: leaves.obj, " + alpha);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/core/assets/read_assets.h"
 #include "tests/core/assets/triangle_files.h"
 
 namespace scanmill {
@@ -141,9 +142,7 @@ TEST_F(AssetFiles, CornersOfTheSamePlaceAreSharedAndPolygonsAreCut) {
   EXPECT_EQ(fan.parts.at(0).triangles.size(), 60u);
   EXPECT_LE(fan.parts[0].positions.size(), 60u);
   const Asset quad = read("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nl 1 2\nf 1 2 3 4\n");
-  std::size_t triangles = 0;
-  for (const AssetPart& part : quad.parts) triangles += part.triangles.size();
-  EXPECT_EQ(triangles, 2u);
+  EXPECT_EQ(trianglesOf(quad), 2u);
 }
 
 }  // namespace

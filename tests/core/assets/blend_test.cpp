@@ -13,8 +13,7 @@
 #include "assets/asset.h"
 #include "base/file.h"
 #include "base/process.h"
-#include "scene/scene.h"
-#include "scenefile/scene_file.h"
+#include "tests/core/assets/read_assets.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
@@ -246,16 +245,11 @@ TEST_F(Blend, ShowsWhatBlenderShowsAndRunsNothing) {
 TEST_F(Blend, InASceneWithRulesByNodeAndMaterialAndItsUnit) {
   SKIP_WITHOUT_BLENDER();
   make();
-  const std::filesystem::path source = SCANMILL_SOURCE_DIR;
-  const auto file =
-      folder_.write("scene.yaml", "ontology: " + (source / "labels/scanmill.yaml").string() +
-                                      "\nmaterials: " + (source / "labels/materials.yaml").string() +
-                                      "\nobjects:\n  - file: cm.blend\n    unit: 100\n    instances: node\n"
-                                      "    rules:\n"
-                                      "      - {match: {node: Crown}, class: tree}\n"
-                                      "      - {match: {material: 'Red*'}, class: wall}\n"
-                                      "      - {match: any, class: object}\n");
-  const Scene scene = readScene(file, {});
+  const Scene scene = sceneOf(folder_,
+                              "objects:\n  - file: cm.blend\n    unit: 100\n    instances: node\n    rules:\n"
+                              "      - {match: {node: Crown}, class: tree}\n"
+                              "      - {match: {material: 'Red*'}, class: wall}\n"
+                              "      - {match: any, class: object}\n");
   EXPECT_FALSE(ran("ran_text"));
   EXPECT_FALSE(ran("ran_driver"));
   // The file's unit is a centimetre, and `unit` undoes it.

@@ -11,6 +11,8 @@
 
 #include "assets/asset.h"
 #include "base/error.h"
+#include "tests/core/assets/read_assets.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -82,18 +84,11 @@ class PlyCheck : public testing::Test {
  protected:
   void accept(const std::string& text, const std::string& what) {
     EXPECT_NO_THROW(checkPly(folder_.write("a.ply", text))) << what;
-    std::size_t triangles = 0;
-    for (const AssetPart& part : readAsset(folder_.path() / "a.ply", {}).parts) triangles += part.triangles.size();
-    EXPECT_EQ(triangles, 4u) << what;
+    EXPECT_EQ(trianglesOf(readAsset(folder_.path() / "a.ply", {})), 4u) << what;
   }
 
   std::string failure(const std::string& text) {
-    try {
-      checkPly(folder_.write("a.ply", text));
-    } catch (const InputError& e) {
-      return e.what();
-    }
-    return "was accepted";
+    return messageOf([&] { checkPly(folder_.write("a.ply", text)); });
   }
 
   TemporaryFolder folder_;

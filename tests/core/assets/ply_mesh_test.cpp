@@ -79,9 +79,7 @@ TEST_F(PlyMesh, GivesWhatTheImporterGives) {
     for (const char up : {'x', 'y', 'z'}) {
       Fan fan;
       fan.lastCorner = outOfRange ? 41 : 2;
-      AssetOptions options;
-      options.metresPerUnit = 0.37;
-      options.up = up;
+      const AssetOptions options{.metresPerUnit = 0.37, .up = up};
       ASSERT_TRUE(readPlyMesh(write(fan.text()), options).has_value());
       const Asset own = readAsset(write(fan.text()), options);
       fan.between = kOther;

@@ -16,6 +16,7 @@
 #include "assets/asset.h"
 #include "base/base64.h"
 #include "base/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -165,7 +166,7 @@ struct Gltf {
   }
 };
 
-inline std::string glb(std::string text, const std::string& binary) {
+inline std::string glb(std::string text, const std::string& binary = "") {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const auto words = [](std::initializer_list<std::size_t> values) {
     std::vector<std::uint32_t> out;
@@ -207,13 +208,9 @@ inline void expectCorners(const Asset& asset, const std::vector<Vec3f>& expected
 }
 
 inline std::string failure(const std::filesystem::path& file, const AssetOptions& options = {}) {
-  try {
-    readAsset(file, options);
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  ADD_FAILURE() << file << " was read";
-  return {};
+  const std::string message = messageOf([&] { readAsset(file, options); });
+  EXPECT_NE(message, "accepted") << file << " was read";
+  return message;
 }
 
 // 64 x 64 texels: the top half red and green, the bottom half blue (with an alpha) and white.

@@ -23,27 +23,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-FolderUse use(bool replace) {
-  return replace ? FolderUse::Replace : FolderUse::New;
-}
-
 constexpr auto kBytes = DatasetFolder::Check::Bytes;
 const DatasetPlan kPlan{"plan", 1, {{"train", 1}}};
 
-void open(const fs::path& folder, bool replace) {
-  const DatasetFolder opened(folder, use(replace), kPlan);
-}
-
-// A shard of one sample, kept as a part.
-Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_t bytes = 100) {
-  ShardWriter shard(folder.staging(), shardName("train", number), "train");
-  shard.add(plainSample("k-" + std::to_string(number), bytes));
-  ShardPart part = shard.finish();
-  Manifest manifest = testManifest();
-  manifest.shards = {part.shard};
-  manifest.samples = part.samples;
-  folder.keep({"plan", {number}, manifest});
-  return manifest;
+// Returns the message of the error that opening the folder throws.
+std::string refusal(const fs::path& folder, FolderUse use, const DatasetPlan& plan = kPlan) {
+  return refusal(folder, use, plan);
 }
 
 void publish(DatasetFolder& folder, const std::vector<Manifest>& parts) {
@@ -66,13 +51,13 @@ std::vector<std::string> problemsOf(const fs::path& folder) {
 TEST(DatasetFolder, AFolderThatIsNotEmptyIsLeftAlone) {
   const TemporaryFolder folder;
   folder.write("notes.txt", "mine");
-  const std::string message = messageOf<InputError>([&] { open(folder.path(), false); });
+  const std::string message = refusal(folder.path(), FolderUse::New);
   EXPECT_THAT(message, HasSubstr("exists and is not empty: choose another output folder"));
   EXPECT_THAT(message, HasSubstr(folder.path().string()));
   EXPECT_THAT(filesOf(folder.path()), ElementsAre("notes.txt"));
   const fs::path file = folder.path() / "notes.txt";
-  EXPECT_THAT(messageOf<InputError>([&] { open(file, true); }), HasSubstr("is a file"));
-  EXPECT_THAT(messageOf<InputError>([&] { open(file / "x", true); }), HasSubstr("Not a directory"));
+  EXPECT_THAT(refusal(file, FolderUse::Replace), HasSubstr("is a file"));
+  EXPECT_THAT(refusal(file / "x", FolderUse::Replace), HasSubstr("Not a directory"));
 }
 
 // The old dataset stays until the new one is whole; what is not ours stays for ever.
@@ -109,20 +94,20 @@ TEST(DatasetFolder, RefusesWhatItCannotTellApart) {
   writeTestDataset(folder.path());
   folder.write("train/train-000999.tar", "of somebody");
   const auto before = filesOf(folder.path());
-  EXPECT_THAT(messageOf<InputError>([&] { open(folder.path(), true); }),
-              HasSubstr("train/train-000999.tar: is in the way"));
+  EXPECT_THAT(refusal(folder.path(), FolderUse::Replace),
+              HasSubstr("train/train-000999.tar: exists, but the manifest does not list it: move it"));
   EXPECT_EQ(filesOf(folder.path()), before);
 
   const TemporaryFolder app;
   app.write("manifest.json", "{\"name\": \"a web application\"}");
   app.write("train/train-000000.tar", "of somebody");
-  EXPECT_THAT(messageOf<InputError>([&] { open(app.path(), true); }), HasSubstr("by hand"));
+  EXPECT_THAT(refusal(app.path(), FolderUse::Replace), HasSubstr("by hand"));
   EXPECT_THAT(filesOf(app.path()), ElementsAre("manifest.json", "train/train-000000.tar"));
 
   // WebDataset's usual names are no proof that a shard is ours.
   const TemporaryFolder web;
   web.write("train/train-000000.tar", "of somebody");
-  EXPECT_THAT(messageOf<InputError>([&] { open(web.path(), true); }), HasSubstr("no manifest lists it"));
+  EXPECT_THAT(refusal(web.path(), FolderUse::Replace), HasSubstr("no manifest lists it"));
   EXPECT_THAT(filesOf(web.path()), ElementsAre("train/train-000000.tar"));
 }
 
@@ -130,7 +115,7 @@ TEST(DatasetFolder, RefusesFoldersOfOthers) {
   for (const std::string name : {"photo.jpg", "train/notes.txt", "src/deep/main.c", "My Files/x"}) {
     const TemporaryFolder folder;
     folder.write(name, "mine");
-    EXPECT_THAT(messageOf<InputError>([&] { open(folder.path(), true); }),
+    EXPECT_THAT(refusal(folder.path(), FolderUse::Replace),
                 AllOf(HasSubstr("has no dataset"), HasSubstr(name.substr(0, name.find('/')))));
     EXPECT_THAT(filesOf(folder.path()), ElementsAre(name));
   }
@@ -139,7 +124,7 @@ TEST(DatasetFolder, RefusesFoldersOfOthers) {
 TEST(DatasetFolder, EmptySplitFoldersAreNoDataset) {
   const TemporaryFolder folder;
   fs::create_directories(folder.path() / "train");
-  EXPECT_EQ(messageOf<InputError>([&] { open(folder.path(), false); }), "accepted");
+  EXPECT_EQ(refusal(folder.path(), FolderUse::New), "accepted");
 }
 
 TEST(DatasetFolder, AnAbandonedRunWithoutAShardLeavesNothing) {
@@ -161,12 +146,8 @@ TEST(DatasetFolder, AnInterruptedRunCanBeResumed) {
     for (int i = 0; i < 3; ++i) addShard(opened, i);
   }
   EXPECT_THAT(messageOf<InputError>([&] { readManifest(data); }), HasSubstr("did not end"));
-  EXPECT_THAT(messageOf<InputError>([&] { open(data, false); }),
-              AllOf(HasSubstr("--resume"), HasSubstr("--overwrite")));
-  EXPECT_THAT(messageOf<InputError>([&] {
-                DatasetFolder(data, FolderUse::Resume, {"other", 1, {{"train", 1}}});
-              }),
-              HasSubstr("another pipeline"));
+  EXPECT_THAT(refusal(data, FolderUse::New), AllOf(HasSubstr("--resume"), HasSubstr("--overwrite")));
+  EXPECT_THAT(refusal(data, FolderUse::Resume, {"other", 1, {{"train", 1}}}), HasSubstr("another pipeline"));
   const fs::path damaged = data / ".scanmill/train/train-000001.tar";
   std::string bytes = readFile(damaged);
   bytes[700] ^= 1;
@@ -228,14 +209,13 @@ TEST(DatasetFolder, OneProcessAtATimeWritesIntoIt) {
   char letter = 0;
   ASSERT_EQ(::read(ready[0], &letter, 1), 1);
   for (const FolderUse each : {FolderUse::Replace, FolderUse::Resume}) {
-    EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, each, kPlan); }),
+    EXPECT_THAT(refusal(data, each),
                 AllOf(HasSubstr("is being written by process " + std::to_string(child)), HasSubstr("since")));
   }
   ::kill(child, SIGKILL);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_EQ(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, kPlan); }), "accepted")
-      << "a dead process holds nothing";
+  EXPECT_EQ(refusal(data, FolderUse::Resume), "accepted") << "a dead process holds nothing";
 }
 
 // Processes that share a folder see each other's shards, claim what they make, and the last one ends the dataset.
@@ -246,12 +226,8 @@ TEST(DatasetFolder, SeveralMayShareIt) {
   auto one = std::make_unique<DatasetFolder>(data, FolderUse::Share, plan);
   auto two = std::make_unique<DatasetFolder>(data, FolderUse::Share, plan);
   EXPECT_FALSE(one->isWhole());
-  EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(data, FolderUse::Resume, plan); }),
-              HasSubstr("is being written by"));
-  EXPECT_THAT(messageOf<InputError>([&] {
-                DatasetFolder(data, FolderUse::Share, {"other", 2, {{"train", 2}}});
-              }),
-              HasSubstr("another pipeline"));
+  EXPECT_THAT(refusal(data, FolderUse::Resume, plan), HasSubstr("is being written by"));
+  EXPECT_THAT(refusal(data, FolderUse::Share, {"other", 2, {{"train", 2}}}), HasSubstr("another pipeline"));
   auto claim = one->claim(shardName("train", 0));
   EXPECT_NE(claim, nullptr);
   EXPECT_EQ(two->claim(shardName("train", 0)), nullptr);
@@ -276,8 +252,7 @@ TEST(DatasetFolder, WhoSharesItAndMakesNothingLeavesNothing) {
   { const DatasetFolder opened(folder.path() / "data", FolderUse::Share, kPlan); }
   EXPECT_FALSE(fs::exists(folder.path() / "data"));
   folder.write("notes.txt", "mine");
-  EXPECT_THAT(messageOf<InputError>([&] { DatasetFolder(folder.path(), FolderUse::Share, kPlan); }),
-              HasSubstr("not empty"));
+  EXPECT_THAT(refusal(folder.path(), FolderUse::Share), HasSubstr("not empty"));
   EXPECT_THAT(filesOf(folder.path()), ElementsAre("notes.txt"));
 }
 

@@ -194,4 +194,27 @@ inline void writeMembers(const std::filesystem::path& shard, const Members& memb
   file.close();
 }
 
+// Members with unusual names and sizes.
+inline Members oddMembers() {
+  return {{"a-0.json", "{}"},
+          {"a-0.empty", ""},
+          {"a-0.block", std::string(512, 'b')},
+          {"a-0.zeros", std::string(2000, '\0')},
+          {std::string(150, 'k') + ".long", "after a pax header"},
+          {"b-0.large", std::string(3000000, 'l')},
+          {"b-0.last", "z"}};
+}
+
+// Writes a shard of one sample, and keeps its record in the folder. Returns the manifest of the record.
+inline Manifest addShard(DatasetFolder& folder, std::uint64_t number, std::size_t bytes = 100) {
+  ShardWriter shard(folder.staging(), shardName("train", number), "train");
+  shard.add(plainSample("k-" + std::to_string(number), bytes));
+  ShardPart part = shard.finish();
+  Manifest manifest = testManifest();
+  manifest.shards = {part.shard};
+  manifest.samples = part.samples;
+  folder.keep({"plan", {number}, manifest});
+  return manifest;
+}
+
 }  // namespace scanmill

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 #include "tests/core/dataset/fixture.h"
 
 namespace scanmill {
@@ -36,6 +36,21 @@ std::string refusal(const Json& json) {
   return messageOf<InputError>([&] { parseManifest(json.dump(), "manifest.json"); });
 }
 
+// Returns the refusal of the document with another value at `place`.
+std::string refusalWith(const Json& json, const std::string& place, const Json& value) {
+  Json damaged = json;
+  damaged[Json::json_pointer(place)] = value;
+  return refusal(damaged);
+}
+
+// Returns what is read from the text of a manifest. The text of that must be the same.
+Manifest readBack(const Manifest& manifest) {
+  const std::string text = toJson(manifest);
+  Manifest read = parseManifest(text, "manifest.json");
+  EXPECT_EQ(toJson(read), text);
+  return read;
+}
+
 // Pointers of all values of a document, the root left out.
 void collect(const Json& value, const Json::json_pointer& place, std::vector<Json::json_pointer>& places) {
   if (!value.is_structured()) return;
@@ -55,9 +70,7 @@ std::vector<Json::json_pointer> placesOf(const Json& json) {
 
 TEST(Manifest, RoundTrips) {
   const Manifest m = filledManifest();
-  const std::string text = toJson(m);
-  const Manifest read = parseManifest(text, "manifest.json");
-  EXPECT_EQ(toJson(read), text);
+  const Manifest read = readBack(m);
 
   EXPECT_EQ(read.programVersion, m.programVersion);
   EXPECT_EQ(read.pipelineText, m.pipelineText);
@@ -129,16 +142,13 @@ TEST(Manifest, UnresolvedBeamsAreToldWhereThereAreAny) {
   Manifest m = filledManifest();
   EXPECT_THAT(toJson(m), Not(HasSubstr("unresolved")));
   m.samples[1].scans[0].unresolved = 5;
-  const std::string text = toJson(m);
-  const Manifest read = parseManifest(text, "manifest.json");
-  EXPECT_EQ(toJson(read), text);
+  const Manifest read = readBack(m);
   EXPECT_EQ(read.samples[0].scans[0].unresolved, 0u);
   EXPECT_EQ(read.samples[1].scans[0].unresolved, 5u);
   EXPECT_EQ(Json::parse(sampleJson(m.samples[1]))["scans"][0]["unresolved"], 5);
   for (const Json& wrong : {Json(0), Json(m.samples[1].scans[0].beams + 1), Json("5"), Json(-1)}) {
-    Json damaged = Json::parse(text);
-    damaged["samples"][1]["scans"][0]["unresolved"] = wrong;
-    EXPECT_THAT(refusal(damaged), HasSubstr("/samples/1/scans/0/unresolved")) << wrong;
+    const std::string place = "/samples/1/scans/0/unresolved";
+    EXPECT_THAT(refusalWith(Json::parse(toJson(m)), place, wrong), HasSubstr(place)) << wrong;
   }
 }
 
@@ -149,16 +159,13 @@ TEST(Manifest, DrawsAndMountsOfScansAreToldWhereTheyAre) {
   EXPECT_EQ(mountOf(m.sensors[0], m.samples[0].scans[0]), m.sensors[0].vehicleFromSensor);
   m.samples[1].draws = {{"effects.0", "{weather: {kind: fog}}"}, {"objects.0.town.length", "253.25"}};
   m.samples[1].scans[0].vehicleFromSensor = Pose{{}, {1, 2, 3}};
-  const std::string text = toJson(m);
-  const Manifest read = parseManifest(text, "manifest.json");
-  EXPECT_EQ(toJson(read), text);
+  const Manifest read = readBack(m);
   EXPECT_TRUE(read.samples[0].draws.empty());
   EXPECT_EQ(read.samples[1].draws, m.samples[1].draws);
   EXPECT_EQ(mountOf(m.sensors[0], read.samples[1].scans[0]), *m.samples[1].scans[0].vehicleFromSensor);
   EXPECT_THAT(sampleJson(read.samples[1]), HasSubstr("253.25"));
-  Json damaged = Json::parse(text);
-  damaged["samples"][1]["draws"]["effects.0"] = 3;
-  EXPECT_THAT(refusal(damaged), HasSubstr("/samples/1/draws/effects.0"));
+  const std::string place = "/samples/1/draws/effects.0";
+  EXPECT_THAT(refusalWith(Json::parse(toJson(m)), place, 3), HasSubstr(place));
 }
 
 // Counts of listed objects, and what the intensity calls full, where there are such.
@@ -168,23 +175,17 @@ TEST(Manifest, ObjectsAndFullIntensitiesAreToldWhereTheyAre) {
   m.sensors[0].intensityFullScale = 255;
   m.samples[0].objects = {{65535, {12, 7}}};
   m.samples[1].objects.emplace();
-  const std::string text = toJson(m);
-  const Manifest read = parseManifest(text, "manifest.json");
-  EXPECT_EQ(toJson(read), text);
+  const Manifest read = readBack(m);
   EXPECT_EQ(read.sensors[0].intensityFullScale, 255);
   EXPECT_EQ(read.sensors[1].intensityFullScale, 1);
   EXPECT_EQ(read.samples[0].objects, m.samples[0].objects);
   EXPECT_TRUE(read.samples[1].objects.has_value());
   EXPECT_FALSE(parseManifest(toJson(filledManifest()), "manifest.json").samples[1].objects.has_value());
-  Json damaged = Json::parse(text);
-  damaged["samples"][0]["objects"][0]["with_points"] = 13;
-  EXPECT_THAT(refusal(damaged), HasSubstr("/samples/0/objects/0/with_points"));
-  damaged = Json::parse(text);
-  damaged["samples"][0]["objects"][0]["id"] = 5;
-  EXPECT_THAT(refusal(damaged), HasSubstr("class 5 is not in ontology"));
-  damaged = Json::parse(text);
-  damaged["sensors"][0]["intensity_full_scale"] = 0;
-  EXPECT_THAT(refusal(damaged), HasSubstr("/sensors/0/intensity_full_scale"));
+  const Json json = Json::parse(toJson(m));
+  const std::string objects = "/samples/0/objects/0";
+  EXPECT_THAT(refusalWith(json, objects + "/with_points", 13), HasSubstr(objects + "/with_points"));
+  EXPECT_THAT(refusalWith(json, objects + "/id", 5), HasSubstr("class 5 is not in ontology"));
+  EXPECT_THAT(refusalWith(json, "/sensors/0/intensity_full_scale", 0), HasSubstr("/sensors/0/intensity_full_scale"));
 }
 
 Manifest chosenManifest() {
@@ -199,26 +200,22 @@ TEST(Manifest, TheChoiceOfTheMethodIsToldWhereOneWasMade) {
   EXPECT_THAT(toJson(filledManifest()), Not(HasSubstr("method_choice")));
   EXPECT_FALSE(parseManifest(toJson(filledManifest()), "manifest.json").chosen.has_value());
   const Manifest m = chosenManifest();
-  const std::string text = toJson(m);
-  const Manifest read = parseManifest(text, "manifest.json");
-  EXPECT_EQ(toJson(read), text);
+  const Manifest read = readBack(m);
   ASSERT_TRUE(read.chosen.has_value());
   EXPECT_EQ(read.chosen->setting, m.chosen->setting);
   EXPECT_EQ(read.chosen->assignment, m.chosen->assignment);
   EXPECT_EQ(read.chosen->why, m.chosen->why);
+  const Json json = Json::parse(toJson(m));
   for (const char* key : {"setting", "assignment", "why"}) {
-    Json damaged = Json::parse(text);
+    Json damaged = json;
     damaged["method_choice"].erase(key);
     EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice: key '") + key + "' is missing"));
     damaged["method_choice"][key] = 5;
     EXPECT_THAT(refusal(damaged), HasSubstr(std::string("/method_choice/") + key + ": is number, but must be text"));
   }
-  Json damaged = Json::parse(text);
-  damaged["method_choice"]["cost"] = 1;
-  EXPECT_THAT(refusal(damaged), HasSubstr("'cost' is unknown"));
+  EXPECT_THAT(refusalWith(json, "/method_choice/cost", 1), HasSubstr("'cost' is unknown"));
   for (const Json& wrong : {Json(), Json("ray_tracing"), Json::array()}) {
-    damaged["method_choice"] = wrong;
-    EXPECT_THAT(refusal(damaged), HasSubstr("/method_choice")) << wrong;
+    EXPECT_THAT(refusalWith(json, "/method_choice", wrong), HasSubstr("/method_choice")) << wrong;
   }
 }
 
@@ -249,9 +246,7 @@ TEST(Manifest, RefusesEveryUnknownKey) {
   places.emplace_back("");
   for (const Json::json_pointer& place : places) {
     if (!json[place].is_object() || place.to_string() == "/frames") continue;
-    Json damaged = json;
-    damaged[place]["colour"] = 1;
-    EXPECT_THAT(refusal(damaged), HasSubstr("'colour' is unknown")) << place;
+    EXPECT_THAT(refusalWith(json, place.to_string() + "/colour", 1), HasSubstr("'colour' is unknown")) << place;
   }
 }
 
@@ -261,9 +256,7 @@ TEST(Manifest, RefusesEveryWrongType) {
     for (const Json& wrong : {Json(), Json(true), Json("x"), Json::array({nullptr}), Json{{"x", 1}}, Json(-1.5)}) {
       if (wrong.type() == json[place].type()) continue;
       if (wrong.is_number() && json[place].is_number_float()) continue;
-      Json damaged = json;
-      damaged[place] = wrong;
-      const std::string message = refusal(damaged);
+      const std::string message = refusalWith(json, place.to_string(), wrong);
       EXPECT_THAT(message, HasSubstr("manifest.json")) << place << " as " << wrong;
     }
   }
@@ -302,13 +295,10 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
       {"/program/name", "other", "is not a manifest of scanmill"},
   };
   for (const auto& [place, value, expected] : damages) {
-    Json damaged = json;
-    damaged[Json::json_pointer(place)] = value;
-    EXPECT_THAT(refusal(damaged), HasSubstr(expected)) << place;
+    EXPECT_THAT(refusalWith(json, place, value), HasSubstr(expected)) << place;
   }
-  Json twice = json;
-  twice["samples"][1] = json["samples"][0];
-  EXPECT_THAT(refusal(twice), HasSubstr("/samples/1/key: another sample has this key"));
+  EXPECT_THAT(refusalWith(json, "/samples/1", json["samples"][0]),
+              HasSubstr("/samples/1/key: another sample has this key"));
 }
 
 TEST(Manifest, SaysWhereATruncatedFileEnds) {

@@ -5,9 +5,6 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "dataset/dataset_folder.h"
-#include "dataset/shard_name.h"
-#include "dataset/shard_writer.h"
 #include "tests/core/dataset/fixture.h"
 
 namespace scanmill {
@@ -22,15 +19,7 @@ const DatasetPlan kPlan{"plan", 4, {{"train", 4}}};
 // Shards of one sample each, as processes that share the folder leave them.
 void make(const std::filesystem::path& folder, const std::vector<std::uint64_t>& shards) {
   DatasetFolder opened(folder, FolderUse::Share, kPlan);
-  for (const std::uint64_t number : shards) {
-    ShardWriter shard(opened.staging(), shardName("train", number), "train");
-    shard.add(plainSample("k-" + std::to_string(number), 100));
-    ShardPart made = shard.finish();
-    DatasetPart part{"plan", {number}, testManifest()};
-    part.manifest.shards = {made.shard};
-    part.manifest.samples = made.samples;
-    opened.keep(part);
-  }
+  for (const std::uint64_t number : shards) addShard(opened, number);
 }
 
 class Merge : public testing::Test {

@@ -17,19 +17,10 @@ std::string refusal(const fs::path& file) {
   return messageOf<InputError>([&] { membersOf(file); });
 }
 
-Members someMembers() {
-  return {{"a-0.json", "{}"},
-          {"a-0.empty", ""},
-          {"a-0.block", std::string(512, 'b')},
-          {"a-0.zeros", std::string(2000, '\0')},
-          {std::string(150, 'k') + ".long", "after a pax header"},
-          {"b-0.large", std::string(3000000, 'l')}};
-}
-
 TEST(ReadTar, GivesBackWhatWasWritten) {
   const TemporaryFolder folder;
-  writeMembers(folder.path() / "x.tar", someMembers());
-  EXPECT_EQ(membersOf(folder.path() / "x.tar"), someMembers());
+  writeMembers(folder.path() / "x.tar", oddMembers());
+  EXPECT_EQ(membersOf(folder.path() / "x.tar"), oddMembers());
 }
 
 TEST(ReadTar, ReadsWhatTarWrites) {
@@ -54,8 +45,8 @@ TEST(ReadTar, RefusesNamesOfThousandsOfBytes) {
 // Wherever a shard is cut, also between two members and within zeros, it is refused.
 TEST(ReadTar, NoticesEveryTruncation) {
   const TemporaryFolder folder;
-  Members members = someMembers();
-  members.pop_back();
+  Members members = oddMembers();
+  members[5].second.resize(3000);
   writeMembers(folder.path() / "x.tar", members);
   const std::string bytes = readFile(folder.path() / "x.tar");
   std::vector<std::size_t> sizes{1, 100, 511, bytes.size() - 1};
@@ -67,22 +58,6 @@ TEST(ReadTar, NoticesEveryTruncation) {
     EXPECT_THAT(message, HasSubstr("offset")) << size;
   }
   EXPECT_EQ(membersOf(folder.write("padded.tar", bytes + std::string(8192, '\0'))), members);
-}
-
-TEST(ReadTar, NeverCrashesOnDamage) {
-  const TemporaryFolder folder;
-  Members members = someMembers();
-  members.pop_back();
-  writeMembers(folder.path() / "x.tar", members);
-  const std::string bytes = readFile(folder.path() / "x.tar");
-  int refused = 0;
-  for (std::uint32_t i = 0; i < 300; ++i) {
-    const RandomBlock random = randomBlock({.beam = i});
-    std::string damaged = bytes;
-    damaged[random[0] % damaged.size()] = static_cast<char>(random[1]);
-    refused += refusal(folder.write("damaged.tar", damaged)).empty() ? 0 : 1;
-  }
-  EXPECT_GT(refused, 60);
 }
 
 TEST(ReadTar, RefusesWhatIsNoTar) {

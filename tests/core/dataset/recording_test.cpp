@@ -56,26 +56,27 @@ TEST(Recording, ComesBackAsItWent) {
   EXPECT_EQ(back.steps[0].images, shot.steps[0].images);
 }
 
+// The least that is needed.
+const std::string kHead = R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes", )";
+const std::string kSensors = R"("sensors": [{"name": "top", "rings": 2, "columns": 8}], "sequences": )";
+const std::string kSequence = R"({"scene": "a", "trajectory": "t", "frames": 1})";
+
 // What somebody writes whose renderer is not ours.
 TEST(Recording, TheLeastThatIsNeeded) {
   const TemporaryFolder folder;
-  folder.write("recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
-    "sensors": [{"name": "top", "rings": 2, "columns": 8}],
-    "sequences": [{"scene": "studio", "trajectory": "walk", "frames": 1}]})");
-  folder.write("studio-s1-walk-000000.top.json", R"({"time": 0, "world_from_sensor": [[1, 0, 0, 0, 5, 6, 7]],
+  folder.write("recording.json", kHead + kSensors + "[" + kSequence + "]}");
+  folder.write("a-s1-t-000000.top.json", R"({"time": 0, "world_from_sensor": [[1, 0, 0, 0, 5, 6, 7]],
     "steps": [{"columns": [0, 8], "images": ["front.exr"]}]})");
   const Recording r = readRecording(folder.path(), RecordingKind::Passes);
   EXPECT_EQ(r.method, "depth_camera");
   EXPECT_TRUE(r.ontology.classes.empty());
   EXPECT_EQ(r.materials.size(), 1u);
-  const RecordedShot shot = r.shot("studio-s1-walk-000000", "top");
+  const RecordedShot shot = r.shot("a-s1-t-000000", "top");
   EXPECT_EQ(shot.steps[0].worldFromRig.translation, (Vec3d{5, 6, 7}));
 }
 
 TEST(Recording, BadIndexesAreNamed) {
   const TemporaryFolder folder;
-  const std::string head = R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes", )";
-  const std::string sensors = R"("sensors": [{"name": "top", "rings": 2, "columns": 8}], )";
   const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
     folder.write("recording.json", text);
     expectInputError([&] { readRecording(folder.path(), RecordingKind::Passes); }, words);
@@ -83,24 +84,20 @@ TEST(Recording, BadIndexesAreNamed) {
   refused("", {"recording.json", "not complete JSON"});
   refused("[]", {"is not a recording"});
   refused(R"({"what": "else"})", {"is not a recording"});
-  refused(head + R"("sequences": []})", {"'sensors' is missing"});
-  refused(head + R"("sensor": []})", {"'sensor' is unknown", "sensors"});
-  refused(head + sensors + R"("sequences": []})", {"/sequences", "nothing was recorded"});
-  refused(head + sensors + R"("sequences": [{"scene": "A/b", "trajectory": "t", "frames": 1}]})",
-          {"/sequences/0/scene", "'A/b'"});
-  refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 0}]})",
-          {"/sequences/0/frames"});
-  refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1, "materials": 1}]})",
+  refused(kHead + R"("sequences": []})", {"'sensors' is missing"});
+  refused(kHead + R"("sensor": []})", {"'sensor' is unknown", "sensors"});
+  refused(kHead + kSensors + "[]}", {"/sequences", "nothing was recorded"});
+  refused(kHead + kSensors + R"([{"scene": "A/b", "trajectory": "t", "frames": 1}]})", {"/sequences/0/scene", "'A/b'"});
+  refused(kHead + kSensors + R"([{"scene": "a", "trajectory": "t", "frames": 0}]})", {"/sequences/0/frames"});
+  refused(kHead + kSensors + R"([{"scene": "a", "trajectory": "t", "frames": 1, "materials": 1}]})",
           {"/sequences/0/materials", "0 tables"});
-  refused(head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1},
-                                            {"scene": "a", "trajectory": "t", "frames": 2}]})",
-          {"/sequences/1", "twice"});
-  refused(head + R"("sensors": [{"name": "top", "rings": 2, "columns": 8}, {"name": "top", "rings": 2, "columns": 8}],
+  refused(kHead + kSensors + "[" + kSequence + "," + kSequence + "]}", {"/sequences/1", "twice"});
+  refused(kHead + R"("sensors": [{"name": "top", "rings": 2, "columns": 8}, {"name": "top", "rings": 2, "columns": 8}],
                   "sequences": []})",
           {"/sensors/1/name", "'top'"});
   refused(R"({"what": "scanmill recording", "schema_version": 1, "kind": "pases", "sensors": [], "sequences": []})",
           {"/kind", "'pases'"});
-  std::string newer = head + sensors + R"("sequences": [{"scene": "a", "trajectory": "t", "frames": 1}]})";
+  std::string newer = kHead + kSensors + "[" + kSequence + "]}";
   newer.replace(newer.find("version\": 1"), 11, "version\": 9");
   refused(newer, {"/schema_version", "newer"});
 }
@@ -126,9 +123,7 @@ TEST(Recording, HashesTellBeamsApart) {
 
 TEST(Recording, StepsFollowEachOther) {
   const TemporaryFolder folder;
-  folder.write("recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
-    "sensors": [{"name": "top", "rings": 2, "columns": 8}],
-    "sequences": [{"scene": "a", "trajectory": "t", "frames": 1}]})");
+  folder.write("recording.json", kHead + kSensors + "[" + kSequence + "]}");
   const Recording r = readRecording(folder.path(), RecordingKind::Passes);
   const auto refused = [&](const std::string& steps, const std::vector<std::string>& words) {
     folder.write("k.top.json",

@@ -31,16 +31,6 @@ std::string refusalOfTar(const fs::path& file) {
   return messageOf<InputError>([&] { membersOf(file); });
 }
 
-Members oddMembers() {
-  return {{"a-0.json", "{}"},
-          {"a-0.empty", ""},
-          {"a-0.block", std::string(512, 'b')},
-          {"a-0.zeros", std::string(2000, '\0')},
-          {std::string(150, 'k') + ".long", "after a pax header"},
-          {"b-0.large", std::string(3000000, 'l')},
-          {"b-0.last", "z"}};
-}
-
 TEST(ShardIndex, EqualsReadTar) {
   const TemporaryFolder folder;
   writeMembers(folder.path() / "x.tar", oddMembers());

@@ -66,17 +66,14 @@ TEST(Splits, SharesAreMetWithinOneGroup) {
 
 TEST(Splits, AGroupIsNeverParted) {
   const std::vector<SequenceName> sequences = sequencesOf(25);
-  const std::vector<std::string> splits = assign(kShares, sequences);
-  std::map<std::uint64_t, std::set<std::string>> splitsOfSeed;
-  for (std::size_t i = 0; i < sequences.size(); ++i) splitsOfSeed[sequences[i].seed].insert(splits[i]);
-  for (const auto& [seed, set] : splitsOfSeed) EXPECT_EQ(set.size(), 1u) << seed;
-
+  const auto expectWhole = [&]<class Group>(const std::vector<std::string>& splits, Group SequenceName::*group) {
+    std::map<Group, std::set<std::string>> splitsOf;
+    for (std::size_t i = 0; i < sequences.size(); ++i) splitsOf[sequences[i].*group].insert(splits[i]);
+    for (const auto& [name, set] : splitsOf) EXPECT_EQ(set.size(), 1u) << name;
+  };
+  expectWhole(assign(kShares, sequences), &SequenceName::seed);
   const std::vector<std::string> byTrajectory = assign("{by: trajectory, train: 0.5, test: 0.5}", sequences);
-  std::map<std::string, std::set<std::string>> splitsOfTrajectory;
-  for (std::size_t i = 0; i < sequences.size(); ++i) {
-    splitsOfTrajectory[sequences[i].trajectory].insert(byTrajectory[i]);
-  }
-  for (const auto& [trajectory, set] : splitsOfTrajectory) EXPECT_EQ(set.size(), 1u) << trajectory;
+  expectWhole(byTrajectory, &SequenceName::trajectory);
   EXPECT_EQ(countsOf(byTrajectory), (std::map<std::string, int>{{"train", 50}, {"test", 50}}));
 }
 

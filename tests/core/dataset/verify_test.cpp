@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/parallel.h"
-#include "dataset/sample_json.h"
 #include "dataset/scan_check.h"
 #include "tests/core/dataset/fixture.h"
 
@@ -72,13 +71,11 @@ TEST(Verify, SoundInEveryFormat) {
     Manifest manifest = testManifest();
     manifest.organised = images;
     manifest.formats.push_back({"draco", "drc", 0.001});
-    {
-      PackedDataset writer(folder.path() / "data", false, 1 << 20);
-      for (std::uint32_t i = 0; i < 5; ++i) {
-        writer.add(testSample(manifest, i, "street-1-drive-" + std::to_string(i), "train"));
-      }
-      writer.finish(manifest);
+    PackedDataset writer(folder.path() / "data", false, 1 << 20);
+    for (std::uint32_t i = 0; i < 5; ++i) {
+      writer.add(testSample(manifest, i, "street-1-drive-" + std::to_string(i), "train"));
     }
+    writer.finish(manifest);
     EXPECT_THAT(verifyDataset(folder.path() / "data").problems, IsEmpty()) << images;
   }
 }

@@ -13,21 +13,13 @@
 #include "base/parallel.h"
 #include "dataset/scan_store.h"
 #include "tests/core/dataset/fixture.h"
+#include "tests/core/exports/export_world.h"
 
 namespace scanmill {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-std::map<std::string, std::string> filesIn(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file())
-      files[entry.path().lexically_relative(folder).generic_string()] = readFile(entry.path());
-  }
-  return files;
-}
 
 class Exports : public testing::Test {
  protected:

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -20,9 +22,23 @@
 
 namespace scanmill {
 
+// Returns the bytes of all files in a folder and its subfolders, by their names relative to the folder.
+inline std::map<std::string, std::string> filesIn(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file())
+      files[entry.path().lexically_relative(folder).generic_string()] = readFile(entry.path());
+  }
+  return files;
+}
+
 class ExportWorld : public testing::Test {
  protected:
-  ExportWorld() { use(""); }
+  // `layout`: the layout that is tested. `labels`: see use().
+  explicit ExportWorld(std::unique_ptr<Layout> layout = nullptr, const std::string& labels = "")
+      : layout_(std::move(layout)) {
+    use(labels);
+  }
 
   // Classes of scanmill.yaml, exported as those of labels/NAME.yaml; empty: as they are.
   void use(const std::string& labels) {
@@ -165,6 +181,26 @@ class ExportWorld : public testing::Test {
         folder);
   }
 
+  // Writes one unit, of samples that `change` has changed.
+  template <class Change>
+  void writeChanged(const Layout& layout, std::size_t sequence, std::size_t frame, const Change& change,
+                    bool organised = false) const {
+    const ReadSample read = [&](std::size_t s, std::size_t f) {
+      ExportSample changed = sample(s, f, organised);
+      change(changed);
+      return changed;
+    };
+    layout.write(plan_, sequence, frame, read, ExportFolder(folder_.path()));
+  }
+
+  // Writes the sample as it is, in the layout that is tested.
+  void writeSample(const ExportSample& sample) const {
+    writeChanged(*layout_, sample.sequence, sample.frame, [&](ExportSample& changed) { changed = sample; });
+  }
+
+  // Returns the bytes of all files that were written, by their names.
+  std::map<std::string, std::string> written() const { return filesIn(folder_.path()); }
+
   // Runs Python with numpy's module as `np`, `folder` and `json` at hand; gives what it prints.
   std::string python(const std::string& code) const {
     const std::filesystem::path script = scripts_.write(
@@ -179,6 +215,7 @@ class ExportWorld : public testing::Test {
     return printed;
   }
 
+  std::unique_ptr<Layout> layout_;
   ExportPlan plan_;
   bool withObjects_ = true;
   TemporaryFolder folder_;

@@ -11,11 +11,9 @@ using testing::HasSubstr;
 
 class KittiLayout : public ExportWorld {
  protected:
-  KittiLayout() {
-    use("kitti");
+  KittiLayout() : ExportWorld(makeKitti(), "kitti") {
     for (SampleRecord& sample : plan_.manifest.samples) sample.objects.emplace();
   }
-  std::unique_ptr<Layout> layout_ = makeKitti();
 };
 
 // As loaders read them: the corners of each box, rotated about the camera's y and carried back by the calibration, are
@@ -80,14 +78,10 @@ TEST_F(KittiLayout, FramesAreNumberedThroughTheSplits) {
 }
 
 TEST_F(KittiLayout, WhatIsBehindOrUnseenIsNotListed) {
-  const ExportFolder folder(folder_.path());
-  const ReadSample read = [&](std::size_t s, std::size_t f) {
-    ExportSample own = sample(s, f);
+  writeChanged(*layout_, 0, 0, [](ExportSample& own) {
     own.objects->objects[0].views[0].sensorFromBox.translation.x *= -1;  // the car, behind
     own.objects->objects[1].views[0].points = 0;
-    return own;
-  };
-  layout_->write(plan_, 0, 0, read, folder);
+  });
   EXPECT_EQ(readFile(folder_.path() / "training/label_2/000000.txt"), "");
 }
 
@@ -106,14 +100,10 @@ TEST_F(KittiLayout, WhatTheImageLeavesOutIsCounted) {
 
 // A box through which the image's plane passes has a finite box in the image, and is truncated.
 TEST_F(KittiLayout, WhatReachesBehindTheCameraIsCut) {
-  const ExportFolder folder(folder_.path());
-  const ReadSample read = [&](std::size_t s, std::size_t f) {
-    ExportSample own = sample(s, f);
+  writeChanged(*layout_, 0, 0, [](ExportSample& own) {
     own.objects->objects.resize(1);
     own.objects->objects[0].views[0].sensorFromBox = {{}, {1, 1, -0.5}};
-    return own;
-  };
-  layout_->write(plan_, 0, 0, read, folder);
+  });
   python(R"(
 f = (folder / 'training/label_2/000000.txt').read_text().split()
 assert f[0] == 'Car' and 0.3 < float(f[1]) <= 1, f

@@ -60,11 +60,8 @@ class Las:
 
 class LasLayout : public ExportWorld {
  protected:
-  void writeSample(const ExportSample& sample) const {
-    layout_->write(
-        plan_, sample.sequence, sample.frame, [&](std::size_t, std::size_t) { return sample; },
-        ExportFolder(folder_.path()));
-  }
+  LasLayout() : ExportWorld(makeLas()) {}
+
   // What Python finds in the file of the first sample's first sensor.
   std::string las(const std::string& code) const {
     return python(kReader + "las = Las(folder / 'train/street-s1-lane-000000.top.las')\n" + code);
@@ -72,8 +69,6 @@ class LasLayout : public ExportWorld {
   void expect(const std::vector<Vec3d>& places) const {
     folder_.write("places.bin", {reinterpret_cast<const char*>(places.data()), places.size() * sizeof(Vec3d)});
   }
-
-  std::unique_ptr<Layout> layout_ = makeLas();
 };
 
 TEST_F(LasLayout, HeaderAndRecordsAreTheSpecifications) {

@@ -7,18 +7,13 @@ namespace {
 
 class NpzLayout : public ExportWorld {
  protected:
-  void writeSample(const ExportSample& sample) const {
-    layout_->write(
-        plan_, sample.sequence, sample.frame, [&](std::size_t, std::size_t) { return sample; },
-        ExportFolder(folder_.path()));
-  }
+  NpzLayout() : ExportWorld(makeNpz()) {}
+
   // Of what NumPy finds in the file of the first sample's first sensor.
   std::string npz(const std::string& code) const {
     return python("npz = dict(np.load(folder / 'train/street-s1-lane-000000.top.npz', allow_pickle=False))\n" + code);
   }
   static std::string numbers(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
-
-  std::unique_ptr<Layout> layout_ = makeNpz();
 };
 
 TEST_F(NpzLayout, ArraysAreTheColumnsInTheirOwnTypes) {

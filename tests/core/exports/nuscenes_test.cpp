@@ -84,7 +84,7 @@ TEST_F(NuScenesLayout, IntensitiesAreBytesAndRingsCountFromBelow) {
     intensity[2] = -0.1f;
     intensity[3] = std::numeric_limits<float>::quiet_NaN();
   };
-  writeFrame(*layout_, 0, 0, change);
+  writeChanged(*layout_, 0, 0, change);
   const std::string bytes = bytesOf(layout_->filesOf(plan_, 0, 0)[0]);
   const Scan own = scan(0, 0);
   ASSERT_EQ(bytes.size(), own.size() * 20);
@@ -103,7 +103,7 @@ TEST_F(NuScenesLayout, IntensitiesAreBytesAndRingsCountFromBelow) {
 TEST_F(NuScenesLayout, BoxesHoldTheirPointsAndNoOthers) {
   write(*layout_);
   for (const std::size_t s : {0u, 1u}) {
-    for (const std::size_t f : {0u, 1u}) writeFrame(*layout_, s, f, fillBoxes);
+    for (const std::size_t f : {0u, 1u}) writeChanged(*layout_, s, f, fillBoxes);
   }
   layout_->finish(
       plan_,
@@ -137,7 +137,7 @@ TEST_F(NuScenesLayout, PanopticLabelsAreClassAndInstance) {
   write(*layout_, true);
   for (const std::size_t s : {0u, 1u}) {
     for (const std::size_t f : {0u, 1u}) {
-      writeFrame(
+      writeChanged(
           *layout_, s, f,
           [](ExportSample& changed) {
             Scan& scan = changed.scans[0].scan;
@@ -173,8 +173,8 @@ TEST_F(NuScenesLayout, InstancesAreNumberedOverTheFramesOfAScene) {
     for (std::size_t i = 0; i < 3; ++i) scan[kInstance][i] = ids[i];
     scan[kLabel][2] = classId("truck");  // 70000 has points of two classes in all
   };
-  writeFrame(*layout_, 0, 0, change);
-  writeFrame(*layout_, 0, 1, change);
+  writeChanged(*layout_, 0, 0, change);
+  writeChanged(*layout_, 0, 1, change);
   const std::vector<std::filesystem::path> first = layout_->filesOf(plan_, 0, 0);
   const std::vector<std::filesystem::path> second = layout_->filesOf(plan_, 0, 1);
   // Cars: 5, 70000 (of frame 1), 80000, 90000; trucks: 70000 and the last.
@@ -185,13 +185,13 @@ assert found == [[17004, 17001, 23001, 17000], [17003, 17002, 23002, 17000]], fo
                      first[2].string(), second[2].string()));
   const std::string bytes = bytesOf(second[2]);
   const std::unique_ptr<Layout> resumed = makeNuScenes();
-  writeFrame(*resumed, 0, 1, change);
+  writeChanged(*resumed, 0, 1, change);
   EXPECT_EQ(bytesOf(second[2]), bytes);
   const std::unique_ptr<Layout> checked = makeNuScenes();
   ExportSample later = sample(0, 1);
   change(later);
   checked->checkSample(plan_, later);
-  writeFrame(*checked, 0, 1, change);
+  writeChanged(*checked, 0, 1, change);
   EXPECT_EQ(bytesOf(second[2]), bytes);
 }
 
@@ -235,14 +235,14 @@ TEST_F(NuScenesLayout, RefusesWhatNuScenesCannotTellApart) {
 
 TEST_F(NuScenesLayout, WritesLabelsThatThereAre) {
   std::erase(plan_.manifest.columns, "instance");
-  writeFrame(*layout_, 0, 0, [](ExportSample& changed) { changed.scans[0].scan[kInstance].clear(); });
+  writeChanged(*layout_, 0, 0, [](ExportSample& changed) { changed.scans[0].scan[kInstance].clear(); });
   EXPECT_EQ(layout_->filesOf(plan_, 0, 0).size(), 2u);
   EXPECT_EQ(bytesOf(layout_->filesOf(plan_, 0, 0)[1]).size(), 308u);
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "panoptic"));
   std::erase(plan_.manifest.columns, "label");
   for (std::size_t s = 0; s < 2; ++s) {
     for (std::size_t f = 0; f < 2; ++f) {
-      writeFrame(*layout_, s, f, [](ExportSample& changed) {
+      writeChanged(*layout_, s, f, [](ExportSample& changed) {
         Scan bare;
         bare.position = changed.scans[0].scan.position;
         changed.scans[0].scan = bare;
@@ -273,7 +273,7 @@ TEST_F(NuScenesLayout, RowsOfOrganisedScansAreRings) {
     image[kInstance].assign(24, 0);
     changed.scans[0].scan = image;
   };
-  writeFrame(*layout_, 0, 0, change);
+  writeChanged(*layout_, 0, 0, change);
   const std::string bytes = bytesOf(layout_->filesOf(plan_, 0, 0)[0]);
   ASSERT_EQ(bytes.size(), 23u * 20);
   for (std::size_t i = 0; i < 23; ++i) {
@@ -284,22 +284,15 @@ TEST_F(NuScenesLayout, RowsOfOrganisedScansAreRings) {
 }
 
 TEST_F(NuScenesLayout, TheSameDatasetGivesTheSameBytes) {
-  const auto all = [&] {
-    std::map<std::string, std::string> files;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path())) {
-      if (entry.is_regular_file()) files[entry.path().string()] = readFile(entry.path());
-    }
-    return files;
-  };
   write(*layout_);
-  const std::map<std::string, std::string> once = all();
+  const std::map<std::string, std::string> once = written();
   EXPECT_EQ(once.size(), 4u * 3 + 15 + 1 + 1);  // files of frames, tables, splits and the map
   write(*makeNuScenes());
-  EXPECT_EQ(all(), once);
+  EXPECT_EQ(written(), once);
 }
 
 TEST_F(NuScenesLayout, ScansMayBeEmpty) {
-  writeFrame(*layout_, 1, 1, [](ExportSample& changed) { changed.scans[0].scan = Scan(); });
+  writeChanged(*layout_, 1, 1, [](ExportSample& changed) { changed.scans[0].scan = Scan(); });
   const std::vector<std::filesystem::path> files = layout_->filesOf(plan_, 1, 1);
   EXPECT_EQ(bytesOf(files[0]).size(), 0u);
   EXPECT_EQ(bytesOf(files[1]).size(), 0u);

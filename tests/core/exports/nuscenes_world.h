@@ -63,25 +63,11 @@ def boxes_of(data):
 
 class NuScenesWorld : public ExportWorld {
  protected:
-  NuScenesWorld() { use("nuscenes"); }
+  NuScenesWorld() : ExportWorld(makeNuScenes(), "nuscenes") {}
 
   std::string readTables(const std::string& code) const { return python(kNuScenesReader + code); }
 
   ExportFolder folder() const { return ExportFolder(folder_.path()); }
-
-  // One frame, of samples that `change` has changed.
-  template <class Change>
-  void writeFrame(const Layout& layout, std::size_t sequence, std::size_t frame, const Change& change,
-                  bool organised = false) const {
-    const ReadSample read = [&](std::size_t s, std::size_t f) {
-      ExportSample changed = sample(s, f, organised);
-      change(changed);
-      return changed;
-    };
-    layout.write(plan_, sequence, frame, read, folder());
-  }
-
-  std::unique_ptr<Layout> layout_ = makeNuScenes();
 };
 
 }  // namespace scanmill

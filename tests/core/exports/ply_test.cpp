@@ -35,17 +35,12 @@ class Ply:
 
 class PlyLayout : public ExportWorld {
  protected:
-  void writeSample(const ExportSample& sample) const {
-    layout_->write(
-        plan_, sample.sequence, sample.frame, [&](std::size_t, std::size_t) { return sample; },
-        ExportFolder(folder_.path()));
-  }
+  PlyLayout() : ExportWorld(makePly()) {}
+
   // Of what Python finds in the file of the first sample's first sensor.
   std::string ply(const std::string& code) const {
     return python(kReader + "ply = Ply(folder / 'train/street-s1-lane-000000.top.ply')\n" + code);
   }
-
-  std::unique_ptr<Layout> layout_ = makePly();
 };
 
 TEST_F(PlyLayout, PointsHaveAllColumnsAndTheColoursOfTheirClasses) {
@@ -110,8 +105,7 @@ assert np.abs(turned + list(map(float, words[0][7:])) - moved).max() < 1e-9
 }
 
 TEST_F(PlyLayout, MissesAreLeftOut) {
-  ExportSample sample = this->sample(0, 0, true);
-  writeSample(sample);
+  writeSample(sample(0, 0, true));
   ply("assert len(ply.points) == 356 and np.isfinite(ply.xyz).all() and 89 not in ply['column']\n");
 }
 

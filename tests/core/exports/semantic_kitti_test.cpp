@@ -12,8 +12,7 @@ using testing::HasSubstr;
 
 class SemanticKittiLayout : public ExportWorld {
  protected:
-  SemanticKittiLayout() { use("semantic_kitti"); }
-  std::unique_ptr<Layout> layout_ = makeSemanticKitti();
+  SemanticKittiLayout() : ExportWorld(makeSemanticKitti(), "semantic_kitti") {}
 };
 
 // Read as its API does: numpy.fromfile, 16 bits each of class and instance.
@@ -144,13 +143,9 @@ TEST_F(SemanticKittiLayout, NumbersAreThoseOfTheSplitsThatProgramsKnow) {
 // Remissions are parts of 1, whatever the sensor calls full.
 TEST_F(SemanticKittiLayout, BytesOfIntensityBecomeParts) {
   plan_.manifest.sensors[0].intensityFullScale = 255;
-  const ExportFolder folder(folder_.path());
-  const ReadSample read = [&](std::size_t s, std::size_t f) {
-    ExportSample own = sample(s, f);
+  writeChanged(*layout_, 0, 0, [](ExportSample& own) {
     for (float& value : own.scans[0].scan[kIntensity]) value = 51;
-    return own;
-  };
-  layout_->write(plan_, 0, 0, read, folder);
+  });
   python(R"(
 points = np.fromfile(folder / 'sequences/00/velodyne/000000.bin', dtype=np.float32).reshape(-1, 4)
 assert (points[:, 3] == np.float32(0.2)).all()

@@ -158,16 +158,8 @@ TEST_F(VoxelExport, FilesAreThereWhereTheSampleHasVoxels) {
   EXPECT_EQ(files[5], "sequences/08/voxels/000001.occluded");
   plan_.sensors = {&plan_.manifest.sensors[1]};
   EXPECT_EQ(layout->filesOf(plan_, 1, 1).size(), 2u) << "the other sensor has none";
-  const ExportFolder folder(folder_.path());
   plan_.sensors = {&plan_.manifest.sensors[0]};
-  layout->write(
-      plan_, 1, 1,
-      [&](std::size_t s, std::size_t f) {
-        ExportSample read = sample(s, f);
-        read.voxels = voxels_;
-        return read;
-      },
-      folder);
+  writeChanged(*layout, 1, 1, [&](ExportSample& changed) { changed.voxels = voxels_; });
   EXPECT_EQ(readFile(folder_.path() / files[2]), semanticKittiVoxels(voxels_, plan_.classes).bin);
   EXPECT_EQ(readFile(folder_.path() / files[3]).size(), 240u);
 }

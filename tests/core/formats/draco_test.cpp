@@ -20,13 +20,31 @@ Scan roundTrip(const Scan& scan, std::string_view options = "{}") {
   return format->decode(format->encode(scan), "test.drc");
 }
 
-double largestError(const Scan& a, const Scan& b) {
+double distance(Vec3f a, Vec3f b) {
+  return length(Vec3d(a) - Vec3d(b));
+}
+
+double distance(float a, float b) {
+  return std::fabs(double{a} - double{b});
+}
+
+template <class T>
+double largestError(const std::vector<T>& a, const std::vector<T>& b) {
   EXPECT_EQ(a.size(), b.size());
   double worst = 0;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    worst = std::fmax(worst, length(Vec3d(a.position[i]) - Vec3d(b.position[i])));
-  }
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) worst = std::fmax(worst, distance(a[i], b[i]));
   return worst;
+}
+
+double largestError(const Scan& a, const Scan& b) {
+  return largestError(a.position, b.position);
+}
+
+void expectSameIds(const Scan& read, const Scan& scan) {
+  EXPECT_EQ(read[kLabel], scan[kLabel]);
+  EXPECT_EQ(read[kInstance], scan[kInstance]);
+  EXPECT_EQ(read[kRing], scan[kRing]);
+  EXPECT_EQ(read[kColumn], scan[kColumn]);
 }
 
 std::unique_ptr<draco::PointCloud> byDraco(const std::string& bytes) {
@@ -86,10 +104,7 @@ TEST(Draco, IntegersAreNeverChangedAndOrderIsKept) {
       SCOPED_TRACE(fmt::format("columns {:x}, {} x {}", columns, rings, width));
       Scan scan = randomScan(columns, rings, width, columns, false, 100);
       const Scan read = roundTrip(scan);
-      EXPECT_EQ(read[kLabel], scan[kLabel]);
-      EXPECT_EQ(read[kInstance], scan[kInstance]);
-      EXPECT_EQ(read[kRing], scan[kRing]);
-      EXPECT_EQ(read[kColumn], scan[kColumn]);
+      expectSameIds(read, scan);
       EXPECT_EQ(read.rings, scan.rings);
       EXPECT_EQ(read.columns, scan.columns);
       EXPECT_LE(largestError(scan, read), 1e-3);
@@ -102,10 +117,7 @@ TEST(Draco, IdsAtTheEndsOfTheirTypes) {
   for (std::size_t i = 0; i < scan.size(); ++i) scan.position[i] = {static_cast<float>(i), 0, 1};
   scan[kRangeTrue].clear();
   const Scan read = roundTrip(scan);
-  EXPECT_EQ(read[kLabel], scan[kLabel]);
-  EXPECT_EQ(read[kInstance], scan[kInstance]);
-  EXPECT_EQ(read[kRing], scan[kRing]);
-  EXPECT_EQ(read[kColumn], scan[kColumn]);
+  expectSameIds(read, scan);
   expectSameBits(read[kIntensity], scan[kIntensity], "intensity");
   for (const std::uint32_t id : {0u, 255u, 256u, 65535u, 65536u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu}) {
     scan[kInstance].assign(scan.size(), id);
@@ -137,9 +149,9 @@ TEST(Draco, MissesAreLeftOutAndRingAndColumnJoinTheRest) {
     if (!isFinite(scan.position[beam])) continue;
     ASSERT_LT(next, read.size());
     EXPECT_EQ(read[kRing][next] * 100u + read[kColumn][next], beam);
-    EXPECT_LE(length(Vec3d(read.position[next]) - Vec3d(scan.position[beam])), 1e-3);
-    EXPECT_LE(std::fabs(double{read[kRangeTrue][next]} - double{scan[kRangeTrue][beam]}), 1e-3);
-    EXPECT_LE(std::fabs(double{read[kIncidence][next]} - double{scan[kIncidence][beam]}), 1e-4);
+    EXPECT_LE(distance(read.position[next], scan.position[beam]), 1e-3);
+    EXPECT_LE(distance(read[kRangeTrue][next], scan[kRangeTrue][beam]), 1e-3);
+    EXPECT_LE(distance(read[kIncidence][next], scan[kIncidence][beam]), 1e-4);
     EXPECT_EQ(read[kTime][next], scan[kTime][beam]);
     EXPECT_EQ(read[kIntensity][next], scan[kIntensity][beam]);
     ++next;
@@ -184,11 +196,7 @@ TEST(Draco, IntensityBitsBoundTheError) {
   for (std::size_t i = 0; i < scan.size(); ++i) scan[kIntensity].push_back(uniform(generator));
   for (const int bits : {1, 4, 8, 12, 16}) {
     const Scan read = roundTrip(scan, fmt::format("intensity_bits: {}", bits));
-    double worst = 0;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      worst = std::fmax(worst, std::fabs(double{read[kIntensity][i]} - double{scan[kIntensity][i]}));
-    }
-    EXPECT_LE(worst, 10 / (std::exp2(bits) - 1) / 2) << bits;
+    EXPECT_LE(largestError(read[kIntensity], scan[kIntensity]), 10 / (std::exp2(bits) - 1) / 2) << bits;
   }
   scan[kIntensity].assign(scan.size(), 0.3f);
   EXPECT_EQ(roundTrip(scan, "intensity_bits: 8")[kIntensity], scan[kIntensity]);
@@ -199,11 +207,7 @@ TEST(Draco, IncidencesKeepTheirOwnBound) {
   for (const char* options : {"max_error_mm: 0.1", "max_error_mm: 100"}) {
     const Scan scan = randomScan(4, 20, 200, 128, false, 40);
     const Scan read = roundTrip(scan, options);
-    ASSERT_EQ(read[kIncidence].size(), scan.size());
-    double worst = 0;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      worst = std::fmax(worst, std::fabs(double{read[kIncidence][i]} - double{scan[kIncidence][i]}));
-    }
+    const double worst = largestError(read[kIncidence], scan[kIncidence]);
     EXPECT_LE(worst, 1e-4) << options;
     EXPECT_GT(worst, 0.5e-4) << "the step is far smaller than it need be";
   }
@@ -228,7 +232,7 @@ TEST(Draco, AnyDracoReaderFindsMetresAndNames) {
   for (std::uint32_t i = 0; i < cloud->num_points(); ++i) {
     Vec3f p;
     position->GetMappedValue(draco::PointIndex(i), &p);
-    ASSERT_LE(length(Vec3d(p) - Vec3d(scan.position[i])), 1e-3);
+    ASSERT_LE(distance(p, scan.position[i]), 1e-3);
   }
   std::vector<std::string> names = allColumnNames();
   names.insert(names.begin(), "position");

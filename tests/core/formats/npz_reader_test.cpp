@@ -1,11 +1,10 @@
 // Archives are made by numpy itself, where there is one.
 
-#include "formats/npz_reader.h"
-
 #include <cstdlib>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "formats/readers.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 

@@ -9,7 +9,7 @@
 #include "assets/gltf/container.h"
 #include "assets/gltf/json_reader.h"
 #include "assets/gltf/storage.h"
-#include "assets/uri.h"
+#include "assets/references.h"
 #include "base/error.h"
 
 namespace scanmill::gltf {

@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "assets/references.h"
-#include "assets/uri.h"
 
 namespace scanmill::gltf {
 namespace {

@@ -1,5 +1,3 @@
-#include "assets/surveys/cloud_asset.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,6 +12,7 @@
 #include "assets/asset_parts.h"
 #include "assets/base_color.h"
 #include "assets/surveys/surfels.h"
+#include "assets/surveys/surveys.h"
 #include "base/error.h"
 #include "config/text.h"
 #include "formats/cloud_file.h"

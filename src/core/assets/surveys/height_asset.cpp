@@ -1,5 +1,3 @@
-#include "assets/surveys/height_asset.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <utility>
 
 #include "assets/base_color.h"
+#include "assets/surveys/surveys.h"
 #include "base/earth.h"
 #include "base/error.h"
 #include "rasters/raster.h"

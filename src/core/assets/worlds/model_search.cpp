@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "assets/uri.h"
+#include "assets/references.h"
 
 namespace scanmill {
 namespace {

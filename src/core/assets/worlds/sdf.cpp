@@ -13,6 +13,7 @@
 #include "assets/worlds/solids.h"
 #include "assets/worlds/world.h"
 #include "assets/worlds/xml.h"
+#include "base/append_new.h"
 #include "scene/primitives.h"
 
 namespace scanmill {
@@ -392,11 +393,7 @@ class SdfReader {
     }
   }
 
-  void leftOut(const std::string& what) {
-    if (std::find(world_.leftOut.begin(), world_.leftOut.end(), what) == world_.leftOut.end()) {
-      world_.leftOut.push_back(what);
-    }
-  }
+  void leftOut(const std::string& what) { appendNew({what}, world_.leftOut); }
 
   World world_;
   std::map<std::filesystem::path, XmlNode> definitions_;

@@ -1,5 +1,3 @@
-#include "assets/worlds/tileset.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -15,7 +13,8 @@
 
 #include "assets/asset_parts.h"
 #include "assets/gltf/reader.h"
-#include "assets/uri.h"
+#include "assets/references.h"
+#include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "base/error.h"
 #include "base/file.h"

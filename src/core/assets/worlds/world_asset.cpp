@@ -9,7 +9,6 @@
 
 #include "assets/asset_parts.h"
 #include "assets/base_color.h"
-#include "assets/worlds/tileset.h"
 #include "assets/worlds/world.h"
 #include "base/error.h"
 #include "config/text.h"

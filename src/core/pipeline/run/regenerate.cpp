@@ -12,7 +12,7 @@
 #include "base/parallel.h"
 #include "config/fields.h"
 #include "config/version.h"
-#include "dataset/sample_json.h"
+#include "dataset/manifest.h"
 #include "dataset/shard_name.h"
 #include "pipeline/plan/shard_jobs.h"
 #include "pipeline/run/generate.h"

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "base/base64.h"
-#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 #include "report/dataset/alike_lines.h"
 #include "report/dataset/dataset_charts.h"
 #include "report/dataset/dataset_report.h"

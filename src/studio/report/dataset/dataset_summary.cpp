@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "dataset/sample_json.h"
+#include "dataset/sample_names.h"
 #include "viewer/color_map.h"
 
 namespace scanmill {

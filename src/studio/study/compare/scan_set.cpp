@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "dataset/sample_names.h"
+#include "config/text.h"
 #include "dataset/scan_store.h"
 #include "study/compare/range_grid.h"
 #include "study/median.h"

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "dataset/sample_json.h"
+#include "config/text.h"
 #include "dataset/sample_names.h"
 #include "viewer/frames/beam_error.h"
 #include "viewer/frames/scene_lookup.h"

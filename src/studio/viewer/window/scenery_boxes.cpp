@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dataset/sample_names.h"
+#include "config/text.h"
 #include "viewer/color_map.h"
 #include "viewer/window/scenery.h"
 

@@ -360,9 +360,7 @@ TEST_F(GltfReader, WhatIsHiddenIsLeftOutWithWhatIsBelowIt) {
         {{{"sampler", 0}, {"target", {{"path", "pointer"}, {"extensions", {{"KHR_animation_pointer", pointer}}}}}}}},
        {"samplers", {{{"input", times}, {"output", shown}, {"interpolation", "STEP"}}}}}};
   for (const double time : {0.5, 1.0}) {
-    AssetOptions options;
-    options.clip = ClipTime{"show", time};
-    EXPECT_EQ(read(b, options).parts.size(), time < 1 ? 1u : 2u) << time;
+    EXPECT_EQ(read(b, {.clip = ClipTime{"show", time}}).parts.size(), time < 1 ? 1u : 2u) << time;
   }
 }
 
@@ -378,10 +376,7 @@ TEST_F(GltfReader, InstancesShareTheirMesh) {
       {"EXT_mesh_gpu_instancing",
        {{"attributes", {{"TRANSLATION", translations}, {"ROTATION", rotations}, {"SCALE", scales}}}}}};
   for (const char up : {'y', 'z'}) {
-    AssetOptions options;
-    options.up = up;
-    options.metresPerUnit = 0.5;
-    const Asset asset = readAsset(folder_.write("a.gltf", b.text()), options);
+    const Asset asset = readAsset(folder_.write("a.gltf", b.text()), {.metresPerUnit = 0.5, .up = up});
     EXPECT_TRUE(asset.parts.empty());
     ASSERT_EQ(asset.instanced.size(), 1u);
     const InstancedParts& shared = asset.instanced[0];

@@ -1,5 +1,3 @@
-#include "assets/surveys/cloud_asset.h"
-
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,9 +6,9 @@
 #include <set>
 
 #include "assets/asset_parts.h"
-#include "scene/scene.h"
+#include "assets/surveys/surveys.h"
 #include "scene/texture.h"
-#include "scenefile/scene_file.h"
+#include "tests/core/assets/read_assets.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -46,11 +44,7 @@ class Clouds : public testing::Test {
     return readAsset(folder_.write("a.ply", text), options);
   }
   Scene scene(const std::string& object) const {
-    return readScene(
-        folder_.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\nmaterials: "
-                                            "{0}/labels/materials.yaml\nobjects:\n  - {{file: a.ply{1}}}\n",
-                                            SCANMILL_SOURCE_DIR, object)),
-        {});
+    return sceneOf(folder_, "objects:\n  - {file: a.ply" + object + "}\n");
   }
   TemporaryFolder folder_;
 };
@@ -101,15 +95,15 @@ TEST_F(Clouds, IntensitiesAreReflectances) {
   std::vector<std::string> lines = lawn("51");
   for (const std::string& line : lawn("204", 50)) lines.push_back(line);
   const std::string text = ply("property float intensity\n", lines);
-  const Material m = read(text).parts.at(0).fileMaterial;
   const auto reflectanceAt = [&](const Asset& asset, std::size_t k) {
     const AssetPart& part = asset.parts[0];
     const Vec2f uv = part.uvs[4 * k];
     const Material& own = part.fileMaterial;
     return own.reflectance * luminance(own.texture->texel(uv.x, uv.y)) / own.textureMean;
   };
-  EXPECT_TRUE(m.textured);
   const Asset asset = read(text);
+  const Material& m = asset.parts.at(0).fileMaterial;
+  EXPECT_TRUE(m.textured);
   EXPECT_NEAR(reflectanceAt(asset, 3), 0.2, 0.004) << "of 255";
   EXPECT_NEAR(reflectanceAt(asset, 500), 0.8, 0.004);
   EXPECT_NEAR(m.reflectance, 0.5, 0.006) << "a few texels more than points";
@@ -126,14 +120,12 @@ TEST_F(Clouds, ColoursAreReflectancesWhereThereIsNoIntensity) {
   const std::string green = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   const Asset asset = read(ply(green, lawn("0 255 0")));
   EXPECT_NEAR(asset.parts.at(0).fileMaterial.reflectance, 0.7152, 1e-3);
-  read(ply(green, lawn("0 255 0")));
   const Scene s = scene(", rules: [{match: {color: \"#00ff00\"}, class: terrain}]");
   EXPECT_TRUE(s.unlabeled.empty());
 }
 
 TEST_F(Clouds, MayBeThinnedOut) {
-  AssetOptions options;
-  options.points.spacing = 0.5;
+  const AssetOptions options{.points = {.spacing = 0.5}};
   EXPECT_EQ(read(ply("", lawn("", 0.01, 0.01)), options).parts.at(0).triangles.size(), 2u * 4 * 4);
 }
 
@@ -141,7 +133,8 @@ TEST_F(Clouds, MistakesAreNamed) {
   EXPECT_THAT(messageOf([&] { read(ply("", {})); }), AllOf(HasSubstr("a.ply"), HasSubstr("has no point")));
   EXPECT_THAT(messageOf([&] { read(ply("", {"nan nan nan"})); }), HasSubstr("has no point"));
   read(ply("", lawn("")));
-  EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }), AllOf(HasSubstr("s.yaml:4"), HasSubstr("'spacng'")));
+  EXPECT_THAT(messageOf([&] { scene(", points: {spacng: 3}"); }),
+              AllOf(HasSubstr("scene.yaml:4"), HasSubstr("'spacng'")));
   EXPECT_THAT(messageOf([&] { scene(", points: {radius: [2, 1]}"); }), HasSubstr("[least, most]"));
   EXPECT_THAT(messageOf([&] { scene(", heights: {every: 2}"); }), HasSubstr("rasters, such as .tif"));
   EXPECT_THAT(messageOf([&] { scene(", points: {labels: scanmill}"); }),
@@ -160,9 +153,7 @@ TEST_F(Clouds, MistakesAreNamed) {
 TEST_F(Clouds, ARealRevolutionIsASceneOfItsPoints) {
   SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128");
   const Asset asset = readAsset(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd", {});
-  std::uint64_t triangles = 0;
-  for (const AssetPart& part : asset.parts) triangles += part.triangles.size();
-  EXPECT_EQ(triangles, 2u * 107647);
+  EXPECT_EQ(trianglesOf(asset), 2u * 107647);
   EXPECT_TRUE(asset.parts[0].fileMaterial.textured) << "by its reflectivity";
 }
 

@@ -1,13 +1,12 @@
-#include "assets/surveys/height_asset.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "assets/asset_parts.h"
-#include "scene/scene.h"
-#include "scenefile/scene_file.h"
+#include "assets/surveys/surveys.h"
+#include "tests/core/assets/read_assets.h"
 #include "tests/support/geo_tiff.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -20,6 +19,13 @@ using testing::HasSubstr;
 
 double slope(double x, double y) {
   return 0.2 * (x - 500000) - 0.1 * (y - 5400000) + 300;
+}
+
+void expectOnSlope(const Asset& asset) {
+  for (const Vec3f& p : asset.parts.at(0).positions) {
+    const Vec3d at = asset.origin + Vec3d(p);
+    EXPECT_NEAR(at.z, slope(at.x, at.y), 1e-3);
+  }
 }
 
 // Heights of a plane in UTM coordinates: 30 x 20 samples of 5 m, the first of which is at [500002.5, 5400097.5].
@@ -44,21 +50,12 @@ class Heights : public testing::Test {
   TemporaryFolder folder_;
 };
 
-std::uint64_t trianglesOf(const Asset& asset) {
-  std::uint64_t count = 0;
-  for (const AssetPart& part : asset.parts) count += part.triangles.size();
-  return count;
-}
-
 TEST_F(Heights, AreWhereTheRasterSaysToTheMillimetre) {
   const Asset asset = read(tilted());
   ASSERT_EQ(asset.parts.size(), 1u);
   EXPECT_EQ(asset.parts[0].positions.size(), 600u);
   EXPECT_EQ(trianglesOf(asset), 2u * 29 * 19);
-  for (const Vec3f& p : asset.parts[0].positions) {
-    const Vec3d at = asset.origin + Vec3d(p);
-    EXPECT_NEAR(at.z, slope(at.x, at.y), 1e-3);
-  }
+  expectOnSlope(asset);
   const Box box = boundsOf(asset);
   EXPECT_NEAR(box.low.x, 500002.5, 1e-3);
   EXPECT_NEAR(box.high.y, 5400097.5, 1e-3);
@@ -74,10 +71,7 @@ TEST_F(Heights, MayBeTakenCoarserAndInPart) {
   options.heights.every = 4;
   const Asset coarse = read(tilted(), options);
   EXPECT_EQ(coarse.parts.at(0).positions.size(), 7u * 5);
-  for (const Vec3f& p : coarse.parts[0].positions) {
-    const Vec3d at = coarse.origin + Vec3d(p);
-    EXPECT_NEAR(at.z, slope(at.x, at.y), 1e-3);
-  }
+  expectOnSlope(coarse);
   options.heights.every = 1;
   options.heights.within = {{500050, 5400000, 500100, 5400050}};
   const Asset part = read(tilted(), options);
@@ -101,15 +95,11 @@ TEST_F(Heights, WithoutAValueAreHoles) {
 TEST_F(Heights, CellsAreCutAcrossTheShorterDiagonal) {
   const GeoTiff corner{2, 2, {0, 0, 0, 9}, 500000, 5400000, 1};
   const Asset asset = read(corner);
-  for (const Triangle& t : asset.parts.at(0).triangles) {
-    const auto& p = asset.parts[0].positions;
-    int high = 0;
-    for (const std::uint32_t c : t) high += p[c].z > 4 ? 1 : 0;
-    EXPECT_LE(high, 1);
-  }
-  double flat = 0;
+  const auto& p = asset.parts.at(0).positions;
+  int flat = 0;
   for (const Triangle& t : asset.parts[0].triangles) {
-    const auto& p = asset.parts[0].positions;
+    const auto high = std::count_if(t.begin(), t.end(), [&](std::uint32_t c) { return p[c].z > 4; });
+    EXPECT_LE(high, 1);
     flat += p[t[0]].z == 0 && p[t[1]].z == 0 && p[t[2]].z == 0 ? 1 : 0;
   }
   EXPECT_EQ(flat, 1) << "one of the two lies level";
@@ -168,13 +158,11 @@ TEST_F(Heights, OfLongitudeAndLatitudeLieAsOnTheEarth) {
 
 TEST_F(Heights, AreObjectsOfAScene) {
   folder_.write("dem.tif", tilted().bytes());
-  const Scene scene = readScene(
-      folder_.write("s.yaml", std::string("ontology: ") + SCANMILL_SOURCE_DIR +
-                                  "/labels/scanmill.yaml\nmaterials: " + SCANMILL_SOURCE_DIR +
-                                  "/labels/materials.yaml\nobjects:\n  - {file: dem.tif, position: [-500000, -5400000, "
-                                  "0], heights: {every: 2}, rules: [{match: {box: [[500000, 5400000, 0], [500050, "
-                                  "5400100, 999]]}, class: road}, {match: {slope_deg: [10, 20]}, class: terrain}]}\n"),
-      {});
+  const Scene scene = sceneOf(
+      folder_,
+      "objects:\n  - {file: dem.tif, position: [-500000, -5400000, 0], heights: {every: 2}, rules: [{match: {box: "
+      "[[500000, 5400000, 0], [500050, 5400100, 999]]}, class: road}, {match: {slope_deg: [10, 20]}, class: "
+      "terrain}]}\n");
   ASSERT_EQ(scene.instances.size(), 1u);
   EXPECT_EQ(scene.instances[0].name, "dem");
   EXPECT_NEAR(scene.bounds().low.x, 5, 1e-3);
@@ -213,9 +201,7 @@ TEST_F(Heights, MistakesAreNamed) {
   folder_.write("u.tif", unplaced);
   EXPECT_THAT(messageOf([&] { readAsset(folder_.path() / "u.tif", {}); }), HasSubstr("gdal_edit.py"));
   std::string cut = tilted().bytes();
-  AssetOptions up;
-  up.up = 'y';
-  EXPECT_THAT(refused(tilted(), up), HasSubstr("leave out `up`"));
+  EXPECT_THAT(refused(tilted(), {.up = 'y'}), HasSubstr("leave out `up`"));
   // Whatever is damaged, it is read or refused.
   for (std::size_t i = 0; i < cut.size(); i += 7) {
     std::string damaged = cut;

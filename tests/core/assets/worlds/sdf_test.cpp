@@ -11,10 +11,6 @@ using testing::HasSubstr;
 
 class Sdf : public WorldFiles {};
 
-Pose poseOf(double x, double y, double z, double roll, double pitch, double yaw) {
-  return {fromYawPitchRoll(yaw, pitch, roll), {x, y, z}};
-}
-
 TEST_F(Sdf, PosesOfModelLinkAndVisualFollowEachOther) {
   folder_.write("wing.obj", kWing);
   const Asset asset = sdf(R"(<world name="w"><model name="m"><pose>1 2 3 0.1 0.2 0.3</pose>
@@ -134,10 +130,7 @@ TEST_F(IncludedSdf, AreCalledAsTheyAreIncluded) {
 
 TEST_F(IncludedSdf, AreFoundWhereTheEnvironmentSays) {
   const TemporaryFolder elsewhere;
-  elsewhere.write(
-      "lamp/model.sdf",
-      "<sdf version=\"1.6\"><model name=\"x\"><link name=\"l\"><visual name=\"v\"><geometry><sphere><radius>1"
-      "</radius></sphere></geometry></visual></link></model></sdf>");
+  elsewhere.write("lamp/model.sdf", "<sdf version=\"1.6\">" + model("<sphere><radius>1</radius></sphere>") + "</sdf>");
   const std::string world = "<world name=\"w\">" + include("", "model://lamp") + "</world>";
   EXPECT_THAT(refusal(world), AllOf(HasSubstr("a.sdf:3"), HasSubstr("model://lamp"), HasSubstr("GAZEBO_MODEL_PATH")));
   ::setenv("GAZEBO_MODEL_PATH", ("/nowhere:" + elsewhere.path().string()).c_str(), 1);
@@ -173,12 +166,8 @@ TEST_F(IncludedSdf, ThatIncludeThemselvesAreRefused) {
 }
 
 TEST_F(Sdf, SolidsHaveTheirSizes) {
-  const auto bounds = [&](const std::string& shape) {
-    return boundsOf(sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry>" + shape +
-                        "</geometry></visual></link></model>"));
-  };
   const auto expectSize = [&](const std::string& shape, const Vec3d& size, double within = 1e-6) {
-    const Box box = bounds(shape);
+    const Box box = boundsOf(sdf(model(shape)));
     const Vec3d off = box.high - box.low - size;
     EXPECT_LT(std::max({std::fabs(off.x), std::fabs(off.y), std::fabs(off.z)}), within) << shape;
     EXPECT_LT(length(box.center()), within) << shape;
@@ -190,21 +179,14 @@ TEST_F(Sdf, SolidsHaveTheirSizes) {
   expectSize("<capsule><radius>0.5</radius><length>3</length></capsule>", {1, 1, 4}, 0.01);
   expectSize("<ellipsoid><radii>1 2 3</radii></ellipsoid>", {2, 4, 6}, 0.1);
   expectSize("<plane><normal>1 0 0</normal><size>4 4</size></plane>", {0, 4, 4});
-  EXPECT_THAT(
-      refusal("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><box><size>1 2</size></box></geometry>"
-              "</visual></link></model>"),
-      AllOf(HasSubstr("a.sdf:3"), HasSubstr("2 numbers, but must have 3")));
-  EXPECT_THAT(
-      refusal("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><sphere><radius>-1</radius></sphere>"
-              "</geometry></visual></link></model>"),
-      HasSubstr("above 0"));
+  EXPECT_THAT(refusal(model("<box><size>1 2</size></box>")),
+              AllOf(HasSubstr("a.sdf:3"), HasSubstr("2 numbers, but must have 3")));
+  EXPECT_THAT(refusal(model("<sphere><radius>-1</radius></sphere>")), HasSubstr("above 0"));
 }
 
 TEST_F(Sdf, MirroredMeshesKeepTheirOutside) {
   folder_.write("wing.obj", kWing);
-  const Asset asset =
-      sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>wing.obj</uri>"
-          "<scale>-1 1 1</scale></mesh></geometry></visual></link></model>");
+  const Asset asset = sdf(model("<mesh><uri>wing.obj</uri><scale>-1 1 1</scale></mesh>"));
   const AssetPart& part = asset.parts.at(0);
   const Triangle& t = part.triangles.at(0);
   const auto corner = [&](int i) { return Vec3d(part.positions[t[i]]); };
@@ -215,9 +197,8 @@ TEST_F(Sdf, MirroredMeshesKeepTheirOutside) {
 
 TEST_F(Sdf, SubmeshesAreTakenAloneAndCentred) {
   folder_.write("two.obj", std::string(kWing) + "o box\nv 10 0 0\nv 12 0 0\nv 10 4 0\nf 4 5 6\n");
-  const auto visual = [&](const std::string& submesh) {
-    return "<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>two.obj</uri>" + submesh +
-           "</mesh></geometry></visual></link></model>";
+  const auto visual = [](const std::string& submesh) {
+    return model("<mesh><uri>two.obj</uri>" + submesh + "</mesh>");
   };
   EXPECT_EQ(sdf(visual("")).parts.size(), 2u);
   EXPECT_EQ(boundsOf(sdf(visual("<submesh><name>box</name></submesh>"))).low, (Vec3d{10, 0, 0}));
@@ -234,14 +215,14 @@ TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
       "   diffuse 0.2 0.4 0.1 1\n   texture_unit { \n texture leaf.tga\n }\n  }\n }\n}\nmaterial Other\n{\n}\n");
   folder_.write("card.obj", "o card\nv 0 0 0\nv 1 0 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n");
   folder_.write("wing.obj", kWing);
-  const auto model = [&](const std::string& mesh) {
-    return sdf("<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>" + mesh +
-               "</uri></mesh></geometry><material><script><uri>file://leaf/materials/scripts</uri><uri>file://leaf/"
-               "materials/textures</uri><name>Leaf/Green</name></script></material></visual></link></model>");
+  const auto leaf = [&](const std::string& mesh) {
+    return sdf(model("<mesh><uri>" + mesh + "</uri></mesh>",
+                     "<material><script><uri>file://leaf/materials/scripts</uri><uri>file://leaf/materials/textures"
+                     "</uri><name>Leaf/Green</name></script></material>"));
   };
   // While the image is missing, it says so, and the mesh has the material's colour.
   testing::internal::CaptureStderr();
-  const Asset without = model("card.obj");
+  const Asset without = leaf("card.obj");
   EXPECT_THAT(testing::internal::GetCapturedStderr(), AllOf(HasSubstr("leaf.tga"), HasSubstr("missing")));
   EXPECT_EQ(without.parts.at(0).material, "Leaf/Green");
   EXPECT_NEAR(without.parts[0].fileMaterial.reflectance, 0.2126 * 0.2 + 0.7152 * 0.4 + 0.0722 * 0.1, 1e-6);
@@ -255,14 +236,14 @@ TEST_F(Sdf, ScriptsNameImagesAndWhatIsCutOut) {
   image[17] = 8;
   image += std::string("\x00\x80\x00\xff", 4) + std::string(4, '\0');
   folder_.write("leaf/materials/textures/leaf.tga", image);
-  const Material card = model("card.obj").parts.at(0).fileMaterial;
+  const Material card = leaf("card.obj").parts.at(0).fileMaterial;
   ASSERT_TRUE(card.texture);
   EXPECT_TRUE(card.alphaTested);
   EXPECT_NEAR(card.alphaCutoff, 128 / 255.0, 0.01);
   EXPECT_GT(card.texture->texel(0.25f, 0.5f)[3], 128);
   EXPECT_LT(card.texture->texel(0.75f, 0.5f)[3], 128);
   // A mesh that cannot show it keeps the colour.
-  const AssetPart wing = model("wing.obj").parts.at(0);
+  const AssetPart wing = leaf("wing.obj").parts.at(0);
   EXPECT_FALSE(wing.fileMaterial.texture);
   EXPECT_FLOAT_EQ(wing.color[1], 0.4f);
 }
@@ -307,11 +288,7 @@ TEST_F(Sdf, MistakesAreNamedWithTheirLine) {
                       "<link name=\"l\"><pose relative_to=\"a\">0 0 0 0 0 0</pose></link></model>"),
               HasSubstr("relative to itself"));
   EXPECT_THAT(refusal("<model name=\"m\"><link name=\"l\"/></model>"), HasSubstr("has no triangle"));
-  EXPECT_THAT(
-      refusal(
-          "<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry><mesh><uri>gone.obj</uri></mesh></geometry>"
-          "</visual></link></model>"),
-      AllOf(HasSubstr("a.sdf:3"), HasSubstr("gone.obj")));
+  EXPECT_THAT(refusal(model("<mesh><uri>gone.obj</uri></mesh>")), AllOf(HasSubstr("a.sdf:3"), HasSubstr("gone.obj")));
   EXPECT_THAT(refusal("<world name=\"w\"><include><uri>https://fuel.gazebosim.org/x</uri></include></world>"),
               HasSubstr("download"));
   std::string deep;

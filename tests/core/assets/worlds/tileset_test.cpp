@@ -1,7 +1,6 @@
-#include "assets/worlds/tileset.h"
-
 #include <cstring>
 
+#include "assets/worlds/world_asset.h"
 #include "base/earth.h"
 #include "tests/core/assets/gltf/gltf_builder.h"
 #include "world_files.h"
@@ -25,17 +24,6 @@ GltfBuilder upright(const std::string& node = "wing") {
 
 void word(std::string& bytes, std::uint32_t value) {
   bytes.append(reinterpret_cast<const char*>(&value), 4);
-}
-
-std::string glb(const std::string& text) {
-  std::string json = text;
-  while (json.size() % 4 != 0) json += ' ';
-  std::string bytes = "glTF";
-  word(bytes, 2);
-  word(bytes, static_cast<std::uint32_t>(20 + json.size()));
-  word(bytes, static_cast<std::uint32_t>(json.size()));
-  word(bytes, 0x4E4F534A);
-  return bytes + json;
 }
 
 std::string b3dm(const std::string& inside, const std::string& features, const std::string& binary = "") {

@@ -16,10 +16,6 @@ class Urdf : public WorldFiles {
   }
 };
 
-Pose poseOf(double x, double y, double z, double roll, double pitch, double yaw) {
-  return {fromYawPitchRoll(yaw, pitch, roll), {x, y, z}};
-}
-
 TEST_F(Urdf, LinksHangOnTheirJoints) {
   folder_.write("pkg/meshes/wing.obj", kWing);
   const Asset asset = urdf(R"(

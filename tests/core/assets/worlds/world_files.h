@@ -18,6 +18,10 @@ namespace scanmill {
 // A triangle whose corners tell the axes apart: (1, 0, 0), (0, 2, 0), (0, 0, 3).
 constexpr const char* kWing = "o wing\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\n";
 
+inline Pose poseOf(double x, double y, double z, double roll, double pitch, double yaw) {
+  return {fromYawPitchRoll(yaw, pitch, roll), {x, y, z}};
+}
+
 class WorldFiles : public testing::Test {
  protected:
   Asset read(const std::string& name, const std::string& text) const {
@@ -30,6 +34,12 @@ class WorldFiles : public testing::Test {
   std::string refusal(const std::string& inside) const {
     return messageOf([&] { sdf(inside); });
   }
+  // A model of one link with one visual of this geometry; `look`: what follows the geometry.
+  static std::string model(const std::string& geometry, const std::string& look = "") {
+    return "<model name=\"m\"><link name=\"l\"><visual name=\"v\"><geometry>" + geometry + "</geometry>" + look +
+           "</visual></link></model>";
+  }
+
   // A model of one link with one visual, which is a wing.
   std::string wing(const std::string& name, const std::string& more = "", const std::string& visual = "") const {
     folder_.write("wing.obj", kWing);

@@ -1,9 +1,15 @@
 #pragma once
 
+// The parts of the reader that uses the assimp library (assets/assimp_reader.h).
+
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
+
+#include "assets/imported_file.h"
+
+struct aiScene;
 
 namespace Assimp {
 class IOSystem;
@@ -20,5 +26,10 @@ struct MissedFiles {
 // Returns the file access for the importer. It opens only regular files, no pipes or devices, and without
 // `allowOutside` only files in the asset's folder and its subfolders. `missed` must outlive the result.
 std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, bool allowOutside, MissedFiles& missed);
+
+// Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
+std::vector<ImportedMaterial> materialsOf(const aiScene& scene);
+// Returns the embedded images of an assimp scene. Throws Error if an image has no usable size.
+std::vector<ImportedImage> imagesOf(const aiScene& scene);
 
 }  // namespace scanmill

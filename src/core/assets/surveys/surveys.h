@@ -1,8 +1,10 @@
 #pragma once
 
-// Point clouds as assets: a recorded place can be scanned again, by another sensor.
+// Surveys as assets. A point cloud is a recorded place, which can be scanned again by another sensor; a height raster is
+// a digital elevation model.
 
 #include <filesystem>
+#include <string_view>
 
 #include "assets/asset.h"
 
@@ -20,5 +22,16 @@ inline constexpr const char* kPointColor = "color";
 // are dropped. The reflectance comes from the points' intensities, else from their colours. Throws an InputError that
 // names the file.
 Asset readCloudAsset(const std::filesystem::path& file, const AssetOptions& options);
+
+// True if files with this suffix (".tif", lower case) are read as height rasters.
+bool isHeights(std::string_view suffix);
+
+// Reads band 1 of a raster as heights in metres. Each square of four samples becomes two triangles, split along the
+// shorter diagonal; a sample without a value leaves a hole. If the raster's coordinates are projected, the asset has
+// the same x and y, in metres. If they are longitude and latitude, x and y are metres east and north of the raster's
+// middle, and z is the height above the horizontal plane at the middle. AssetOptions::heights can add a class raster:
+// the triangles of each class are then a part, whose material is the class number. Otherwise all triangles are one part
+// with the material "heights". Throws an InputError that names the file.
+Asset readHeightAsset(const std::filesystem::path& file, const AssetOptions& options);
 
 }  // namespace scanmill

@@ -1,0 +1,44 @@
+#pragma once
+
+// What tests of all kinds of assets ask of what is read.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "assets/asset.h"
+#include "base/error.h"
+#include "scene/scene.h"
+#include "scenefile/scene_file.h"
+#include "tests/support/temporary_folder.h"
+
+namespace scanmill {
+
+inline std::size_t trianglesOf(const Asset& asset) {
+  std::size_t count = 0;
+  for (const AssetPart& part : asset.parts) count += part.triangles.size();
+  return count;
+}
+
+// Reads a file that may be damaged. Returns false if the file is refused; the message must then name it.
+inline bool isReadOrNamed(const std::filesystem::path& file, const AssetOptions& options = {}) {
+  try {
+    readAsset(file, options);
+    return true;
+  } catch (const InputError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr(file.filename().string()));
+    return false;
+  }
+}
+
+// Reads a scene with the classes and materials of labels/. `rest`: the YAML after these, from its keys on.
+inline Scene sceneOf(const TemporaryFolder& folder, const std::string& rest) {
+  const std::string labels = SCANMILL_SOURCE_DIR "/labels/";
+  return readScene(folder.write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
+                                                  "materials.yaml\n" + rest),
+                   {});
+}
+
+}  // namespace scanmill
