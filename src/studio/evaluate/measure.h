@@ -53,6 +53,15 @@ struct MeasureOptions {
   std::function<bool()> stop;
 };
 
+// Throws Error if beams fire several rays, since methods are compared beam by beam.
+void requireOneRay(const Hits& hits);
+
+// Returns for each beam 1 if it is near an edge, otherwise 0. For this, eight neighbouring beams are traced at `angle`
+// (rad) above, below, left, right and diagonally. The beam is near an edge if a neighbour hits another instance or
+// class, if only one of the two has a hit, or if their ranges differ by more than a tenth of the range, which is more
+// than the slope of a surface explains.
+std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle);
+
 // True if at least one beam of the shots has a true hit.
 bool anyHit(std::span<const TrueShot> shots);
 

@@ -1,15 +1,17 @@
 #include "evaluate/measure.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <thread>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "tests/core/methods/trace.h"
-#include "tests/support/points_of.h"
+#include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -354,6 +356,19 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo.rms, three.errors.byPlace[1].errors.nearestTo.rms);
 }
 
+// The points that a standing sensor's beams hit, in its own axes (m).
+std::vector<Vec3f> pointsOf(const Shot& shot, const Hits& hits) {
+  const BeamTable& beams = *shot.beams;
+  std::vector<Vec3f> points;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!hits.hit(i)) continue;
+    Vec3d p = beams.direction[i] * double{hits.range[i]};
+    if (!beams.origin.empty()) p += Vec3d(beams.origin[i]);
+    points.push_back(Vec3f(p));
+  }
+  return points;
+}
+
 TEST(HitPoints, AreWhereTheSensorPutsThem) {
   const Scene scene = courtyard();
   auto beams = spinning(8, 64, -25, 5, 15);
@@ -382,6 +397,48 @@ TEST(HitPoints, OfAMovingSensorAreInTheFrameThatTheShotAsksFor) {
     const Vec3d expected = inverse(shot.worldFromSensor[0]) * world;
     EXPECT_LT(length(Vec3d(points[i]) - expected), 1e-6) << i;
   }
+}
+
+// What is compared is of beams; rays of several a beam would be taken for those of others.
+TEST(Measure, RefusesSeveralRaysABeam) {
+  Hits several;
+  several.reset(1, 2, {});
+  several.beamOfRay = {0, 1, 1};
+  several.range = {10, 10, 12};
+  EXPECT_THAT(messageOf<Error>([&] { requireOneRay(several); }), testing::HasSubstr("2 beams have 3 rays"));
+}
+
+// A disc of angular radius a seen head-on: edge beams are those whose angle to its rim is below the pixel's.
+TEST(Measure, EdgesAreWhereNeighboursDiffer) {
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, at(0, 0, 0), {0.02, 2, 2});
+  builder.place(builder.addMesh(box), at(10, 0, 0), "board");
+  const Scene scene = builder.finish();
+  const auto method = rayTracing(scene);
+  const double angle = 0.002;
+  const Shot shot = shotAt(spinning(9, 3600, -8, 8));
+  const std::vector<std::uint8_t> edges = edgeBeams(*method, shot, angle);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Vec3d& d = shot.beams->direction[i];
+    if (d.x <= 0) {
+      EXPECT_EQ(edges[i], 0);
+      continue;
+    }
+    // Distance, on the image plane at 1 m, from the square's outline of half side 1 / 9.99.
+    const double u = std::abs(d.y / d.x);
+    const double v = std::abs(d.z / d.x);
+    const double half = 1 / 9.99;
+    const double toOutline = u <= half && v <= half ? std::min(half - u, half - v)
+                                                    : std::hypot(std::max(u - half, 0.0), std::max(v - half, 0.0));
+    if (toOutline > 2.1 * angle) {
+      EXPECT_EQ(edges[i], 0) << u << " " << v;
+    }
+    if (toOutline < 0.9 * angle) {
+      EXPECT_EQ(edges[i], 1) << u << " " << v;
+    }
+  }
+  EXPECT_GT(std::accumulate(edges.begin(), edges.end(), 0), 15);
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ class RepeatabilityRun {
         methods.clear();
         scene = std::make_unique<Scene>(source_.load(s));
         standStill(*scene, 0);
-        for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting, *scene));
+        for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting.choice, *scene));
         things = boxedThings(*scene);
       }
       for (std::size_t m = 0; m < methods.size(); ++m) {
@@ -186,12 +186,6 @@ class RepeatabilityRun {
           "range_noise or angular_jitter",
           result_.levels[level], names.empty() ? "it has no effects" : fmt::format("{}", fmt::join(names, ", "))));
     }
-  }
-
-  static std::unique_ptr<Method> makeMethod(const MethodSetting& setting, const Scene& scene) {
-    Fields options(setting.choice.options, "method " + setting.setting.method);
-    options.alsoDescribed(setting.choice.entry->keys).finish();
-    return setting.choice.entry->make(scene, options);
   }
 
   bool stopped() const { return options_.stop != nullptr && *options_.stop; }
