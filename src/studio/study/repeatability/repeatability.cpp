@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/append_new.h"
 #include "base/parallel.h"
 #include "config/version.h"
 #include "pipeline/run/progress.h"
@@ -274,18 +275,14 @@ class RepeatabilityRun {
 std::vector<std::string> Repeatability::objects() const {
   std::vector<std::string> names;
   for (const RepeatedView& view : views) {
-    for (const RepeatedPlace& place : view.places) {
-      if (std::find(names.begin(), names.end(), place.object) == names.end()) names.push_back(place.object);
-    }
+    for (const RepeatedPlace& place : view.places) appendNew({place.object}, names);
   }
   return names;
 }
 
 std::vector<std::string> Repeatability::sensors() const {
   std::vector<std::string> names;
-  for (const RepeatedView& view : views) {
-    if (std::find(names.begin(), names.end(), view.sensor) == names.end()) names.push_back(view.sensor);
-  }
+  for (const RepeatedView& view : views) appendNew({view.sensor}, names);
   return names;
 }
 
