@@ -101,9 +101,7 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   const Plan plan = makePlan(std::move(pipeline), channels);
   const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
   prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
-  RepeatabilityOptions run;
-  run.quiet = parsed.has("quiet");
-  run.stop = &stopSignal();
+  const RepeatabilityOptions run{.quiet = parsed.has("quiet"), .stop = &stopSignal()};
   const Repeatability result = measureRepeatability(plan, run);
   const std::string date = today();
   writeResult(result, date, folder);

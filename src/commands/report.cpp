@@ -70,9 +70,8 @@ int runReport(const std::vector<std::string>& arguments) {
   if (file.empty()) throw InputError("-o: the name of the file is empty");
   expectFree(file, parsed.has("overwrite"));
 
-  DatasetReportOptions reportOptions;
-  reportOptions.seed = parsed.options["seed"].as<std::uint64_t>();
-  reportOptions.samples = parsed.options["samples"].as<std::size_t>();
+  DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),
+                                     .samples = parsed.options["samples"].as<std::size_t>()};
   if (reportOptions.samples > kMostSamples) {
     throw InputError(fmt::format("--samples must be from 0 to {}, not {}", kMostSamples, reportOptions.samples));
   }

@@ -202,11 +202,11 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
   const bool overwrite = parsed.has("overwrite");
   const ResourceLimits limits(parsed);
-  StudyOptions studyOptions;
-  studyOptions.quiet = parsed.has("quiet");
-  studyOptions.stop = &stopSignal();
-  studyOptions.showScan = [](const Scan& scan, const Ontology& ontology) { drawPicture(scan, &ontology, {}, "scan"); };
-  studyOptions.drawErrors = drawErrors;
+  StudyOptions studyOptions{
+      .quiet = parsed.has("quiet"),
+      .stop = &stopSignal(),
+      .showScan = [](const Scan& scan, const Ontology& ontology) { drawPicture(scan, &ontology, {}, "scan"); },
+      .drawErrors = drawErrors};
   if (parsed.has("budget")) {
     constexpr double kMostMinutes = 1e5;
     const double minutes = parsed.options["budget"].as<double>();

@@ -212,11 +212,7 @@ std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const Pict
 
 // Acts like a click of the left button.
 void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
-  CanvasEvent event;
-  event.x = pixel.first;
-  event.y = pixel.second;
-  event.button = 1;
-  event.kind = CanvasEvent::Kind::Move;
+  CanvasEvent event{.kind = CanvasEvent::Kind::Move, .x = pixel.first, .y = pixel.second, .button = 1};
   session.handle(event);
   event.kind = CanvasEvent::Kind::Down;
   session.handle(event);

@@ -46,11 +46,11 @@ struct MeasureOptions {
   double leastSeconds = 0;
   bool clouds = true;  // measure distances between point clouds, overall and for each group of beams
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
-  Channels channels;
+  Channels channels{};
   // Returns the noise-free intensity of each beam from a method's hits; null: intensities are not compared.
-  std::function<std::vector<float>(const Shot&, const Hits&)> intensity;
+  std::function<std::vector<float>(const Shot&, const Hits&)> intensity{};
   // Called between scans. If it returns true, measure() throws Error.
-  std::function<bool()> stop;
+  std::function<bool()> stop{};
 };
 
 // Throws Error if beams fire several rays, since methods are compared beam by beam.

@@ -83,9 +83,7 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
   const Scene scene = courtyard();
   const std::vector<TrueShot> shots = seenByRays(scene);
   std::vector<Channels> scans;
-  MeasureOptions options;
-  options.repeats = 4;
-  options.channels = Channel::Instance;
+  MeasureOptions options{.repeats = 4, .channels = Channel::Instance};
   const auto make = [&] { return std::make_unique<Counting>(scene, std::size_t{32} << 20, scans); };
   const Measurement m = measure(make, scene, shots, options);
   EXPECT_EQ(m.cost.stages, (std::map<std::string, double>{{"build", 0}, {"fly", 0.5}}));
@@ -110,10 +108,7 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
 
 TEST(Measure, FastScansAreRepeatedFurther) {
   const Scene scene = courtyard();
-  MeasureOptions options;
-  options.repeats = 2;
-  options.clouds = false;
-  options.channels = kErrorChannels;
+  MeasureOptions options{.repeats = 2, .clouds = false, .channels = kErrorChannels};
   const std::vector<TrueShot> truth = trueShots(scene, {twoShots().front()}, options);
   const auto scansWith = [&](double leastSeconds) {
     options.leastSeconds = leastSeconds;
@@ -142,9 +137,7 @@ TEST(Measure, SensorsCountByTheirNumberOfScans) {
   shots.push_back(shots.front());
   shots.push_back(shots.front());
   shots[3].sensor = 1;
-  MeasureOptions options;
-  options.repeats = 1;
-  options.clouds = false;
+  const MeasureOptions options{.repeats = 1, .clouds = false};
   const std::vector<TrueShot> truth = trueShots(scene, shots, options);
   std::vector<Channels> scans;
   const Cost cost = measure([&] { return std::make_unique<Slow>(scene, 1, scans); }, scene, truth, options).cost;
@@ -154,11 +147,10 @@ TEST(Measure, SensorsCountByTheirNumberOfScans) {
 }
 
 TEST(Measure, AnyHitTellsABlindSensor) {
-  MeasureOptions options;
-  EXPECT_TRUE(anyHit(trueShots(courtyard(), twoShots(), options)));
+  EXPECT_TRUE(anyHit(trueShots(courtyard(), twoShots(), {})));
   std::vector<Shot> blind = twoShots();
   for (Shot& shot : blind) shot.worldFromSensor.front().translation.z = 5000;
-  EXPECT_FALSE(anyHit(trueShots(courtyard(), blind, options)));
+  EXPECT_FALSE(anyHit(trueShots(courtyard(), blind, {})));
   EXPECT_FALSE(anyHit({}));
 }
 
@@ -177,9 +169,7 @@ TEST(Measure, StopsBetweenScans) {
 TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
   const Scene scene = courtyard();
   const std::vector<TrueShot> shots = seenByRays(scene);
-  MeasureOptions options;
-  options.repeats = 0;
-  options.clouds = false;
+  const MeasureOptions options{.repeats = 0, .clouds = false};
   std::vector<Channels> scans;
   const Measurement m = measure([&] { return std::make_unique<Counting>(scene, 0, scans); }, scene, shots, options);
   EXPECT_EQ(m.cost.scanSeconds, 0);
@@ -193,9 +183,7 @@ TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
 
 TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   const Scene scene = courtyard();
-  MeasureOptions options;
-  options.repeats = 1;
-  options.channels = Channel::Reflectance;
+  MeasureOptions options{.repeats = 1, .channels = Channel::Reflectance};
   options.intensity = [](const Shot&, const Hits& hits) {
     std::vector<float> intensity(hits.size(), 0.0f);
     for (std::size_t i = 0; i < hits.size(); ++i) intensity[i] = hits.reflectance[i] * hits.incidence[i];
@@ -236,17 +224,6 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
 }
 
-void expectSame(const Spread& a, const Spread& b) {
-  EXPECT_EQ(a.count, b.count);
-  EXPECT_EQ(a.mean, b.mean);
-  EXPECT_EQ(a.rms, b.rms);
-  EXPECT_EQ(a.median, b.median);
-  EXPECT_EQ(a.p95, b.p95);
-  EXPECT_EQ(a.p99, b.p99);
-  EXPECT_EQ(a.p999, b.p999);
-  EXPECT_EQ(a.max, b.max);
-}
-
 // Against another scene: what it lacks are false negatives, what it has beyond are false positives.
 TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
   const Scene scene = courtyard();
@@ -258,15 +235,13 @@ TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
   appendBox(tower, 0, {}, {2, 6, 20});
   builder.place(builder.addMesh(tower), at(-9, 4, 0), "tower");
   const Scene other = builder.finish();
-  MeasureOptions options;
-  options.repeats = 0;
-  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), options);
+  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), {.repeats = 0});
   const BeamErrors& e = m.errors;
   EXPECT_GT(e.all.falseNegatives, 0u);
   EXPECT_GT(e.all.falsePositives, 0u);
   EXPECT_GT(m.cloud.hausdorff, 0.1);
-  expectSame(e.all.nearestTo, m.cloud.to);
-  expectSame(e.all.nearestFrom, m.cloud.from);
+  EXPECT_EQ(e.all.nearestTo, m.cloud.to);
+  EXPECT_EQ(e.all.nearestFrom, m.cloud.from);
   EXPECT_EQ(e.all.hausdorff(), m.cloud.hausdorff);
   EXPECT_EQ(e.all.nearestTo.count, e.all.bothHit + e.all.falseNegatives);
   EXPECT_EQ(e.all.nearestFrom.count, e.all.bothHit + e.all.falsePositives);
@@ -289,17 +264,9 @@ TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
 // Ground that lies lower: no point is nearer than the planes are, and none farther than the one of the same beam.
 TEST(Measure, NearestDistancesOfLoweredGroundAreItsOffsetAndMore) {
   constexpr double kHeight = 2, kOffset = 0.05;
-  const auto groundAt = [](double z) {
-    SceneBuilder builder = testBuilder();
-    Mesh ground = meshOf(builder, "ground");
-    appendPlane(ground, 0, {}, 4000, 4000);
-    builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
-    return builder.finish();
-  };
   const Scene upper = groundAt(-kHeight);
   const Scene lower = groundAt(-kHeight - kOffset);
-  MeasureOptions options;
-  options.repeats = 0;
+  const MeasureOptions options{.repeats = 0};
   const std::vector<TrueShot> shots = trueShots(upper, {shotAt(spinning(60, 512, -85, -5))}, options);
   const Measurement m = measure([&] { return rayTracing(lower); }, upper, shots, options);
   std::size_t bands = 0;
@@ -323,9 +290,7 @@ TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
     hits.range.assign(hits.size(), kMiss);
     shot.truth.range.assign(hits.size(), kMiss);
   }
-  MeasureOptions options;
-  options.repeats = 0;
-  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, options);
+  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, {.repeats = 0});
   EXPECT_GT(m.errors.all.falsePositives, 0u);
   EXPECT_EQ(m.cloud.unmatched, m.errors.all.falsePositives);
   EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
@@ -335,8 +300,7 @@ TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
 
 TEST(Measure, ErrorsDoNotDependOnThreads) {
   const Scene scene = courtyard();
-  MeasureOptions options;
-  options.repeats = 1;
+  const MeasureOptions options{.repeats = 1};
   const auto run = [&](int threads) {
     const ThreadLimit limit(threads);
     const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);

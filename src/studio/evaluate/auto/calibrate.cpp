@@ -128,12 +128,11 @@ class Calibrator {
       ++frames_;
       for (Shot& shot : source_.frame(sequence, frame).shots) shots.push_back(std::move(shot));
     }
-    MeasureOptions options;
-    options.clouds = false;
-    options.leastSeconds = 0.1;
-    options.channels = plan_.channels;
-    options.intensity = noiseFreeIntensity(pipeline_, scene);
-    options.stop = [this] { return stop_ != nullptr && *stop_; };
+    const MeasureOptions options{.leastSeconds = 0.1,
+                                 .clouds = false,
+                                 .channels = plan_.channels,
+                                 .intensity = noiseFreeIntensity(pipeline_, scene),
+                                 .stop = [this] { return stop_ != nullptr && *stop_; }};
     const std::vector<TrueShot> truth = trueShots(scene, std::move(shots), options);
     if (!anyHit(truth)) {
       throw InputError({pipeline_.file.string()},

@@ -138,15 +138,7 @@ struct GlfwWindow::State {
   static State& of(GLFWwindow* of) { return *static_cast<State*>(glfwGetWindowUserPointer(of)); }
 
   CanvasEvent plain(Kind kind) const {
-    CanvasEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    event.width = width;
-    event.height = height;
-    event.shift = shift;
-    event.control = control;
-    return event;
+    return {.kind = kind, .x = x, .y = y, .shift = shift, .control = control, .width = width, .height = height};
   }
 
   // Appends an event to the queue. Of several consecutive events of the kind Move, Resize or Redraw, only the last is

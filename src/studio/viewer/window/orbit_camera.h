@@ -12,7 +12,7 @@ namespace scanmill {
 
 // Metres and radians in the canvas's frame: x forward, y left, z up.
 struct OrbitCamera {
-  Vec3d target;
+  Vec3d target{};
   double yaw = 0;        // direction of the line of sight: 0 looks along x, counter-clockwise seen from above
   double pitch = 0;      // positive looks down, -pi/2 to pi/2
   double distance = 30;  // from the eye to the target
