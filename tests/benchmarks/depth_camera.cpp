@@ -17,7 +17,6 @@
 #include "pipeline/run/recorder.h"
 #include "tests/benchmarks/against_ray_tracing.h"
 #include "tests/benchmarks/timing.h"
-#include "tests/core/methods/trace.h"
 #include "tests/support/embree_passes.h"
 #include "tests/support/street.h"
 #include "tests/support/temporary_folder.h"

@@ -79,12 +79,9 @@ void CloudErrorSum::add(const CloudDistances& distances) {
 }
 
 CloudErrors CloudErrorSum::finish() const {
-  CloudErrors errors;
-  errors.to = spreadOf({to_.begin(), to_.end()});
-  errors.from = spreadOf({from_.begin(), from_.end()});
-  errors.hausdorff = std::max(errors.to.max, errors.from.max);
-  errors.unmatched = unmatched_;
-  return errors;
+  const Spread to = spreadOf({to_.begin(), to_.end()});
+  const Spread from = spreadOf({from_.begin(), from_.end()});
+  return {to, from, std::max(to.max, from.max), unmatched_};
 }
 
 CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {
