@@ -17,9 +17,16 @@
 
 namespace scanmill {
 
+std::string Arguments::text(const std::string& option) const {
+  return has(option) ? options[option].as<std::string>() : std::string();
+}
+
+std::vector<std::string> Arguments::list(const std::string& option) const {
+  return has(option) ? options[option].as<std::vector<std::string>>() : std::vector<std::string>{};
+}
+
 std::string Arguments::positional(const std::string& what) const {
-  const auto values =
-      options.count("input") == 0 ? std::vector<std::string>{} : options["input"].as<std::vector<std::string>>();
+  const std::vector<std::string> values = inputs();
   if (values.size() == 1) return values.front();
   throw InputError(values.empty() ? fmt::format("{} is missing; see --help", what)
                                   : fmt::format("give only one {}: '{}' is a second", what, values[1]));
@@ -46,6 +53,8 @@ std::filesystem::path Arguments::pipeline() const {
   return std::filesystem::exists(given, unknown) ? std::filesystem::path(given) : namedResource(given, "pipelines");
 }
 
+namespace {
+
 const Command& commandNamed(std::string_view name) {
   for (const Command& command : commands()) {
     if (command.name == name) return command;
@@ -53,26 +62,27 @@ const Command& commandNamed(std::string_view name) {
   throw Error(fmt::format("no command '{}'", name));
 }
 
-cxxopts::Options describe(const Command& command) {
-  cxxopts::Options options("scanmill " + std::string(command.name), std::string(command.summary));
-  options.positional_help(std::string(command.usage)).show_positional_help();
-  options.add_options()("h,help", "print this help");
-  options.add_options("positional")("input", "", cxxopts::value<std::vector<std::string>>());
-  options.parse_positional({"input"});
-  return options;
+}  // namespace
+
+CommandOptions::CommandOptions(std::string_view name)
+    : cxxopts::Options(fmt::format("scanmill {}", name), std::string(commandNamed(name).summary)), command(name) {
+  positional_help(std::string(commandNamed(name).usage)).show_positional_help();
+  add_options()("h,help", "print this help");
+  add_options("positional")("input", "", listValue());
+  parse_positional({"input"});
 }
 
-Arguments parseArguments(const Command& command, cxxopts::Options& options, const std::vector<std::string>& arguments,
+Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
                          const std::string& examples) {
-  std::vector<const char*> argv{command.name.data()};
+  std::vector<const char*> argv{options.command.data()};
   for (const std::string& a : arguments) argv.push_back(a.c_str());
   Arguments parsed;
   try {
     parsed.options = options.parse(static_cast<int>(argv.size()), argv.data());
   } catch (const std::exception& e) {
-    throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), command.name));
+    throw InputError(fmt::format("{}; see `scanmill {} --help`", e.what(), options.command));
   }
-  if (parsed.options.count("help") > 0) {
+  if (parsed.has("help")) {
     printText("{}\n\nExamples:\n{}", options.help({""}), examples);
     parsed.help = true;
   }
@@ -89,8 +99,8 @@ int threadOption(const Arguments& arguments) {
 
 // Reads the memory limit: "8G", "500M", "1.5 GiB", in multiples of 1024.
 std::uint64_t memoryOption(const Arguments& arguments) {
-  if (arguments.options.count("memory-limit") == 0) return 0;
-  const auto text = arguments.options["memory-limit"].as<std::string>();
+  if (!arguments.has("memory-limit")) return 0;
+  const std::string text = arguments.text("memory-limit");
   double number = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), number);
   std::string unit = lowerCase(std::string(end, text.data() + text.size()));
@@ -106,33 +116,32 @@ std::uint64_t memoryOption(const Arguments& arguments) {
 }  // namespace
 
 void addPipelineOptions(cxxopts::Options& options) {
-  options.add_options()("threads", "how many threads to use, 0 for all cores",
-                        cxxopts::value<int>()->default_value("0"))(
-      "memory-limit",
-      "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)",
-      cxxopts::value<std::string>(),
-      "SIZE")("seed", "seed of the sensors' noise, instead of the pipeline's", cxxopts::value<std::string>())(
-      "set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)",
-      cxxopts::value<std::vector<std::string>>(), "key=value");
+  cxxopts::OptionAdder add = options.add_options();
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  add("memory-limit",
+      "how much memory to use at most, such as 8G or 500M (default: all of the machine's or container's)", textValue(),
+      "SIZE");
+  add("seed", "seed of the sensors' noise, instead of the pipeline's", textValue());
+  add("set", "override a key, such as --set motion=none or --set output.shard_mb=64 (may be repeated)", listValue(),
+      "key=value");
 }
 
 std::vector<std::string> pipelineOverrides(const Arguments& arguments) {
-  std::vector<std::string> overrides;
-  if (arguments.options.count("set") > 0) overrides = arguments.options["set"].as<std::vector<std::string>>();
-  if (arguments.options.count("seed") > 0) overrides.push_back("seed=" + arguments.options["seed"].as<std::string>());
+  std::vector<std::string> overrides = arguments.list("set");
+  if (arguments.has("seed")) overrides.push_back("seed=" + arguments.text("seed"));
   return overrides;
 }
 
 void addRecordingOptions(cxxopts::Options& options) {
-  options.add_options()("from-hits",
-                        "make scans from the hits that --keep-hits saved, without loading or tracing the scene",
-                        cxxopts::value<std::string>(), "DIR")(
-      "from-passes", "make scans from images that --keep-passes saved or another renderer drew, without the scene",
-      cxxopts::value<std::string>(), "DIR");
+  cxxopts::OptionAdder add = options.add_options();
+  add("from-hits", "make scans from the hits that --keep-hits saved, without loading or tracing the scene", textValue(),
+      "DIR");
+  add("from-passes", "make scans from images that --keep-passes saved or another renderer drew, without the scene",
+      textValue(), "DIR");
 }
 
 std::uint64_t countOption(const Arguments& arguments, const char* name) {
-  const std::string text = arguments.options[name].as<std::string>();
+  const std::string text = arguments.text(name);
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) {
@@ -142,8 +151,8 @@ std::uint64_t countOption(const Arguments& arguments, const char* name) {
 }
 
 std::string folderOption(const Arguments& arguments, const std::string& name) {
-  if (arguments.options.count(name) == 0) return {};
-  auto folder = arguments.options[name].as<std::string>();
+  if (!arguments.has(name)) return {};
+  std::string folder = arguments.text(name);
   if (folder.empty()) throw InputError(fmt::format("--{}: the name of the folder is empty", name));
   return folder;
 }

@@ -25,6 +25,13 @@ struct Arguments {
   cxxopts::ParseResult options;
   bool help = false;  // help was requested and has been printed
 
+  // True if the option is given; a default does not count.
+  bool has(const std::string& option) const { return options.count(option) > 0; }
+  // Return the value of an option, or all values of an option that may be repeated; empty if the option is not given.
+  std::string text(const std::string& option) const;
+  std::vector<std::string> list(const std::string& option) const;
+  // Returns all positional arguments.
+  std::vector<std::string> inputs() const { return list("input"); }
   // Returns the only positional argument, which messages call `what`. Throws InputError for none or several.
   std::string positional(const std::string& what) const;
   // Returns the only positional argument as a path: the argument itself if it exists, otherwise the file of this name
@@ -34,15 +41,24 @@ struct Arguments {
   std::filesystem::path pipeline() const;
 };
 
-// Adds --help, parses the arguments and, if --help is given, prints the help with `examples`. Throws InputError for
-// unknown options.
-Arguments parseArguments(const Command& command, cxxopts::Options& options, const std::vector<std::string>& arguments,
+// Return the kinds of values that options take: a text, or a text for each time that the option is given.
+inline auto textValue() {
+  return cxxopts::value<std::string>();
+}
+inline auto listValue() {
+  return cxxopts::value<std::vector<std::string>>();
+}
+
+// The options of a command: those that are added, --help, and positional arguments. The help shows the command's usage
+// and summary.
+struct CommandOptions : cxxopts::Options {
+  explicit CommandOptions(std::string_view command);
+  std::string_view command;
+};
+
+// Parses the arguments and, if --help is given, prints the help with `examples`. Throws InputError for unknown options.
+Arguments parseArguments(CommandOptions& options, const std::vector<std::string>& arguments,
                          const std::string& examples);
-
-// Returns cxxopts::Options with the command's usage line and one positional argument.
-cxxopts::Options describe(const Command& command);
-
-const Command& commandNamed(std::string_view name);
 
 // Adds --threads, --memory-limit, --seed and --set, for commands that read a pipeline.
 void addPipelineOptions(cxxopts::Options& options);

@@ -1,10 +1,8 @@
 #include "study/compare/compare.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
@@ -18,6 +16,7 @@
 #include "report/compare/compare_report.h"
 #include "report/page/report_folder.h"
 #include "study/compare/key_changes.h"
+#include "study/figure_text.h"
 
 namespace scanmill {
 
@@ -28,8 +27,7 @@ constexpr const char* kPageFile = "index.html";
 constexpr std::size_t kMostScans = 200;  // greatest number of scans per set; each takes about 2 MB of memory
 
 void printComparison(const SetComparison& comparison) {
-  std::vector<std::vector<std::string>> rows{
-      {"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
+  Rows rows{{"feature of a patch", "separation", "within real", "real", "simulated", "changed by"}};
   for (const Separation& s : comparison.features) {
     const PatchFeature& f = kPatchFeatures[s.feature];
     const double within = comparison.withinReal[s.feature];
@@ -65,25 +63,23 @@ void printComparison(const SetComparison& comparison) {
 }  // namespace
 
 int runCompare(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("compare");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the page and the figures; it is made if it does not exist",
-                        cxxopts::value<std::string>(),
-                        "DIR")("scans", "the greatest number of scans to read of each set, evenly spaced",
-                               cxxopts::value<std::size_t>()->default_value("20"),
-                               "N")("sensor", "the sensor to compare, if a dataset has several (default: the first)",
-                                    cxxopts::value<std::string>(), "NAME")(
-      "pipeline", "the pipeline that made SIMULATED, for the settings to try (default: searched for near the dataset)",
-      cxxopts::value<std::string>(), "FILE")("overwrite", "replace an existing comparison")(
-      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
-      "q,quiet", "print one line instead of progress and tables");
+  CommandOptions options("compare");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "folder of the page and the figures; it is made if it does not exist", textValue(), "DIR");
+  add("scans", "the greatest number of scans to read of each set, evenly spaced",
+      cxxopts::value<std::size_t>()->default_value("20"), "N");
+  add("sensor", "the sensor to compare, if a dataset has several (default: the first)", textValue(), "NAME");
+  add("pipeline", "the pipeline that made SIMULATED, for the settings to try (default: searched for near the dataset)",
+      textValue(), "FILE");
+  add("overwrite", "replace an existing comparison");
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  add("q,quiet", "print one line instead of progress and tables");
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill compare SemanticKITTI/sequences/08 out/training -o out/compared\n"
                      "  scanmill compare recorded_frames/ out/street -o out/compared --scans 50 --overwrite\n");
   if (parsed.help) return 0;
-  const auto given = parsed.options.count("input") == 0 ? std::vector<std::string>()
-                                                        : parsed.options["input"].as<std::vector<std::string>>();
+  const std::vector<std::string> given = parsed.inputs();
   if (given.size() != 2) {
     throw InputError(
         fmt::format("compare takes two sets, REAL and SIMULATED, not {}: each is a folder of recorded scans (single "
@@ -97,11 +93,11 @@ int runCompare(const std::vector<std::string>& arguments) {
   if (read.scans < 1 || read.scans > kMostScans) {
     throw InputError(fmt::format("--scans must be from 1 to {}, not {}", kMostScans, read.scans));
   }
-  if (parsed.options.count("sensor") > 0) read.sensor = parsed.options["sensor"].as<std::string>();
+  read.sensor = parsed.text("sensor");
   read.stop = &stopSignal();
-  const bool quiet = parsed.options.count("quiet") > 0;
+  const bool quiet = parsed.has("quiet");
   const ResourceLimits limits(parsed);
-  prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);
+  prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
 
   Progress progress("compare", 2 * read.scans, "scans", "points", quiet);
   ScanSet real = readScanSet(given[0], read, progress);
@@ -112,12 +108,10 @@ int runCompare(const std::vector<std::string>& arguments) {
   }
   progress.say("comparing the sets");
   SetComparison comparison = compareSets(std::move(real), std::move(simulated));
-  addKeyChanges(comparison, given[1], read.sensor,
-                parsed.options.count("pipeline") > 0 ? parsed.options["pipeline"].as<std::string>() : "");
+  addKeyChanges(comparison, given[1], read.sensor, parsed.text("pipeline"));
   if (*read.stop) throw Error("stopped: nothing was written");
 
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  const std::string date = today();
   beginReport(folder, kResultFile);
   writeFile(folder / kPageFile, comparisonPage(comparison, date));
   writeFile(folder / kResultFile, comparisonJson(comparison, date));

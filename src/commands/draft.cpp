@@ -43,11 +43,6 @@ std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named
   return files;
 }
 
-std::vector<std::string> assetsOf(const Arguments& parsed) {
-  if (parsed.options.count("input") == 0) throw InputError("draft: name 3D files, or folders that contain 3D files");
-  return parsed.options["input"].as<std::vector<std::string>>();
-}
-
 double longestEdge(const Box& box) {
   const Vec3d size = box.empty() ? Vec3d{} : box.high - box.low;
   return std::max({size.x, size.y, size.z});
@@ -72,8 +67,7 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
                                                    f.byFile == f.triangles, fmt::join(f.doubts, ", ")));
   };
   for (const draft::DraftedFile& f : made.files) series[keyOf(f)].push_back(&f);
-  std::vector<std::vector<std::string>> rows{
-      {"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
+  Rows rows{{"file", "unit", "up", "size", "triangles", "guessed", "by the file's name", "doubtful"}};
   std::uint64_t triangles = 0;
   std::uint64_t guessed = 0;
   std::set<double> units;
@@ -120,38 +114,38 @@ void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
 }  // namespace
 
 int runDraft(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("draft");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "the scene file to write", cxxopts::value<std::string>(), "FILE.yaml")(
-      "ontology", "the classes to choose from: an ontology file, or a name of `scanmill list ontologies`",
-      cxxopts::value<std::string>()->default_value("scanmill"))(
-      "words", "the classes that words in names stand for, instead of labels/words.yaml", cxxopts::value<std::string>(),
-      "FILE.yaml")("overwrite", "replace an existing scene file and picture")(
-      "allow-outside",
+  CommandOptions options("draft");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "the scene file to write", textValue(), "FILE.yaml");
+  add("ontology", "the classes to choose from: an ontology file, or a name of `scanmill list ontologies`",
+      textValue()->default_value("scanmill"));
+  add("words", "the classes that words in names stand for, instead of labels/words.yaml", textValue(), "FILE.yaml");
+  add("overwrite", "replace an existing scene file and picture");
+  add("allow-outside",
       "allow glTF and OBJ files to name files outside their folders; the scene file then allows it, too");
   const Arguments parsed = parseArguments(
-      command, options, arguments,
+      options, arguments,
       "  scanmill draft models/town.glb -o scenes/town.yaml\n"
       "  scanmill draft models/ -o scenes/all.yaml   # all 3D files of a folder, side by side\n"
       "  scanmill view scenes/town.yaml              # or look at scenes/town.png, which draft makes too\n");
   if (parsed.help) return 0;
-  const std::vector<std::filesystem::path> files = filesOf(assetsOf(parsed));
+  if (!parsed.has("input")) throw InputError("draft: name 3D files, or folders that contain 3D files");
+  const std::vector<std::filesystem::path> files = filesOf(parsed.inputs());
   const std::filesystem::path out = folderOption(parsed, "out");
   if (out.empty()) throw InputError("-o FILE.yaml is missing: name the scene file to write");
   const std::filesystem::path picture = std::filesystem::path(out).replace_extension(".png");
   for (const std::filesystem::path& made : {out, picture}) {
     std::error_code error;
-    if (std::filesystem::exists(made, error) && parsed.options.count("overwrite") == 0) {
+    if (std::filesystem::exists(made, error) && !parsed.has("overwrite")) {
       throw InputError({made.string()}, "exists: name another file, or add --overwrite");
     }
   }
   const std::string ontologyName = parsed.options["ontology"].as<std::string>();
   const Ontology ontology = readOntology(namedResource(ontologyName, "labels"));
-  const std::vector<Concept> concepts =
-      readConcepts(parsed.options.count("words") > 0 ? std::filesystem::path(parsed.options["words"].as<std::string>())
-                                                     : resourceFolder() / "labels/words.yaml");
+  const std::vector<Concept> concepts = readConcepts(parsed.has("words") ? std::filesystem::path(parsed.text("words"))
+                                                                         : resourceFolder() / "labels/words.yaml");
   const draft::Draft made = draft::draftScene(files, concepts, ontology, ontologyName, out.stem().string(),
-                                              out.parent_path(), parsed.options.count("allow-outside") > 0);
+                                              out.parent_path(), parsed.has("allow-outside"));
   writeFile(out, made.yaml);
 
   printFiles(made, out);

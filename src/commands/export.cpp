@@ -22,30 +22,26 @@ std::string layoutLines() {
   return lines;
 }
 
-std::vector<std::string> listOf(const Arguments& parsed, const std::string& name) {
-  return parsed.options.count(name) == 0 ? std::vector<std::string>{}
-                                         : parsed.options[name].as<std::vector<std::string>>();
-}
-
 }  // namespace
 
 int runExport(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("export");
-  cxxopts::Options options = describe(command);
+  CommandOptions options("export");
   std::vector<std::string> names;
   for (const LayoutEntry& entry : layouts()) names.emplace_back(entry.name);
-  options.add_options()("to", fmt::format("{}", fmt::join(names, ", ")), cxxopts::value<std::string>(), "LAYOUT")(
-      "o,out", "folder to write", cxxopts::value<std::string>(), "DIR")(
-      "classes",
+  cxxopts::OptionAdder add = options.add_options();
+  add("to", fmt::format("{}", fmt::join(names, ", ")), textValue(), "LAYOUT");
+  add("o,out", "folder to write", textValue(), "DIR");
+  add("classes",
       "ontology to write, instead of the layout's: a file, or a name of `scanmill list ontologies`; its aliases map "
       "the dataset's classes to its own",
-      cxxopts::value<std::string>(),
-      "NAME")("sensor", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
-      "split", "only this one; may be given again", cxxopts::value<std::vector<std::string>>(), "NAME")(
-      "resume", "continue an export that was stopped")("quiet", "print no progress")(
-      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
+      textValue(), "NAME");
+  add("sensor", "only this one; may be given again", listValue(), "NAME");
+  add("split", "only this one; may be given again", listValue(), "NAME");
+  add("resume", "continue an export that was stopped");
+  add("quiet", "print no progress");
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"), "N");
   const Arguments parsed = parseArguments(
-      command, options, arguments,
+      options, arguments,
       "  scanmill export out/town --to semantic_kitti -o out/town_kitti\n"
       "  scanmill export out/town --to mcap --split val -o out/town_val   # Foxglove, ROS 2\n\nlayouts:\n" +
           layoutLines());
@@ -53,22 +49,22 @@ int runExport(const std::vector<std::string>& arguments) {
   ExportOptions chosen;
   chosen.dataset = parsed.positional("DIR");
   expectDataset(chosen.dataset, "export");
-  if (parsed.options.count("to") == 0) throw InputError("--to LAYOUT is missing; the layouts are:\n" + layoutLines());
-  chosen.layout = &requireLayout(parsed.options["to"].as<std::string>());
+  if (!parsed.has("to")) throw InputError("--to LAYOUT is missing; the layouts are:\n" + layoutLines());
+  chosen.layout = &requireLayout(parsed.text("to"));
   chosen.folder = folderOption(parsed, "out");
   if (chosen.folder.empty()) throw InputError("-o DIR is missing: name the folder to write");
-  if (parsed.options.count("classes") > 0) {
-    chosen.classes = namedResource(parsed.options["classes"].as<std::string>(), "labels");
+  if (parsed.has("classes")) {
+    chosen.classes = namedResource(parsed.text("classes"), "labels");
   }
-  chosen.sensors = listOf(parsed, "sensor");
-  chosen.splits = listOf(parsed, "split");
-  chosen.resume = parsed.options.count("resume") > 0;
+  chosen.sensors = parsed.list("sensor");
+  chosen.splits = parsed.list("split");
+  chosen.resume = parsed.has("resume");
   chosen.stop = &stopSignal();
   const ThreadLimit threads(parsed.options["threads"].as<int>());
   std::optional<Progress> progress;
   std::string stage;
   std::uint64_t before = 0;
-  const bool quiet = parsed.options.count("quiet") > 0;
+  const bool quiet = parsed.has("quiet");
   chosen.progress = [&](const char* doing, std::uint64_t done, std::uint64_t all) {
     if (stage != doing) {
       stage = doing;

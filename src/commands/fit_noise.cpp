@@ -1,12 +1,10 @@
 #include "study/noise/fit_noise.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
@@ -25,6 +23,7 @@
 #include "report/noise/noise_report.h"
 #include "report/page/report_folder.h"
 #include "sensors/sensor.h"
+#include "study/figure_text.h"
 #include "study/noise/noise_comparison.h"
 #include "study/noise/sensor_effects.h"
 
@@ -33,8 +32,8 @@ namespace scanmill {
 namespace {
 
 void printGroups(const std::vector<PatchGroup>& groups, const std::string& first) {
-  std::vector<std::vector<std::string>> rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes",
-                                              "lost", "of", "drop-out %", "+-", ""}};
+  Rows rows{{first, "patches", "points", "sigma mm", "+-", "with step", "about planes", "lost", "of", "drop-out %",
+             "+-", ""}};
   for (const PatchGroup& g : groups) {
     const auto figure = [](bool any, double value, int digits) {
       return any ? fmt::format("{:.{}f}", value, digits) : std::string("-");
@@ -62,30 +61,29 @@ void printFrame(const RecordedScan& scan) {
 }  // namespace
 
 int runFitNoise(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("fit-noise");
-  cxxopts::Options options = describe(command);
-  options.add_options()("sensor",
-                        "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`",
-                        cxxopts::value<std::string>(), "FILE|NAME")(
-      "o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
-      cxxopts::value<std::string>(),
-      "FILE")("report", "a folder for a report with charts", cxxopts::value<std::string>(), "DIR")(
-      "max-incidence", "the greatest incidence angle of patches to use (deg)",
-      cxxopts::value<double>()->default_value("60"), "DEG")("overwrite", "replace the file and the report")(
-      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  CommandOptions options("fit-noise");
+  cxxopts::OptionAdder add = options.add_options();
+  add("sensor", "the sensor that recorded the scans: a sensor file, or a name of `scanmill list sensors`", textValue(),
+      "FILE|NAME");
+  add("o,out", "the sensor file to write, with the fitted effects; pipelines use them by `effects: sensor`",
+      textValue(), "FILE");
+  add("report", "a folder for a report with charts", textValue(), "DIR");
+  add("max-incidence", "the greatest incidence angle of patches to use (deg)",
+      cxxopts::value<double>()->default_value("60"), "DEG");
+  add("overwrite", "replace the file and the report");
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
   const Arguments parsed = parseArguments(
-      command, options, arguments,
+      options, arguments,
       "  scanmill fit-noise frames/*.pcd --sensor os1_128 -o my_os1.yaml\n"
       "  scanmill fit-noise frames/*.pcd --sensor my.yaml -o my_fitted.yaml --report out/noise --overwrite\n");
   if (parsed.help) return 0;
 
-  if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
-  const auto files = parsed.options["input"].as<std::vector<std::string>>();
+  if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
   const std::filesystem::path preset = namedResource(
       requiredText(parsed, "sensor", "name the sensor that recorded the scans, such as os1_128"), "pipelines/sensors");
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as fitted.yaml");
   const std::string report = folderOption(parsed, "report");
-  const bool overwrite = parsed.options.count("overwrite") > 0;
+  const bool overwrite = parsed.has("overwrite");
   const double most = parsed.options["max-incidence"].as<double>();
   if (!(most >= 1 && most <= 89)) throw InputError(fmt::format("--max-incidence must be from 1 to 89, not {}", most));
   if (!report.empty()) prepareReportFolder(report, "index.html", overwrite);
@@ -101,7 +99,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const auto beams = makeBeams(sensor);
   withEffects(text, preset.string(), "effects: []\n");  // throws before the work if the file cannot take effects
   std::vector<RecordedScan> scans;
-  forEachScan(files, [&](const Scan& scan, const std::string& name) {
+  forEachScan(parsed.inputs(), [&](const Scan& scan, const std::string& name) {
     scans.push_back(rangesAlong(scan, *beams, name));
     scans.back().name = std::filesystem::path(name).filename().string();
     printFrame(scans.back());
@@ -124,8 +122,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
       "about planes: standard deviation about a flat plane, with offsets between rings, curvature and vehicle motion\n"
       "lost, of:     beams without a return, and all beams whose neighbours returned from the plane of a patch\n\n");
 
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  const std::string date = today();
   const auto printRings = [](const char* what, const RingSpread& spread, const std::string& sigma) {
     if (spread.rings == 0) return;
     printText(

@@ -1,9 +1,7 @@
 #include "study/sensor/fit_sensor.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
-#include <chrono>
 #include <filesystem>
 
 #include "base/file.h"
@@ -12,24 +10,24 @@
 #include "commands/arguments.h"
 #include "commands/command.h"
 #include "commands/recorded_scans.h"
+#include "study/figure_text.h"
 
 namespace scanmill {
 
 int runFitSensor(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("fit-sensor");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "the sensor file to write", cxxopts::value<std::string>(), "FILE")("overwrite",
-                                                                                                    "replace the file");
+  CommandOptions options("fit-sensor");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "the sensor file to write", textValue(), "FILE");
+  add("overwrite", "replace the file");
   const Arguments parsed = parseArguments(
-      command, options, arguments,
+      options, arguments,
       "  scanmill fit-sensor frames/*.pcd -o my_sensor.yaml\n"
       "The scans must be organised or have the columns ring and column; their points must be in the sensor's frame.\n");
   if (parsed.help) return 0;
-  if (parsed.options.count("input") == 0) throw InputError("SCAN is missing; see --help");
-  const auto files = parsed.options["input"].as<std::vector<std::string>>();
+  if (!parsed.has("input")) throw InputError("SCAN is missing; see --help");
   const std::filesystem::path out = requiredFile(parsed, "name the sensor file to write, such as my_sensor.yaml");
   std::vector<Scan> scans;
-  forEachScan(files, [&](const Scan& scan, const std::string&) { scans.push_back(scan); });
+  forEachScan(parsed.inputs(), [&](const Scan& scan, const std::string&) { scans.push_back(scan); });
   const SensorFit fit = fitSensor(scans);
 
   printText("fitted to {} points of {} scans: {} rings x {} columns over {}\n", grouped(fit.points), scans.size(),
@@ -49,9 +47,8 @@ int runFitSensor(const std::vector<std::string>& arguments) {
                     "other rings: name more scans",
                     fit.bareRings.size(), fit.bareRings.front()));
   }
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const std::string yaml = sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {:%Y-%m-%d}",
-                                                       grouped(fit.points), scans.size(), fmt::gmtime(now)));
+  const std::string yaml =
+      sensorYaml(fit, fmt::format("fitted to {} points of {} scans, {}", grouped(fit.points), scans.size(), today()));
   writeFile(out, yaml);
   printText(
       "\n{}\nwrote {}: use it as `preset:` of a sensor; `scanmill fit-noise --sensor` takes it to measure the noise\n",

@@ -54,7 +54,7 @@ void printMade(const GenerateSummary& s, const GenerateOptions& options) {
 }
 
 void printSummary(const GenerateSummary& s, const GenerateOptions& options, const std::optional<Forecast>& told) {
-  std::vector<std::vector<std::string>> rows{{"class", "points", "share"}};
+  Rows rows{{"class", "points", "share"}};
   for (const auto& [id, count] : s.pointsPerClass) {
     const SemanticClass* c = s.manifest.ontology.find(id);
     rows.push_back({c == nullptr ? std::to_string(id) : c->name, grouped(count),
@@ -114,18 +114,18 @@ Plan withMethod(const Plan& plan, const GenerateOptions& options) {
 }
 
 ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
-  const bool listed = parsed.options.count("shards") > 0;
-  const bool worker = parsed.options.count("worker") > 0;
-  const bool workers = parsed.options.count("workers") > 0;
+  const bool listed = parsed.has("shards");
+  const bool worker = parsed.has("worker");
+  const bool workers = parsed.has("workers");
   if (!listed && !worker && !workers) return {};
   if (listed && (worker || workers)) {
     throw InputError(
         "--shards names the shards to make, --workers shares them among processes: give only one of the two");
   }
   if (listed) {
-    return {ShardChoice::Kind::Listed, parseShardRanges(parsed.options["shards"].as<std::string>(), shards)};
+    return {ShardChoice::Kind::Listed, parseShardRanges(parsed.text("shards"), shards)};
   }
-  if (workers && parsed.options["workers"].as<std::string>() == "auto") {
+  if (parsed.text("workers") == "auto") {
     if (worker) throw InputError("--workers auto needs no --worker: leave it out");
     return {ShardChoice::Kind::Any, {}};
   }
@@ -149,7 +149,7 @@ ShardChoice shardsOption(const Arguments& parsed, std::uint64_t shards) {
 Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
   std::vector<std::string> overrides = pipelineOverrides(parsed);
   overrides.insert(overrides.end(), more.begin(), more.end());
-  const bool keeps = parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0;
+  const bool keeps = parsed.has("keep-hits") || parsed.has("keep-passes");
   return makePlan(readPipeline(parsed.pipeline(), overrides, recordingOf(parsed)),
                   keeps ? recordedChannels() : Channels{});
 }
@@ -162,8 +162,8 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
   generateOptions.keepPasses = folderOption(parsed, "keep-passes");
   Plan plan = planOf(parsed, overrides);
   generateOptions.folder = folder;
-  generateOptions.overwrite = parsed.options.count("overwrite") > 0;
-  generateOptions.resume = parsed.options.count("resume") > 0;
+  generateOptions.overwrite = parsed.has("overwrite");
+  generateOptions.resume = parsed.has("resume");
   if (generateOptions.resume && generateOptions.overwrite) {
     throw InputError("--resume continues a dataset, --overwrite replaces it: give only one of the two");
   }
@@ -174,7 +174,7 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
         "--overwrite would remove the shards of other processes: remove the old dataset by hand, and leave --overwrite "
         "out");
   }
-  generateOptions.quiet = parsed.options.count("quiet") > 0;
+  generateOptions.quiet = parsed.has("quiet");
   generateOptions.stop = &stopSignal();
   if (!generateOptions.keepPasses.empty()) plan.requirePasses();
   if (!generateOptions.keepHits.empty()) plan.requireOneRay();
@@ -209,31 +209,29 @@ void generateOne(const Arguments& parsed, const std::vector<std::string>& overri
 }  // namespace
 
 int runGenerate(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("generate");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the dataset; it is made if it does not exist",
-                        cxxopts::value<std::string>(),
-                        "DIR")("overwrite", "replace an existing dataset or existing recordings")(
-      "resume", "continue an interrupted dataset; the bytes are the same as without the interruption")(
-      "shards", "make only these shards, such as 0-9,12; `scanmill merge` completes the dataset",
-      cxxopts::value<std::string>(),
-      "RANGES")("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes",
-                cxxopts::value<std::string>(), "I")("workers",
-                                                    "the number of these processes; or auto: each makes shards that no "
-                                                    "other makes, and the last completes the dataset",
-                                                    cxxopts::value<std::string>(), "N|auto")(
-      "keep-hits", "save what the beams hit, so that scans can be made again without tracing",
-      cxxopts::value<std::string>(), "DIR")(
-      "sweep", "make a dataset in DIR/KEY=VALUE for each value of the list; given several times, for all combinations",
-      cxxopts::value<std::vector<std::string>>(), "KEY=[A,B]")(
-      "corruptions",
-      "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption")(
-      "keep-passes", "save the images that the method depth_camera draws", cxxopts::value<std::string>(), "DIR");
+  CommandOptions options("generate");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "folder of the dataset; it is made if it does not exist", textValue(), "DIR");
+  add("overwrite", "replace an existing dataset or existing recordings");
+  add("resume", "continue an interrupted dataset; the bytes are the same as without the interruption");
+  add("shards", "make only these shards, such as 0-9,12; `scanmill merge` completes the dataset", textValue(),
+      "RANGES");
+  add("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes", textValue(), "I");
+  add("workers",
+      "the number of these processes; or auto: each makes shards that no "
+      "other makes, and the last completes the dataset",
+      textValue(), "N|auto");
+  add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(), "DIR");
+  add("sweep", "make a dataset in DIR/KEY=VALUE for each value of the list; given several times, for all combinations",
+      listValue(), "KEY=[A,B]");
+  add("corruptions",
+      "make a dataset for each of `scanmill list corruptions` in each severity, and one without corruption");
+  add("keep-passes", "save the images that the method depth_camera draws", textValue(), "DIR");
   addRecordingOptions(options);
   options.add_options()("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill generate pipelines/quickstart.yaml -o out/quickstart\n"
                      "  scanmill generate pipelines/quickstart.yaml -o out/b --seed 7 "
                      "--set 'scenes.0.seeds=[4,5]' --set splits=null\n"
@@ -248,18 +246,16 @@ int runGenerate(const std::vector<std::string>& arguments) {
                      "  scanmill generate quickstart -o out/fog --set 'corruption={fog: heavy}'\n");
   if (parsed.help) return 0;
   parsed.positional("PIPELINE");  // report a missing pipeline before all else
-  if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty())
-    throw InputError("-o DIR is missing: where should the dataset go?");
+  const std::filesystem::path folder = parsed.text("out");
+  if (folder.empty()) throw InputError("-o DIR is missing: where should the dataset go?");
   const ResourceLimits limits(parsed);
-  const std::filesystem::path folder = parsed.options["out"].as<std::string>();
-  std::vector<std::string> sweeps;
-  if (parsed.options.count("sweep") > 0) sweeps = parsed.options["sweep"].as<std::vector<std::string>>();
-  if (parsed.options.count("corruptions") > 0) sweeps.push_back(corruptionSweep());
+  std::vector<std::string> sweeps = parsed.list("sweep");
+  if (parsed.has("corruptions")) sweeps.push_back(corruptionSweep());
   if (sweeps.empty()) {
     generateOne(parsed, {}, folder);
     return 0;
   }
-  if (parsed.options.count("keep-hits") > 0 || parsed.options.count("keep-passes") > 0) {
+  if (parsed.has("keep-hits") || parsed.has("keep-passes")) {
     throw InputError(
         "--sweep and --corruptions make several datasets, but a recording belongs to one: first run once with "
         "--keep-hits, then sweep effects with --from-hits");

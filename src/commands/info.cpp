@@ -35,8 +35,6 @@ namespace scanmill {
 
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-
 void printDataset(const std::filesystem::path& folder) {
   const Manifest m = readManifest(folder);
   printText("dataset {}: {} samples, columns {}{}\n", oneLine(m.name), m.samples.size(),
@@ -434,30 +432,30 @@ void printYaml(const std::filesystem::path& file, std::uint64_t seed) {
 
 AssetOptions assetOptions(const Arguments& parsed) {
   AssetOptions options;
-  options.textures = parsed.options.count("colors") > 0;
+  options.textures = parsed.has("colors");
   options.metresPerUnit =
       readNumber(parseYaml(parsed.options["unit"].as<std::string>(), "--unit"), "--unit", {1e-9, 1e9});
-  if (parsed.options.count("up") > 0) {
-    const std::string up = parsed.options["up"].as<std::string>();
+  if (parsed.has("up")) {
+    const std::string up = parsed.text("up");
     if (up != "x" && up != "y" && up != "z") throw InputError(fmt::format("--up must be x, y or z, not '{}'", up));
     options.up = up[0];
   }
-  options.allowOutside = parsed.options.count("allow-outside") > 0;
+  options.allowOutside = parsed.has("allow-outside");
   return options;
 }
 
 }  // namespace
 
 int runInfo(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("info");
-  cxxopts::Options options = describe(command);
-  options.add_options()("unit", "metres per unit of a 3D file", cxxopts::value<std::string>()->default_value("1"))(
-      "up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", cxxopts::value<std::string>())(
-      "seed", "seed of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N")(
-      "colors", "list the colours of a 3D file's triangles, which labelling rules can match")(
-      "allow-outside", "allow a glTF or OBJ file to name files outside its folder");
+  CommandOptions options("info");
+  cxxopts::OptionAdder add = options.add_options();
+  add("unit", "metres per unit of a 3D file", textValue()->default_value("1"));
+  add("up", "up axis of a 3D file: x, y or z (default: as the file or its kind says)", textValue());
+  add("seed", "seed of a procedural scene", cxxopts::value<std::uint64_t>()->default_value("1"), "N");
+  add("colors", "list the colours of a 3D file's triangles, which labelling rules can match");
+  add("allow-outside", "allow a glTF or OBJ file to name files outside its folder");
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill info out/quickstart\n"
                      "  scanmill info out/quickstart/train/train-000000.tar\n"
                      "  scanmill info scenes/street.yaml\n"

@@ -17,11 +17,7 @@
 
 namespace scanmill {
 
-namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
-
-}  // namespace
+namespace {}  // namespace
 
 void printRecording(const std::filesystem::path& folder) {
   const Recording r = readRecording(folder, recordingIn(folder).value_or(RecordingKind::Hits));

@@ -24,8 +24,6 @@ namespace scanmill {
 
 namespace {
 
-using Rows = std::vector<std::vector<std::string>>;
-
 template <class Entries>
 Rows entryRows(const Entries& entries) {
   Rows rows;
@@ -155,11 +153,10 @@ void printDevices() {
 }  // namespace
 
 int runList(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("list");
-  cxxopts::Options options = describe(command);
-  const Arguments parsed = parseArguments(command, options, arguments, "  scanmill list\n  scanmill list effects\n");
+  CommandOptions options("list");
+  const Arguments parsed = parseArguments(options, arguments, "  scanmill list\n  scanmill list effects\n");
   if (parsed.help) return 0;
-  const std::string wanted = parsed.options.count("input") == 0 ? "" : parsed.positional("KIND");
+  const std::string wanted = !parsed.has("input") ? "" : parsed.positional("KIND");
   const std::vector<std::pair<std::string, Rows (*)()>> kinds{
       {"methods", [] { return entryRows(methods()); }},
       {"sensors", sensorRows},

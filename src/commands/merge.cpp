@@ -7,9 +7,8 @@
 namespace scanmill {
 
 int runMerge(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("merge");
-  cxxopts::Options options = describe(command);
-  const Arguments parsed = parseArguments(command, options, arguments,
+  CommandOptions options("merge");
+  const Arguments parsed = parseArguments(options, arguments,
                                           "  scanmill merge out/town    # after `scanmill generate town.yaml -o "
                                           "out/town --worker I --workers N` for each I\n");
   if (parsed.help) return 0;

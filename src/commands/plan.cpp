@@ -33,8 +33,7 @@ namespace {
 constexpr std::size_t kMostSequences = 40;  // the greatest number of sequences to list
 
 void printSensors(const Plan& plan) {
-  std::vector<std::vector<std::string>> rows{
-      {"sensor", "model", "rings", "columns", "beams", "revolutions/s", "range m"}};
+  Rows rows{{"sensor", "model", "rings", "columns", "beams", "revolutions/s", "range m"}};
   for (std::size_t s = 0; s < plan.sensors.size(); ++s) {
     const BeamTable& b = *plan.sensors[s].beams;
     rows.push_back({plan.pipeline.sensors[s].name, b.model, std::to_string(b.rings), std::to_string(b.columns),
@@ -48,7 +47,7 @@ void printSequences(const Pipeline& pipeline) {
   const auto turns = [](const Sequence& s) { return s.trajectory ? s.trajectory->turns() : std::nullopt; };
   const bool any = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(),
                                [&](const Sequence& s) { return turns(s).has_value(); });
-  std::vector<std::vector<std::string>> rows{{"sequence", "frames", "split", "turns"}};
+  Rows rows{{"sequence", "frames", "split", "turns"}};
   for (const Sequence& s : pipeline.sequences) {
     if (rows.size() > kMostSequences) break;
     rows.push_back({s.key(), std::to_string(s.frames), s.split, turns(s) ? std::to_string(*turns(s)) : ""});
@@ -69,8 +68,7 @@ void printFeatures(const FeatureCosts& costs) {
     return;
   }
   const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
-  std::vector<std::vector<std::string>> rows{
-      {"cost of a feature per frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
+  Rows rows{{"cost of a feature per frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
   const auto add = [&](const std::string& name, const FrameCost& cost, const std::string& share) {
     rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
                     share, fmt::format("{:+}", std::lround(cost.bytes * 1e-3))});
@@ -166,9 +164,9 @@ void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<Samp
 // Prints the first lines of the output: frames, shards, time and size.
 void printForecast(const Arguments& parsed, const Plan& plan) {
   const Pipeline& pipeline = plan.pipeline;
-  const std::uint64_t frames = parsed.options.count("frames") > 0 ? countOption(parsed, "frames") : 0;
+  const std::uint64_t frames = parsed.has("frames") ? countOption(parsed, "frames") : 0;
   constexpr std::uint64_t kMostFrames = 1'000'000'000'000;
-  if (parsed.options.count("frames") > 0 && (frames == 0 || frames > kMostFrames)) {
+  if (parsed.has("frames") && (frames == 0 || frames > kMostFrames)) {
     throw InputError(fmt::format("--frames {}: must be a whole number from 1 to {}", frames, kMostFrames));
   }
   if (frames > 0 && pipeline.recording != nullptr) {
@@ -194,17 +192,16 @@ void printForecast(const Arguments& parsed, const Plan& plan) {
 }  // namespace
 
 int runPlan(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("plan");
-  cxxopts::Options options = describe(command);
-  options.add_options()("frames", "print also how many seeds a dataset of N frames needs, and its time and size",
-                        cxxopts::value<std::string>(), "N")(
-      "check",
-      "load the scenes, and warn of paths through walls, unlabelled parts, unusual sizes and too little memory")(
-      "costs", "measure what each feature costs; this traces a frame about a hundred times");
+  CommandOptions options("plan");
+  cxxopts::OptionAdder add = options.add_options();
+  add("frames", "print also how many seeds a dataset of N frames needs, and its time and size", textValue(), "N");
+  add("check",
+      "load the scenes, and warn of paths through walls, unlabelled parts, unusual sizes and too little memory");
+  add("costs", "measure what each feature costs; this traces a frame about a hundred times");
   addRecordingOptions(options);
   addPipelineOptions(options);
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill plan pipelines/quickstart.yaml\n"
                      "  scanmill plan pipelines/quickstart.yaml --frames 10000\n"
                      "  scanmill plan pipelines/truck_town.yaml --check    # what its scenes contain\n"
@@ -223,8 +220,8 @@ int runPlan(const std::vector<std::string>& arguments) {
   printSequences(pipeline);
 
   const bool recorded = pipeline.recording != nullptr;
-  const bool checks = parsed.options.count("check") > 0;
-  const bool costs = parsed.options.count("costs") > 0;
+  const bool checks = parsed.has("check");
+  const bool costs = parsed.has("costs");
   if (recorded && (checks || costs))
     warn("--check and --costs need scenes, but a recording has none: both are ignored");
   const bool loads = checks || recorded;

@@ -44,7 +44,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const auto& a, const auto& b) { return a.second.triangles > b.second.triangles; });
   printText("unlabelled geometry (no rule gives it a class):\n");
-  std::vector<std::vector<std::string>> rows{{"file", "material", "texture", "nodes", "triangles"}};
+  Rows rows{{"file", "material", "texture", "nodes", "triangles"}};
   for (std::size_t i = 0; i < std::min(sorted.size(), kMostRows); ++i) {
     const auto& [part, group] = sorted[i];
     const std::string& first = *group.nodes.begin();
@@ -72,8 +72,7 @@ SceneFindings checkScenes(ShotSource& source) {
   const Plan& plan = source.plan();
   const Pipeline& pipeline = plan.pipeline;
   SceneFindings found{modelled(plan, source.blockedShares()), 0};
-  std::vector<std::vector<std::string>> scenes{
-      {"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
+  Rows scenes{{"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<UnlabeledPart, std::uint64_t> unlabeled;
   std::set<std::string> rules;  // warnings about rules, once for all seeds
   std::uint64_t more = 0;       // number of scenes that are not loaded

@@ -16,7 +16,7 @@ constexpr std::size_t kMostScans = 100;  // the greatest number of scans in a se
 }  // namespace
 
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what) {
-  std::string text = parsed.options.count(option) == 0 ? std::string() : parsed.options[option].as<std::string>();
+  std::string text = parsed.text(option);
   if (text.empty()) throw InputError(fmt::format("--{} is missing: {}", option, what));
   return text;
 }
@@ -39,7 +39,7 @@ std::filesystem::path requiredFile(const Arguments& parsed, const std::string& w
   std::filesystem::path out = requiredText(parsed, "out", what);
   std::error_code ignored;
   if (std::filesystem::is_directory(out, ignored)) throw InputError({out.string()}, "is a folder: name a file");
-  if (std::filesystem::exists(out, ignored) && parsed.options.count("overwrite") == 0) {
+  if (std::filesystem::exists(out, ignored) && !parsed.has("overwrite")) {
     throw InputError({out.string()}, "exists: choose another name, or add --overwrite");
   }
   return out;

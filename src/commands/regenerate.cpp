@@ -12,46 +12,42 @@
 namespace scanmill {
 
 int runRegenerate(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("regenerate");
-  cxxopts::Options options = describe(command);
-  options.add_options()("shards", "the shards to make, such as 0-9,12 (default: all that are missing or damaged)",
-                        cxxopts::value<std::string>(),
-                        "RANGES")("sample", "make only this sample, and write its members as files to -o DIR",
-                                  cxxopts::value<std::string>(), "KEY")(
-      "o,out", "folder for the sample's files; it is made if it does not exist", cxxopts::value<std::string>(), "DIR")(
-      "pipeline",
+  CommandOptions options("regenerate");
+  cxxopts::OptionAdder add = options.add_options();
+  add("shards", "the shards to make, such as 0-9,12 (default: all that are missing or damaged)", textValue(), "RANGES");
+  add("sample", "make only this sample, and write its members as files to -o DIR", textValue(), "KEY");
+  add("o,out", "folder for the sample's files; it is made if it does not exist", textValue(), "DIR");
+  add("pipeline",
       "the pipeline's file, in whose folder the files that it names are found (default: searched for near the dataset)",
-      cxxopts::value<std::string>(), "FILE")("threads", "how many threads to use, 0 for all cores",
-                                             cxxopts::value<int>()->default_value("0"))("q,quiet", "print no progress");
+      textValue(), "FILE");
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  add("q,quiet", "print no progress");
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill regenerate out/town                    # makes the shards that verify finds damaged\n"
                      "  scanmill regenerate out/town --sample town-s1-lane-000012 -o out/one\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
   const ResourceLimits limits(parsed);
-  const bool quiet = parsed.options.count("quiet") > 0;
-  const auto text = [&](const char* name) {
-    return parsed.options.count(name) > 0 ? parsed.options[name].as<std::string>() : std::string();
-  };
-  if (text("sample").empty() != text("out").empty()) throw InputError("give --sample KEY and -o DIR together");
-  if (!text("sample").empty() && !text("shards").empty()) throw InputError("give --sample or --shards, not both");
+  const bool quiet = parsed.has("quiet");
+  const std::string sample = parsed.text("sample"), out = parsed.text("out"), asked = parsed.text("shards");
+  if (sample.empty() != out.empty()) throw InputError("give --sample KEY and -o DIR together");
+  if (!sample.empty() && !asked.empty()) throw InputError("give --sample or --shards, not both");
   expectDataset(folder, "regenerate");
   const Manifest manifest = readManifest(folder);
-  if (!text("sample").empty()) {
-    const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
-    const std::vector<std::string> names = regenerateSample(manifest, plan, text("sample"), text("out"));
-    printText("{}: {}\n", text("out"), fmt::join(names, ", "));
+  if (!sample.empty()) {
+    const Plan plan = planOfDataset(manifest, folder, parsed.text("pipeline"));
+    const std::vector<std::string> names = regenerateSample(manifest, plan, sample, out);
+    printText("{}: {}\n", out, fmt::join(names, ", "));
     return 0;
   }
-  const std::vector<std::uint64_t> shards = text("shards").empty()
-                                                ? damagedShards(folder, manifest)
-                                                : parseShardRanges(text("shards"), manifest.shards.size());
+  const std::vector<std::uint64_t> shards =
+      asked.empty() ? damagedShards(folder, manifest) : parseShardRanges(asked, manifest.shards.size());
   if (shards.empty()) {
     printText("all {} shards are undamaged: there is nothing to make\n", manifest.shards.size());
     return 0;
   }
-  const Plan plan = planOfDataset(manifest, folder, text("pipeline"));
+  const Plan plan = planOfDataset(manifest, folder, parsed.text("pipeline"));
   regenerateShards(folder, manifest, plan, shards, quiet, &stopSignal());
   printText("made {} of {} shards again, with the same bytes: {}\n", shards.size(), manifest.shards.size(),
             shardRanges(shards));

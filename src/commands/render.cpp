@@ -54,34 +54,32 @@ PassChoice readPassList(const std::string& list) {
 }  // namespace
 
 int runRender(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("render");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the recording; it is made if it does not exist",
-                        cxxopts::value<std::string>(),
-                        "DIR")("passes",
-                               "the images to write: all, or a list with commas of depth, normal, instance, semantic, "
-                               "material, primitive, reflectance, and look (roughness, metallic and retroreflectance)",
-                               cxxopts::value<std::string>()->default_value("all"), "LIST")(
-      "overwrite", "replace an existing recording")("q,quiet", "print one line instead of progress and tables");
+  CommandOptions options("render");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "folder of the recording; it is made if it does not exist", textValue(), "DIR");
+  add("passes",
+      "the images to write: all, or a list with commas of depth, normal, instance, semantic, "
+      "material, primitive, reflectance, and look (roughness, metallic and retroreflectance)",
+      textValue()->default_value("all"), "LIST");
+  add("overwrite", "replace an existing recording");
+  add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed = parseArguments(
-      command, options, arguments,
+      options, arguments,
       "  scanmill render pipelines/street.yaml -o out/passes --set method=depth_camera\n"
       "  scanmill render pipelines/street.yaml -o out/depth --set method=depth_camera --passes depth,semantic\n"
       "  scanmill generate pipelines/street.yaml -o out/a --from-passes out/passes\n");
   if (parsed.help) return 0;
   const std::string file = parsed.positional("PIPELINE");
-  if (parsed.options.count("out") == 0 || parsed.options["out"].as<std::string>().empty()) {
-    throw InputError("-o DIR is missing: where should the passes go?");
-  }
-  const ResourceLimits limits(parsed);
   RenderOptions render;
+  render.folder = parsed.text("out");
+  if (render.folder.empty()) throw InputError("-o DIR is missing: where should the passes go?");
+  const ResourceLimits limits(parsed);
   render.passes = readPassList(parsed.options["passes"].as<std::string>());
   const Plan plan = makePlan(readPipeline(parsed.pipeline(), pipelineOverrides(parsed)), render.passes.channels);
   checkAutoChoice(plan.pipeline);
-  render.folder = parsed.options["out"].as<std::string>();
-  render.overwrite = parsed.options.count("overwrite") > 0;
-  render.quiet = parsed.options.count("quiet") > 0;
+  render.overwrite = parsed.has("overwrite");
+  render.quiet = parsed.has("quiet");
   render.stop = &stopSignal();
   const RenderSummary summary = scanmill::render(plan, render);
   for (const std::string& line : summary.warnings) warn(line);

@@ -1,11 +1,9 @@
 #include "study/repeatability/repeatability.h"
 
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 
@@ -21,6 +19,7 @@
 #include "pipeline/scenes/shot_source.h"
 #include "report/page/report_folder.h"
 #include "report/repeatability/repeatability_report.h"
+#include "study/figure_text.h"
 #include "study/repeatability/repeatability_choice.h"
 
 namespace scanmill {
@@ -51,7 +50,7 @@ void printResult(const Repeatability& result, const std::string& date) {
       "ICP fitness (mean squared distance) in cm2 (1e-4 m2), mean +- standard deviation; noise {}, {} scans of each "
       "pose\n\n",
       result.levels[result.reference], result.scans);
-  std::vector<std::vector<std::string>> rows{{"view", "object", "frame", "m", "points", "after ICP", "without ICP"}};
+  Rows rows{{"view", "object", "frame", "m", "points", "after ICP", "without ICP"}};
   const bool several = result.methods.size() > 1;
   if (several) rows.front().insert(rows.front().begin(), "method");
   for (const RepeatedView& view : result.views) {
@@ -80,14 +79,14 @@ void writeResult(const Repeatability& result, const std::string& date, const std
 }  // namespace
 
 int runRepeatability(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("repeatability");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the report; it is made if it does not exist", cxxopts::value<std::string>(),
-                        "DIR")("overwrite", "replace an existing report")(
-      "q,quiet", "print one line instead of progress and tables");
+  CommandOptions options("repeatability");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
+  add("overwrite", "replace an existing report");
+  add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/repeatability\n"
                      "  scanmill repeatability pipelines/paper/repeatability.yaml -o out/methods "
                      "--set 'repeatability.methods=[ray_tracing, {depth_camera: {resolution: 512}}]'\n"
@@ -101,13 +100,10 @@ int runRepeatability(const std::vector<std::string>& arguments) {
   const Channels channels = repeatabilityChannels(pipeline);
   const Plan plan = makePlan(std::move(pipeline), channels);
   const ShotSource vehicle(plan);  // a vehicle that cannot be used is refused before the folder is made
-  prepareReportFolder(folder, kResultFile, parsed.options.count("overwrite") > 0);
-  RepeatabilityOptions run;
-  run.quiet = parsed.options.count("quiet") > 0;
-  run.stop = &stopSignal();
+  prepareReportFolder(folder, kResultFile, parsed.has("overwrite"));
+  const RepeatabilityOptions run{.quiet = parsed.has("quiet"), .stop = &stopSignal()};
   const Repeatability result = measureRepeatability(plan, run);
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const std::string date = fmt::format("{:%Y-%m-%d}", fmt::gmtime(now));
+  const std::string date = today();
   writeResult(result, date, folder);
   for (const std::string& warning : result.warnings) warn(warning);
   if (!run.quiet) printResult(result, date);

@@ -49,34 +49,33 @@ void makeFolderOf(const std::filesystem::path& file) {
 }  // namespace
 
 int runReport(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("report");
-  cxxopts::Options options = describe(command);
-  options.add_options()(
-      "o,out",
+  CommandOptions options("report");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out",
       "the page to write (default: NAME_report.html in the current folder, where NAME is the dataset's folder)",
-      cxxopts::value<std::string>(), "FILE.html")("overwrite", "replace an existing page")(
-      "samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"), "N")(
-      "seed", "seed that selects the random samples", cxxopts::value<std::uint64_t>()->default_value("0"))(
-      "threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"))(
-      "q,quiet", "print one line instead of progress and warnings");
-  const Arguments parsed = parseArguments(command, options, arguments,
+      textValue(), "FILE.html");
+  add("overwrite", "replace an existing page");
+  add("samples", "how many random samples to show, 0 to 64", cxxopts::value<std::size_t>()->default_value("4"), "N");
+  add("seed", "seed that selects the random samples", cxxopts::value<std::uint64_t>()->default_value("0"));
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  add("q,quiet", "print one line instead of progress and warnings");
+  const Arguments parsed = parseArguments(options, arguments,
                                           "  scanmill report out/quickstart\n"
                                           "  scanmill report out/quickstart -o quickstart.html --samples 8 --seed 7\n");
   if (parsed.help) return 0;
   const std::filesystem::path folder = parsed.positional("DATASET");
   expectDataset(folder, "report");
-  const bool named = parsed.options.count("out") > 0;
-  const std::filesystem::path file = named ? parsed.options["out"].as<std::string>() : defaultName(folder);
+  const bool named = parsed.has("out");
+  const std::filesystem::path file = named ? parsed.text("out") : defaultName(folder);
   if (file.empty()) throw InputError("-o: the name of the file is empty");
-  expectFree(file, parsed.options.count("overwrite") > 0);
+  expectFree(file, parsed.has("overwrite"));
 
-  DatasetReportOptions reportOptions;
-  reportOptions.seed = parsed.options["seed"].as<std::uint64_t>();
-  reportOptions.samples = parsed.options["samples"].as<std::size_t>();
+  DatasetReportOptions reportOptions{.seed = parsed.options["seed"].as<std::uint64_t>(),
+                                     .samples = parsed.options["samples"].as<std::size_t>()};
   if (reportOptions.samples > kMostSamples) {
     throw InputError(fmt::format("--samples must be from 0 to {}, not {}", kMostSamples, reportOptions.samples));
   }
-  reportOptions.quiet = parsed.options.count("quiet") > 0;
+  reportOptions.quiet = parsed.has("quiet");
   reportOptions.stop = &stopSignal();
   const ResourceLimits limits(parsed);
   const DatasetReport report = examineDataset(folder, reportOptions);

@@ -24,9 +24,9 @@ bool looksNumeric(const std::string& cell) {
 
 }  // namespace
 
-std::string formatTable(const std::vector<std::vector<std::string>>& given) {
+std::string formatTable(const Rows& given) {
   if (given.empty()) return {};
-  std::vector<std::vector<std::string>> rows;
+  Rows rows;
   for (const auto& row : given) {
     rows.emplace_back();
     for (const std::string& cell : row) rows.back().push_back(oneLine(cell));

@@ -5,9 +5,11 @@
 
 namespace scanmill {
 
+using Rows = std::vector<std::vector<std::string>>;
+
 // Formats rows of cells in aligned columns; the first row is the heading. Columns whose cells all look like numbers are
 // right-aligned.
-std::string formatTable(const std::vector<std::vector<std::string>>& rows);
+std::string formatTable(const Rows& rows);
 
 // Returns "12.3 %".
 std::string percent(double part, double whole);

@@ -38,9 +38,8 @@ std::string awayText(const BeamErrors& errors) {
 }
 
 void printSettings(const Study& study) {
-  std::vector<std::vector<std::string>> rows{{"setting", "set-up", "scan", "beams/s", "memory", "median", "p99",
-                                              "away from edges", "labels", "false negatives", "false positives", "to",
-                                              "from"}};
+  Rows rows{{"setting", "set-up", "scan", "beams/s", "memory", "median", "p99", "away from edges", "labels",
+             "false negatives", "false positives", "to", "from"}};
   for (const SettingResult& s : study.settings) {
     if (!s.failure.empty()) {
       rows.push_back({s.setting.name, "failed", "", "", "", "", "", "", "", "", "", "", ""});
@@ -69,7 +68,7 @@ void printSettings(const Study& study) {
 
 void printEncodings(const Study& study) {
   if (study.encodings.empty()) return;
-  std::vector<std::vector<std::string>> rows{{"encoding", "points/s", "decoded/s", "bytes/point", "largest error"}};
+  Rows rows{{"encoding", "points/s", "decoded/s", "bytes/point", "largest error"}};
   for (const EncodingResult& e : study.encodings) {
     if (!e.failure.empty()) {
       rows.push_back({e.name, "failed", "", "", e.failure});
@@ -83,8 +82,8 @@ void printEncodings(const Study& study) {
 
 void printSensing(const Study& study) {
   if (study.sensing.empty()) return;
-  std::vector<std::vector<std::string>> rows{{"footprint, glass, weather", "trace", "effects", "missing", "added",
-                                              "median", "p95", "p99", "other class", "intensity"}};
+  Rows rows{{"footprint, glass, weather", "trace", "effects", "missing", "added", "median", "p95", "p99", "other class",
+             "intensity"}};
   for (const SensingResult& r : study.sensing) {
     if (!r.failure.empty()) {
       rows.push_back({r.name, "failed", "", "", "", "", "", "", "", r.failure});
@@ -106,7 +105,7 @@ void printSensing(const Study& study) {
 
 void printRings(const Study& study) {
   if (study.rings.empty()) return;
-  std::vector<std::vector<std::string>> rows{{"time per scan"}};
+  Rows rows{{"time per scan"}};
   for (const RingTiming& t : study.rings.front().timings) rows.front().push_back(fmt::format("{} rings", t.rings));
   rows.front().insert(rows.front().end(), {"fixed", "per ring"});
   const auto add = [&](const std::string& name, const RingFit& fit) {
@@ -181,15 +180,16 @@ void writeStudy(const Study& study, const std::filesystem::path& folder) {
 }  // namespace
 
 int runTradeoff(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("tradeoff");
-  cxxopts::Options options = describe(command);
-  options.add_options()("o,out", "folder of the report; it is made if it does not exist", cxxopts::value<std::string>(),
-                        "DIR")("overwrite", "replace an existing report")(
-      "budget", "about how many minutes the study may take (default: the pipeline's, or 5)", cxxopts::value<double>(),
-      "MINUTES")("q,quiet", "print one line instead of progress and tables");
+  CommandOptions options("tradeoff");
+  cxxopts::OptionAdder add = options.add_options();
+  add("o,out", "folder of the report; it is made if it does not exist", textValue(), "DIR");
+  add("overwrite", "replace an existing report");
+  add("budget", "about how many minutes the study may take (default: the pipeline's, or 5)", cxxopts::value<double>(),
+      "MINUTES");
+  add("q,quiet", "print one line instead of progress and tables");
   addPipelineOptions(options);
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill tradeoff pipelines/street.yaml -o out/tradeoff\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/longer --budget 30\n"
                      "  scanmill tradeoff pipelines/street.yaml -o out/few --set 'tradeoff={settings: [ray_tracing, "
@@ -200,14 +200,14 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   const std::filesystem::path file = parsed.positional("PIPELINE|tradeoff.json");
   const std::string folder = folderOption(parsed, "out");
   if (folder.empty()) throw InputError("-o DIR is missing: where should the report go?");
-  const bool overwrite = parsed.options.count("overwrite") > 0;
+  const bool overwrite = parsed.has("overwrite");
   const ResourceLimits limits(parsed);
-  StudyOptions studyOptions;
-  studyOptions.quiet = parsed.options.count("quiet") > 0;
-  studyOptions.stop = &stopSignal();
-  studyOptions.showScan = [](const Scan& scan, const Ontology& ontology) { drawPicture(scan, &ontology, {}, "scan"); };
-  studyOptions.drawErrors = drawErrors;
-  if (parsed.options.count("budget") > 0) {
+  StudyOptions studyOptions{
+      .quiet = parsed.has("quiet"),
+      .stop = &stopSignal(),
+      .showScan = [](const Scan& scan, const Ontology& ontology) { drawPicture(scan, &ontology, {}, "scan"); },
+      .drawErrors = drawErrors};
+  if (parsed.has("budget")) {
     constexpr double kMostMinutes = 1e5;
     const double minutes = parsed.options["budget"].as<double>();
     if (!(minutes > 0 && minutes <= kMostMinutes)) {
@@ -217,7 +217,7 @@ int runTradeoff(const std::vector<std::string>& arguments) {
   }
   Study study;
   if (file.extension() == ".json") {
-    if (parsed.options.count("set") + parsed.options.count("seed") + parsed.options.count("budget") > 0) {
+    if (parsed.has("set") || parsed.has("seed") || parsed.has("budget")) {
       throw InputError(
           {file.string()},
           "is a study that was measured already: leave --set, --seed and --budget out, or name a pipeline");

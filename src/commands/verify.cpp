@@ -38,18 +38,18 @@ int report(const std::vector<std::string>& problems, const std::string& counts) 
 }  // namespace
 
 int runVerify(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("verify");
-  cxxopts::Options options = describe(command);
-  options.add_options()("threads", "how many threads to use, 0 for all cores",
-                        cxxopts::value<int>()->default_value("0"))("q,quiet", "print no progress");
+  CommandOptions options("verify");
+  cxxopts::OptionAdder add = options.add_options();
+  add("threads", "how many threads to use, 0 for all cores", cxxopts::value<int>()->default_value("0"));
+  add("q,quiet", "print no progress");
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill verify out/quickstart\n"
                      "  scanmill verify out/passes    # a recording: reads all files that it names\n");
   if (parsed.help) return 0;
   const std::string folder = parsed.positional("DIR");
   const ResourceLimits limits(parsed);
-  const bool quiet = parsed.options.count("quiet") > 0;
+  const bool quiet = parsed.has("quiet");
   std::error_code ignored;
   if (!std::filesystem::exists(std::filesystem::path(folder) / kManifestName, ignored) && recordingIn(folder)) {
     const RecordingVerification v = withProgress(verifyRecording, folder, "images", quiet);

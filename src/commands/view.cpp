@@ -91,24 +91,24 @@ Vec3d readPlace(const std::string& text) {
 }
 
 std::optional<CloseUp> readCloseUp(const Arguments& parsed) {
-  const bool at = hasOption(parsed, "at");
-  if (at != hasOption(parsed, "within")) {
+  const bool at = parsed.has("at");
+  if (at != parsed.has("within")) {
     throw InputError("a close-up takes both --at X,Y,Z (where, in m) and --within R (so far around it, in m)");
   }
   if (!at) return {};
-  return CloseUp{readPlace(textOption(parsed, "at")), numberWithin(parsed, "within", 0.01, kFarthestPlace)};
+  return CloseUp{readPlace(parsed.text("at")), numberWithin(parsed, "within", 0.01, kFarthestPlace)};
 }
 
 Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
   Outputs outputs;
-  if (hasOption(parsed, "screenshot")) {
-    outputs.screenshot = textOption(parsed, "screenshot");
+  if (parsed.has("screenshot")) {
+    outputs.screenshot = parsed.text("screenshot");
     if (outputs.screenshot.extension() != ".png") {
       throw InputError({outputs.screenshot.string()}, "pictures are PNG: let the name end in .png");
     }
   }
   outputs.turntable = folderOption(parsed, "turntable");
-  if (hasOption(parsed, "frames")) {
+  if (parsed.has("frames")) {
     constexpr int kMost = 10000;
     outputs.frames = parsed.options["frames"].as<int>();
     if (outputs.turntable.empty()) throw InputError("--frames says how many pictures --turntable DIR makes: add that");
@@ -116,25 +116,25 @@ Outputs readOutputs(const Arguments& parsed, const PictureSize& size) {
       throw InputError(fmt::format("--frames must be from 1 to {}, not {}", kMost, outputs.frames));
     }
   }
-  outputs.wholeRangeImage = hasOption(parsed, "range-image-alone");
-  outputs.contactSheet = hasOption(parsed, "contact-sheet");
+  outputs.wholeRangeImage = parsed.has("range-image-alone");
+  outputs.contactSheet = parsed.has("contact-sheet");
   for (const char* const alone : {"range-image-alone", "contact-sheet"}) {
-    if (hasOption(parsed, alone) && outputs.screenshot.empty()) {
+    if (parsed.has(alone) && outputs.screenshot.empty()) {
       throw InputError(fmt::format("--{} makes a picture: add --screenshot FILE.png", alone));
     }
   }
-  if (hasOption(parsed, "pick")) outputs.pick = readPixel(textOption(parsed, "pick"), size);
+  if (parsed.has("pick")) outputs.pick = readPixel(parsed.text("pick"), size);
   return outputs;
 }
 
 ViewOptions readViewOptions(const Arguments& parsed, bool window) {
   ViewOptions view;
-  for (const std::string& word : listOption(parsed, "color")) {
+  for (const std::string& word : parsed.list("color")) {
     view.colors.push_back(readColor(word));
   }
-  const bool over = hasOption(parsed, "over");
-  if (hasOption(parsed, "layout")) {
-    view.layout = static_cast<ViewLayout>(wordAmong(textOption(parsed, "layout"), "layout", kLayoutNames));
+  const bool over = parsed.has("over");
+  if (parsed.has("layout")) {
+    view.layout = static_cast<ViewLayout>(wordAmong(parsed.text("layout"), "layout", kLayoutNames));
   } else if (view.colors.size() > 1) {
     view.layout = ViewLayout::Split;
   } else if (over) {
@@ -148,8 +148,8 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
         "--color: an overlay shows each scan in a colour of its own; add --layout split or --layout one, "
         "or leave out --color");
   }
-  if (hasOption(parsed, "scale")) {
-    view.scale = readScale(textOption(parsed, "scale"));
+  if (parsed.has("scale")) {
+    view.scale = readScale(parsed.text("scale"));
     const auto numeric = std::count_if(view.colors.begin(), view.colors.end(), isNumeric);
     if (numeric != 1) {
       throw InputError(
@@ -158,26 +158,26 @@ ViewOptions readViewOptions(const Arguments& parsed, bool window) {
                       numeric == 0 ? "name that" : "more of them have different scales"));
     }
   }
-  if (hasOption(parsed, "camera")) view.camera = parseCamera(textOption(parsed, "camera"));
+  if (parsed.has("camera")) view.camera = parseCamera(parsed.text("camera"));
   view.closeUp = readCloseUp(parsed);
-  if (view.closeUp && hasOption(parsed, "camera") && !view.camera.view) {
+  if (view.closeUp && parsed.has("camera") && !view.camera.view) {
     throw InputError(
         fmt::format("--at says where to look: beside it --camera is one of {}", fmt::join(kViewNames, ", ")));
   }
-  if (hasOption(parsed, "point-size")) view.pointSize = numberWithin(parsed, "point-size", 0.5, 50);
+  if (parsed.has("point-size")) view.pointSize = numberWithin(parsed, "point-size", 0.5, 50);
   view.background = readBackground(parsed.options["background"].as<std::string>());
-  view.sample = textOption(parsed, "sample");
-  view.depthEdges = !hasOption(parsed, "flat");
-  view.mesh = hasOption(parsed, "mesh");
-  view.rangeRings = hasOption(parsed, "rings");
-  view.rangeImage = hasOption(parsed, "range-image");
+  view.sample = parsed.text("sample");
+  view.depthEdges = !parsed.has("flat");
+  view.mesh = parsed.has("mesh");
+  view.rangeRings = parsed.has("rings");
+  view.rangeImage = parsed.has("range-image");
   view.still = !window;
-  view.bare = hasOption(parsed, "bare");
+  view.bare = parsed.has("bare");
   if (view.bare) view.axes = view.trajectory = view.boxes = false;
-  if (hasOption(parsed, "hide") && hasOption(parsed, "only")) throw InputError("--hide and --only exclude each other");
-  view.only = hasOption(parsed, "only");
-  view.hidden = listOption(parsed, view.only ? "only" : "hide");
-  for (const std::string& text : listOption(parsed, "instance")) view.instances.push_back(readInstance(text));
+  if (parsed.has("hide") && parsed.has("only")) throw InputError("--hide and --only exclude each other");
+  view.only = parsed.has("only");
+  view.hidden = parsed.list(view.only ? "only" : "hide");
+  for (const std::string& text : parsed.list("instance")) view.instances.push_back(readInstance(text));
   return view;
 }
 
@@ -212,11 +212,7 @@ std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const Pict
 
 // Acts like a click of the left button.
 void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
-  CanvasEvent event;
-  event.x = pixel.first;
-  event.y = pixel.second;
-  event.button = 1;
-  event.kind = CanvasEvent::Kind::Move;
+  CanvasEvent event{.kind = CanvasEvent::Kind::Move, .x = pixel.first, .y = pixel.second, .button = 1};
   session.handle(event);
   event.kind = CanvasEvent::Kind::Down;
   session.handle(event);
@@ -243,9 +239,9 @@ void requireOnly(const std::filesystem::path& file, const Arguments& parsed, con
 void drawWholeRangeImage(const std::filesystem::path& file, const Arguments& parsed, const Outputs& outputs) {
   requireOnly(file, parsed, "--range-image-alone",
               {"range-image-alone", "screenshot", "sample", "sensor", "color", "ontology"});
-  const std::vector<std::string> colors = listOption(parsed, "color");
+  const std::vector<std::string> colors = parsed.list("color");
   if (colors.size() > 1) throw InputError("--range-image-alone shows one --color");
-  ScanSource source = findScan(file, textOption(parsed, "sample"), textOption(parsed, "sensor"));
+  ScanSource source = findScan(file, parsed.text("sample"), parsed.text("sensor"));
   if (const auto ontology = ontologyOption(parsed); !ontology.empty()) source.ontology = readOntology(ontology);
   const auto by = colors.empty() ? std::nullopt : std::optional(readColor(colors.front()));
   try {
@@ -268,7 +264,7 @@ void drawSheet(const std::filesystem::path& file, const Arguments& parsed, const
   SceneOptions plain;
   plain.textures = false;
   plain.ontology = ontologyOption(parsed);
-  if (hasOption(parsed, "seed")) plain.seed = parsed.options["seed"].as<std::uint64_t>();
+  if (parsed.has("seed")) plain.seed = parsed.options["seed"].as<std::uint64_t>();
   writePicture(outputs.screenshot, drawContactSheet(readScene(file, plain)),
                "a cell for each object of " + file.string());
 }
@@ -279,13 +275,13 @@ void viewImages(const std::filesystem::path& path, const Arguments& parsed, cons
   for (const char* option :
        {"sensor", "over", "reference", "scene", "seed", "color", "scale", "layout", "camera", "hide", "only",
         "instance", "mesh", "rings", "range-image", "range-image-alone", "turntable", "at", "contact-sheet"}) {
-    if (hasOption(parsed, option)) {
+    if (parsed.has(option)) {
       throw InputError({path.string()},
                        fmt::format("is shown as images: --{} is for scans; --plane chooses what is shown", option));
     }
   }
   ImageList images = imagesOption(path, parsed);
-  if (textOption(parsed, "plane") == "all") {
+  if (parsed.text("plane") == "all") {
     if (outputs.screenshot.empty() || outputs.pick) {
       throw InputError("--plane all makes a picture: add --screenshot FILE.png, and leave --pick out");
     }
@@ -294,8 +290,7 @@ void viewImages(const std::filesystem::path& path, const Arguments& parsed, cons
                         images.names[images.first]);
   }
   const std::unique_ptr<Canvas> canvas = openCanvas(path, size, outputs.window());
-  ImageSession session(std::move(images), *canvas, textOption(parsed, "plane"), hasOption(parsed, "bare"),
-                       !outputs.window());
+  ImageSession session(std::move(images), *canvas, parsed.text("plane"), parsed.has("bare"), !outputs.window());
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });
   session.settle();
   if (outputs.pick) {
@@ -366,59 +361,64 @@ std::string keyHelp() {
 }
 
 void addOptions(cxxopts::Options& options) {
-  const auto text = [] { return cxxopts::value<std::string>(); };
-  const auto list = [] { return cxxopts::value<std::vector<std::string>>(); };
-  options.add_options()(
-      "sample",
+  cxxopts::OptionAdder add = options.add_options();
+  add("sample",
       "key, or index from 0, of a sample, the middle one where not given; a part of the name of a recording's image",
-      text(), "KEY")("sensor", "only this sensor's scans", text(), "NAME")(
-      "over", "further scans to lay over those: samples are joined by their keys (may be repeated)", list(),
-      "DATASET|SHARD|SCAN")("reference,twin", "the noise-free reference, for --color error", text(),
-                            "DATASET|SHARD|SCAN")(
-      "scene", "the scene that was scanned, in place of the one that the dataset names", text(), "FILE")(
-      "seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<std::uint64_t>(), "N")(
-      "ontology",
+      textValue(), "KEY");
+  add("sensor", "only this sensor's scans", textValue(), "NAME");
+  add("over", "further scans to lay over those: samples are joined by their keys (may be repeated)", listValue(),
+      "DATASET|SHARD|SCAN");
+  add("reference,twin", "the noise-free reference, for --color error", textValue(), "DATASET|SHARD|SCAN");
+  add("scene", "the scene that was scanned, in place of the one that the dataset names", textValue(), "FILE");
+  add("seed", "of a procedural scene that is viewed by itself (default: 1)", cxxopts::value<std::uint64_t>(), "N");
+  add("ontology",
       "names and colours of the classes, in place of the dataset's: a file, or a name of `scanmill list ontologies`",
-      text(), "FILE|NAME")(
-      "color",
+      textValue(), "FILE|NAME");
+  add("color",
       fmt::format("{}; the first that the scan has where not given; once per view; of a scene by itself {}",
                   fmt::join(colorNames(), ", "), fmt::join(kMeshColorNames, ", ")),
-      list(), "WHAT")(
-      "scale", "first and last value of the colours that show numbers; follows from the values where not given", text(),
-      "LOW,HIGH")("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")),
-                  text(), "NAME")("camera",
-                                  fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
-                                              "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
-                                              fmt::join(kViewNames, ", ")),
-                                  text(), "WHERE")(
-      "plane", "plane of an EXR image: the first where not given; all: side by side, with --screenshot", text(),
-      "NAME")("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera NAME", text(),
-              "X,Y,Z")("within", "only the points so near the place of --at, in m", cxxopts::value<double>(), "R")(
-      "size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", text(), "WxH")(
-      "point-size", "of the points, in pixels", cxxopts::value<double>(), "PX")(
-      "background", "dark, grey, white, or R,G,B", text()->default_value("dark"), "COLOR")(
-      "hide", "a class that is not shown: name or id (may be repeated)", list(), "CLASS")(
-      "only", "a class that alone is shown (may be repeated)", list(), "CLASS")(
-      "instance", "an instance that alone is shown (may be repeated)", list(), "ID")("mesh", "the scene, faintly")(
-      "rings", "range rings")("range-image", "also as rings x columns, looking outward")(
-      "range-image-alone", "the range image in full size in place of the view, with --screenshot")(
-      "contact-sheet", "of a scene, with --screenshot: a cell for each object, with its size and classes")(
-      "flat", "no darkening of depth edges")("bare", "the points alone: no panels, axes or trajectory")(
-      "screenshot", "a picture in place of the window; needs no display", text(), "FILE.png")(
-      "turntable", "pictures from all around in place of the window; needs no display", text(), "DIR")(
-      "frames", "of the turntable, 72 where not given", cxxopts::value<int>(), "N")(
-      "pick", "prints what lies at a pixel of the picture, and marks it in that", text(), "X,Y")(
-      "overwrite", "replace a turntable that is there already");
+      listValue(), "WHAT");
+  add("scale", "first and last value of the colours that show numbers; follows from the values where not given",
+      textValue(), "LOW,HIGH");
+  add("layout", fmt::format("{}: how the scans of a sample are shown", fmt::join(kLayoutNames, ", ")), textValue(),
+      "NAME");
+  add("camera",
+      fmt::format("{}, or YAW,PITCH,DISTANCE[,X,Y,Z] in deg and m, such as 30,20,25; of a "
+                  "scene by itself X,Y,Z are its own coordinates, as --pick prints them",
+                  fmt::join(kViewNames, ", ")),
+      textValue(), "WHERE");
+  add("plane", "plane of an EXR image: the first where not given; all: side by side, with --screenshot", textValue(),
+      "NAME");
+  add("at", "a close-up of this place, in m in the sensor's frame, from the direction of --camera NAME", textValue(),
+      "X,Y,Z");
+  add("within", "only the points so near the place of --at, in m", cxxopts::value<double>(), "R");
+  add("size", "width and height in pixels: of the window 1280x800, of pictures 1600x900", textValue(), "WxH");
+  add("point-size", "of the points, in pixels", cxxopts::value<double>(), "PX");
+  add("background", "dark, grey, white, or R,G,B", textValue()->default_value("dark"), "COLOR");
+  add("hide", "a class that is not shown: name or id (may be repeated)", listValue(), "CLASS");
+  add("only", "a class that alone is shown (may be repeated)", listValue(), "CLASS");
+  add("instance", "an instance that alone is shown (may be repeated)", listValue(), "ID");
+  add("mesh", "the scene, faintly");
+  add("rings", "range rings");
+  add("range-image", "also as rings x columns, looking outward");
+  add("range-image-alone", "the range image in full size in place of the view, with --screenshot");
+  add("contact-sheet", "of a scene, with --screenshot: a cell for each object, with its size and classes");
+  add("flat", "no darkening of depth edges");
+  add("bare", "the points alone: no panels, axes or trajectory");
+  add("screenshot", "a picture in place of the window; needs no display", textValue(), "FILE.png");
+  add("turntable", "pictures from all around in place of the window; needs no display", textValue(), "DIR");
+  add("frames", "of the turntable, 72 where not given", cxxopts::value<int>(), "N");
+  add("pick", "prints what lies at a pixel of the picture, and marks it in that", textValue(), "X,Y");
+  add("overwrite", "replace a turntable that is there already");
 }
 
 }  // namespace
 
 int runView(const std::vector<std::string>& arguments) {
-  const Command& command = commandNamed("view");
-  cxxopts::Options options = describe(command);
+  CommandOptions options("view");
   addOptions(options);
   const Arguments parsed =
-      parseArguments(command, options, arguments,
+      parseArguments(options, arguments,
                      "  scanmill view out/quickstart\n"
                      "  scanmill view out/quickstart --sample 12 --color intensity --camera above\n"
                      "  scanmill view out/noisy --reference out/clean --color error\n"
@@ -440,17 +440,17 @@ int runView(const std::vector<std::string>& arguments) {
   if (parsed.help) return 0;
   ViewInput input;
   input.path = parsed.fileOrName("DATASET|SHARD|SCAN|EXR|SCENE", {"scenes"});
-  const bool offscreen = hasOption(parsed, "screenshot") || hasOption(parsed, "turntable") || hasOption(parsed, "pick");
-  const PictureSize size = hasOption(parsed, "size") ? readPictureSize(textOption(parsed, "size"))
-                           : offscreen               ? PictureSize{1600, 900}
-                                                     : PictureSize{1280, 800};
+  const bool offscreen = parsed.has("screenshot") || parsed.has("turntable") || parsed.has("pick");
+  const PictureSize size = parsed.has("size") ? readPictureSize(parsed.text("size"))
+                           : offscreen        ? PictureSize{1600, 900}
+                                              : PictureSize{1280, 800};
   const Outputs outputs = readOutputs(parsed, size);
   const ViewOptions view = readViewOptions(parsed, outputs.window());
   if (isExr(input.path) || recordingIn(input.path)) {
     viewImages(input.path, parsed, size, outputs);
     return 0;
   }
-  if (hasOption(parsed, "plane")) {
+  if (parsed.has("plane")) {
     throw InputError({input.path.string()}, "is no EXR image: --plane chooses one of such an image's planes");
   }
   if (outputs.contactSheet) {
@@ -461,15 +461,15 @@ int runView(const std::vector<std::string>& arguments) {
     drawWholeRangeImage(input.path, parsed, outputs);
     return 0;
   }
-  for (const std::string& other : listOption(parsed, "over")) input.over.emplace_back(other);
-  input.reference = textOption(parsed, "reference");
-  input.sensor = textOption(parsed, "sensor");
+  for (const std::string& other : parsed.list("over")) input.over.emplace_back(other);
+  input.reference = parsed.text("reference");
+  input.sensor = parsed.text("sensor");
   input.ontology = ontologyOption(parsed);
-  input.scene = textOption(parsed, "scene");
-  if (hasOption(parsed, "seed")) {
+  input.scene = parsed.text("scene");
+  if (parsed.has("seed")) {
     input.seed = parsed.options["seed"].as<std::uint64_t>();
   }
-  viewFrames(input, view, size, outputs, hasOption(parsed, "overwrite"));
+  viewFrames(input, view, size, outputs, parsed.has("overwrite"));
   return 0;
 }
 

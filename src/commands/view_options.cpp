@@ -34,18 +34,6 @@ std::size_t wordAmong(const std::string& word, const std::string& option, std::s
   throw InputError(fmt::format("--{} is one of {}, not '{}'", option, fmt::join(names, ", "), word));
 }
 
-bool hasOption(const Arguments& parsed, const std::string& option) {
-  return parsed.options.count(option) > 0;
-}
-
-std::string textOption(const Arguments& parsed, const std::string& option) {
-  return hasOption(parsed, option) ? parsed.options[option].as<std::string>() : std::string();
-}
-
-std::vector<std::string> listOption(const Arguments& parsed, const std::string& option) {
-  return hasOption(parsed, option) ? parsed.options[option].as<std::vector<std::string>>() : std::vector<std::string>{};
-}
-
 double numberWithin(const Arguments& parsed, const std::string& option, double least, double most) {
   const double value = parsed.options[option].as<double>();
   if (!(value >= least && value <= most)) {
@@ -71,14 +59,14 @@ bool isExr(const std::filesystem::path& file) {
 }
 
 std::filesystem::path ontologyOption(const Arguments& parsed) {
-  const std::string given = textOption(parsed, "ontology");
+  const std::string given = parsed.text("ontology");
   return given.empty() ? std::filesystem::path() : namedResource(given, "labels");
 }
 
 ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed) {
   std::optional<Ontology> classes;
   if (const auto given = ontologyOption(parsed); !given.empty()) classes = readOntology(given);
-  return openImages(path, textOption(parsed, "sample"), std::move(classes));
+  return openImages(path, parsed.text("sample"), std::move(classes));
 }
 
 }  // namespace scanmill

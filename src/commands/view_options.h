@@ -24,11 +24,6 @@ std::size_t wordAmong(const std::string& word, const std::string& option, std::s
 // lacks. Throws InputError for a word that is nearly one of the names.
 ColorBy readColor(const std::string& word);
 
-// Return the value of an option; empty if the option is not given.
-std::string textOption(const Arguments& parsed, const std::string& option);
-std::vector<std::string> listOption(const Arguments& parsed, const std::string& option);
-bool hasOption(const Arguments& parsed, const std::string& option);
-
 // Reads numbers with a separator between them: "8,-3.5,-1". Absent if the text is anything else.
 template <class T, std::size_t kCount>
 std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char separator = ',') {

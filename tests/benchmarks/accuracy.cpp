@@ -9,9 +9,8 @@
 
 #include "base/error.h"
 #include "evaluate/cloud_errors.h"
-#include "evaluate/hit_errors.h"
 #include "tests/core/methods/trace.h"
-#include "tests/support/points_of.h"
+#include "tests/support/hit_errors.h"
 #include "tests/support/street.h"
 
 namespace {
@@ -49,7 +48,7 @@ int run() {
   const auto tracing = rayTracing(scene);
   const Shot shot = streetShot(presetBeams("paper_64"), -20);
   const Hits truth = traced(*tracing, shot);
-  const std::vector<Vec3f> there = pointsOf(shot, truth);
+  const std::vector<Vec3f> there = hitPoints(shot, truth);
   const double pixel = 2 * std::tan(radians(60)) / 2048;  // rad, at the centre of an image of 120 degrees
   const std::vector<std::uint8_t> edges = edgeBeams(*tracing, shot, pixel);
   fmt::print(
@@ -60,7 +59,7 @@ int run() {
     const auto method = methodOf("depth_camera", scene, s.options);
     const Hits tested = traced(*method, shot);
     const HitErrors e = compareHits(truth, tested, edges);
-    const std::vector<Vec3f> here = pointsOf(shot, tested);
+    const std::vector<Vec3f> here = hitPoints(shot, tested);
     const CloudErrors cloud = cloudErrors(there, here);
     const auto share = [](std::uint64_t part, std::uint64_t whole) {
       return 100.0 * static_cast<double>(part) / static_cast<double>(whole);

@@ -15,9 +15,8 @@
 #include "passes/renderer.h"
 #include "pipeline/run/generate.h"
 #include "pipeline/run/recorder.h"
-#include "tests/benchmarks/street_beams.h"
+#include "tests/benchmarks/against_ray_tracing.h"
 #include "tests/benchmarks/timing.h"
-#include "tests/core/methods/trace.h"
 #include "tests/support/embree_passes.h"
 #include "tests/support/street.h"
 #include "tests/support/temporary_folder.h"
@@ -25,54 +24,12 @@
 namespace scanmill {
 namespace {
 
-const Scene& street() {
-  static const Scene scene = proceduralStreet();
-  return scene;
+// Stages are of the last scan's.
+void scan(benchmark::State& state, const std::string& layout) {
+  scanAgainstRayTracing(state, "depth_camera", "{layout: " + layout + "}");
 }
-
-constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Channel::Instance | Channel::Semantic |
-                               Channel::Material | Channel::Reflectance | Channel::Incidence;
-
-// A scan by the depth camera against one by ray tracing. Stages are of the last scan's, in milliseconds.
-void scan(benchmark::State& state, const std::string& options) {
-  const Shot shot = streetShot(streetBeams(state.range(0)), -20);
-  const auto camera = methodOf("depth_camera", street(), options);
-  const auto tracing = rayTracing(street());
-  Hits hits;
-  TraceAccount account;
-  const auto ours = [&] { account += camera->trace(shot, kChannels, hits); };
-  const auto traced = [&] { tracing->trace(shot, kChannels, hits); };
-  ours();
-  traced();
-  std::vector<double> oursSeconds;
-  std::vector<double> tracedSeconds;
-  account = {};
-  std::size_t scans = 0;
-  for (auto _ : state) {
-    const std::vector<double> each = secondsOfEach(5, ours);
-    scans += each.size();
-    oursSeconds.push_back(median(each));
-    state.SetIterationTime(oursSeconds.back());
-    tracedSeconds.push_back(median(secondsOfEach(5, traced)));
-  }
-  for (const auto& [stage, seconds] : account.seconds) {
-    state.counters[stage + "_ms"] = 1e3 * seconds / static_cast<double>(scans);
-  }
-  state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
-  state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);
-}
-BENCHMARK_CAPTURE(scan, three_120, "{layout: three_120}")
-    ->Arg(64)
-    ->Arg(512)
-    ->UseManualTime()
-    ->Iterations(5)
-    ->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(scan, automatic, "{layout: auto}")
-    ->Arg(64)
-    ->Arg(512)
-    ->UseManualTime()
-    ->Iterations(5)
-    ->Unit(benchmark::kMillisecond);
+SCANS(three_120, "three_120");
+SCANS(automatic, "auto");
 
 struct ThreeImages {
   Shot shot = streetShot(presetBeams("paper_64"), -20);
@@ -125,7 +82,7 @@ void sampling(benchmark::State& state, Sampling how) {
   options.farthest = three.limits.farthest;
   Hits hits;
   for (auto _ : state) {
-    hits.reset(three.shot.beams->rings, three.shot.beams->columns, kChannels);
+    hits.reset(three.shot.beams->rings, three.shot.beams->columns, kTracedChannels);
     samplePixels(*source, three.shot.worldFromSensor.front(), beams, options, hits);
   }
   state.counters["beams/s"] =
@@ -170,9 +127,9 @@ void fromHits(benchmark::State& state, const std::string& method) {
   const auto hits = folder.path() / "hits";
   GenerateOptions options;
   options.folder = folder.path() / "out";
-  options.overwrite = true;
-  options.quiet = true;
   options.keepHits = hits;
+  options.quiet = true;
+  options.overwrite = true;
   const double kept = generate(makePlan(readPipeline(pipeline, {}), recordedChannels()), options).seconds;
   options.keepHits.clear();
   const auto recording = std::make_shared<const Recording>(readRecording(hits, RecordingKind::Hits));

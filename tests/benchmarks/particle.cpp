@@ -13,7 +13,7 @@
 #include "methods/particle/march.h"
 #include "methods/particle/shape.h"
 #include "methods/world/worlds.h"
-#include "tests/benchmarks/street_beams.h"
+#include "tests/benchmarks/against_ray_tracing.h"
 #include "tests/benchmarks/timing.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/street.h"
@@ -21,13 +21,6 @@
 namespace scanmill {
 namespace {
 
-const Scene& street() {
-  static const Scene scene = proceduralStreet();
-  return scene;
-}
-
-constexpr Channels kChannels = Channels(Channel::Range) | Channel::Normal | Channel::Instance | Channel::Semantic |
-                               Channel::Material | Channel::Reflectance | Channel::Incidence;
 constexpr double kRange = 120;  // m
 
 struct Place {
@@ -75,35 +68,13 @@ void field(benchmark::State& state, bool lists) {
 FIELDS(nearest, false);
 FIELDS(lists, true);
 
-// A scan, the field being there, against one by ray tracing. Stages are of the processor's time, in milliseconds a
-// scan.
+// The field being there. Stages are of the processor's time.
 void scan(benchmark::State& state, const std::string& options) {
-  const Shot shot = streetShot(streetBeams(state.range(0)), -20);
-  const auto particle = methodOf("particle", street(), "{" + options + "}");
-  const auto tracing = rayTracing(street());
-  Hits hits;
-  TraceAccount account;
-  const auto ours = [&] { account += particle->trace(shot, kChannels, hits); };
-  const auto traced = [&] { tracing->trace(shot, kChannels, hits); };
-  ours();
-  traced();
-  std::vector<double> oursSeconds;
-  std::vector<double> tracedSeconds;
-  account = {};
-  std::size_t scans = 0;
-  for (auto _ : state) {
-    const std::vector<double> each = secondsOfEach(5, ours);
-    scans += each.size();
-    oursSeconds.push_back(median(each));
-    state.SetIterationTime(oursSeconds.back());
-    tracedSeconds.push_back(median(secondsOfEach(5, traced)));
-  }
-  for (const auto& [stage, seconds] : account.seconds) {
-    state.counters[stage + "_ms"] = 1e3 * seconds / static_cast<double>(scans);
-  }
-  state.counters["beams/s"] = static_cast<double>(hits.size()) / median(oursSeconds);
-  state.counters["of_ray_tracing"] = median(oursSeconds) / median(tracedSeconds);
+  scanAgainstRayTracing(state, "particle", "{" + options + "}");
 }
+SCANS(none, "refine: none");
+SCANS(normal, "refine: normal");
+SCANS(triangle, "refine: triangle");
 
 // A sensor that drives on by a metre from scan to scan, 64 x 2048 beams: its field moves along. Stages in milliseconds
 // a scan.
@@ -111,7 +82,7 @@ void drive(benchmark::State& state, const std::string& options) {
   const auto particle = methodOf("particle", street(), "{" + options + "}");
   const auto beams = streetBeams(64);
   Hits hits;
-  const auto scanAt = [&](double x) { return particle->trace(streetShot(beams, x), kChannels, hits); };
+  const auto scanAt = [&](double x) { return particle->trace(streetShot(beams, x), kTracedChannels, hits); };
   TraceAccount account;
   std::vector<double> seconds;
   constexpr int kMetres = 10;
@@ -133,17 +104,6 @@ void drive(benchmark::State& state, const std::string& options) {
   BENCHMARK_CAPTURE(drive, name, options)->UseManualTime()->Iterations(3)->Unit(benchmark::kMillisecond)
 DRIVES(none, "refine: none");
 DRIVES(triangle, "refine: triangle");
-
-#define SCANS(name, options)             \
-  BENCHMARK_CAPTURE(scan, name, options) \
-      ->Arg(64)                          \
-      ->Arg(512)                         \
-      ->UseManualTime()                  \
-      ->Iterations(5)                    \
-      ->Unit(benchmark::kMillisecond)
-SCANS(none, "refine: none");
-SCANS(normal, "refine: normal");
-SCANS(triangle, "refine: triangle");
 
 }  // namespace
 }  // namespace scanmill

@@ -12,9 +12,8 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "evaluate/cloud_errors.h"
-#include "evaluate/hit_errors.h"
 #include "tests/core/methods/trace.h"
-#include "tests/support/points_of.h"
+#include "tests/support/hit_errors.h"
 #include "tests/support/street.h"
 #include "tests/support/test_scene.h"
 
@@ -53,7 +52,7 @@ double percent(std::uint64_t part, std::uint64_t whole) {
 void printSettings(const Scene& scene, const Method& tracing) {
   const Shot shot = streetShot(presetBeams("paper_64"), -20);
   const Hits truth = traced(tracing, shot);
-  const std::vector<Vec3f> there = pointsOf(shot, truth);
+  const std::vector<Vec3f> there = hitPoints(shot, truth);
   const std::vector<std::uint8_t> edges = edgeBeams(tracing, shot, 0.0016915);  // rad, as in docs/depth_camera.md
   fmt::print(
       "| setting | median mm | p95 mm | p99 m | p99.9 m | max m | labels | interior labels | false negatives | false "
@@ -62,7 +61,7 @@ void printSettings(const Scene& scene, const Method& tracing) {
   for (const ParticleSetting& s : kParticleSettings) {
     const Hits tested = traced(*particleOf(scene, s.options), shot);
     const HitErrors e = compareHits(truth, tested, edges);
-    const std::vector<Vec3f> here = pointsOf(shot, tested);
+    const std::vector<Vec3f> here = hitPoints(shot, tested);
     const CloudErrors cloud = cloudErrors(there, here);
     const Spread& r = e.rangeSameSurface;
     fmt::print(

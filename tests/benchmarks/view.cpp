@@ -69,11 +69,7 @@ struct Viewer {
   }
 
   void send(CanvasEvent::Kind kind, int x, int y, const std::string& key = "") {
-    CanvasEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    event.button = 1;
+    CanvasEvent event{.kind = kind, .x = x, .y = y, .button = 1};
     event.key = event.text = key;
     session.handle(event);
   }

@@ -31,19 +31,9 @@ class Generate : public SmallWorld {
  protected:
   // Hours of work in shards of a megabyte.
   std::vector<std::string> longRun() const {
-    return {SCANMILL_PROGRAM,
-            "generate",
-            pipeline_,
-            "-o",
-            at("out"),
-            "--set",
-            "output={formats: [csv], shard_samples: 5}",
-            "--set",
-            "trajectories.0.every_s=1e-5",
-            "--set",
-            "trajectories.0.frames=200000",
-            "--set",
-            "sensors.0.columns=512"};
+    return withSettings({SCANMILL_PROGRAM, "generate", pipeline_, "-o", at("out")},
+                        {"output={formats: [csv], shard_samples: 5}", "trajectories.0.every_s=1e-5",
+                         "trajectories.0.frames=200000", "sensors.0.columns=512"});
   }
 
   // Waits until some shards have their names.
@@ -86,9 +76,7 @@ TEST_F(Generate, TellsWhatWasMadeAndVerifies) {
 TEST_F(Generate, ThreadsAndSeedsDoWhatTheySay) {
   const std::string noise = "effects=[range_noise: {sigma_m: 0.1}]";
   const auto shard = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"generate", pipeline_, "-q", "-o", at(name), "--set", noise};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    const Outcome o = scanmill(arguments);
+    const Outcome o = scanmill(withSettings({"generate", pipeline_, "-q", "-o", at(name)}, {noise}, more));
     EXPECT_EQ(o.code, 0) << o.error;
     return readFile(at(name + "/train/train-000000.tar"));
   };
@@ -184,11 +172,10 @@ print(len(samples), *sorted(samples[0]))
 TEST_F(Generate, MemoryStaysFlatHoweverManyScansAreMade) {
   if (kSanitized) GTEST_SKIP() << "sanitizers keep freed memory";
   const auto peak = [&](int frames) {
-    const Outcome o =
-        scanmill({"generate", pipeline_, "-q", "--threads", "2", "-o", at(fmt::format("f{}", frames)), "--set",
-                  "sensors.0.columns=1024", "--set", "sensors.0.elevation_deg.rings=32", "--set",
-                  "trajectories.0.every_s=0.001", "--set", fmt::format("trajectories.0.frames={}", frames), "--set",
-                  "output={formats: [pcd, draco], shard_mb: 8}"});
+    const Outcome o = scanmill(
+        withSettings({"generate", pipeline_, "-q", "--threads", "2", "-o", at(fmt::format("f{}", frames))},
+                     {"sensors.0.columns=1024", "sensors.0.elevation_deg.rings=32", "trajectories.0.every_s=0.001",
+                      fmt::format("trajectories.0.frames={}", frames), "output={formats: [pcd, draco], shard_mb: 8}"}));
     EXPECT_EQ(o.code, 0) << o.error;
     return static_cast<double>(o.peakBytes);
   };
@@ -200,23 +187,10 @@ TEST_F(Generate, MemoryStaysFlatHoweverManyScansAreMade) {
 TEST_F(Generate, AMemoryLimitIsKeptOrRefused) {
   if (kSanitized) GTEST_SKIP() << "sanitizers take memory of their own";
   const auto run = [&](const std::string& out, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"generate",
-                                       pipeline_,
-                                       "-q",
-                                       "--threads",
-                                       "8",
-                                       "-o",
-                                       at(out),
-                                       "--set",
-                                       "sensors.0.columns=2048",
-                                       "--set",
-                                       "sensors.0.elevation_deg.rings=128",
-                                       "--set",
-                                       "trajectories.0.frames=8",
-                                       "--set",
-                                       "output={formats: [pcd], shard_samples: 1}"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return scanmill(arguments);
+    return scanmill(withSettings({"generate", pipeline_, "-q", "--threads", "8", "-o", at(out)},
+                                 {"sensors.0.columns=2048", "sensors.0.elevation_deg.rings=128",
+                                  "trajectories.0.frames=8", "output={formats: [pcd], shard_samples: 1}"},
+                                 more));
   };
   ASSERT_EQ(run("free", {}).code, 0);
   const Outcome limited = run("limited", {"--memory-limit", "160M"});
@@ -302,10 +276,10 @@ TEST_F(Generate, KilledRunsLeaveWholeShardsOnly) {
 
 // What was measured once holds for the whole dataset, whatever would be the cheapest by now.
 TEST_F(Generate, AutoIsResumedWithWhatItTook) {
-  std::vector<std::string> command = longRun();
-  command.insert(command.end(), {"--set", "trajectories.0.frames=4000", "--set",
-                                 "method={auto: {max_error: {p99: 1 m, miss_rate: 10%, labels: 50%}, settings: "
-                                 "[{ray_tracing: {packet: [1, 16]}}]}}"});
+  const std::vector<std::string> command =
+      withSettings(longRun(), {"trajectories.0.frames=4000",
+                               "method={auto: {max_error: {p99: 1 m, miss_rate: 10%, labels: 50%}, settings: "
+                               "[{ray_tracing: {packet: [1, 16]}}]}}"});
   const std::vector<std::string> arguments(command.begin() + 1, command.end());
   RunningProgram process(command);
   awaitShards(process, 2);
@@ -340,15 +314,11 @@ TEST_F(Generate, StoppedRunsSaySo) {
 
 // Killed at ten moments, and resumed each time: the bytes are those of a run that nobody killed.
 TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
-  const std::vector<std::string> settings{"--set", "output={formats: [csv], shard_samples: 2}",
-                                          "--set", "trajectories.0.every_s=1e-3",
-                                          "--set", "trajectories.0.frames=300",
-                                          "--set", "sensors.0.columns=512"};
   const auto command = [&](const std::string& folder, bool resume) {
-    std::vector<std::string> all{"generate", pipeline_, "-q", "-o", at(folder)};
-    all.insert(all.end(), settings.begin(), settings.end());
-    if (resume) all.emplace_back("--resume");
-    return all;
+    return withSettings({"generate", pipeline_, "-q", "-o", at(folder)},
+                        {"output={formats: [csv], shard_samples: 2}", "trajectories.0.every_s=1e-3",
+                         "trajectories.0.frames=300", "sensors.0.columns=512"},
+                        resume ? std::vector<std::string>{"--resume"} : std::vector<std::string>{});
   };
   ASSERT_EQ(scanmill(command("whole", false)).code, 0);
   int killed = 0;
@@ -381,22 +351,10 @@ TEST_F(Generate, KilledAgainAndAgainTheResumedDatasetIsTheSame) {
 // Whatever the number of threads and processes, whoever is killed: one set of bytes.
 TEST_F(Generate, SharedOutOverProcessesTheDatasetIsTheSame) {
   const auto command = [&](const std::string& folder, const std::vector<std::string>& more) {
-    std::vector<std::string> all{SCANMILL_PROGRAM,
-                                 "generate",
-                                 pipeline_,
-                                 "-q",
-                                 "-o",
-                                 at(folder),
-                                 "--set",
-                                 "output={formats: [csv], shard_samples: 2}",
-                                 "--set",
-                                 "trajectories.0.every_s=1e-3",
-                                 "--set",
-                                 "trajectories.0.frames=100",
-                                 "--set",
-                                 "sensors.0.columns=512"};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+    return withSettings({SCANMILL_PROGRAM, "generate", pipeline_, "-q", "-o", at(folder)},
+                        {"output={formats: [csv], shard_samples: 2}", "trajectories.0.every_s=1e-3",
+                         "trajectories.0.frames=100", "sensors.0.columns=512"},
+                        more);
   };
   const auto run = [&](const std::string& folder, const std::vector<std::string>& more) {
     RunningProgram process(command(folder, more));

@@ -95,6 +95,13 @@ Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<st
   return RunningProgram(command, variables).wait();
 }
 
+std::vector<std::string> withSettings(std::vector<std::string> arguments, const std::vector<std::string>& settings,
+                                      const std::vector<std::string>& more) {
+  for (const std::string& setting : settings) arguments.insert(arguments.end(), {"--set", setting});
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
 std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& arguments) {
   constexpr std::size_t kAtATime = 4;
   std::vector<Outcome> outcomes;

@@ -49,6 +49,10 @@ class RunningProgram {
 // `scanmill ARGUMENTS`, to its end.
 Outcome scanmill(const std::vector<std::string>& arguments, const std::vector<std::string>& variables = {});
 
+// `arguments`, then `--set` before each of the settings, then `more`.
+std::vector<std::string> withSettings(std::vector<std::string> arguments, const std::vector<std::string>& settings,
+                                      const std::vector<std::string>& more = {});
+
 // Several, some at a time.
 std::vector<Outcome> scanmillEach(const std::vector<std::vector<std::string>>& arguments);
 

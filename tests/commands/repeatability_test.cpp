@@ -16,13 +16,9 @@ class RepeatabilityCommand : public SmallWorld {
  protected:
   // Few scans, little noise: enough to write every file.
   std::vector<std::string> arguments(const std::string& folder) const {
-    return {"repeatability",
-            pipeline_,
-            "-o",
-            at(folder),
-            "--set",
-            "repeatability={scans: 2, noise: [{name: none, effects: []}, {name: 1 cm, effects: [{shell: {scale_m: "
-            "0.01}}]}]}"};
+    return withSettings({"repeatability", pipeline_, "-o", at(folder)},
+                        {"repeatability={scans: 2, noise: [{name: none, effects: []}, {name: 1 cm, effects: [{shell: "
+                         "{scale_m: 0.01}}]}]}"});
   }
 };
 

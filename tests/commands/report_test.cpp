@@ -119,10 +119,7 @@ TEST_F(ReportCommand, FindsAThingWithTheWrongClass) {
                                  "output.formats=[{pcd: {encoding: "
                                  "binary}}]"});
   ASSERT_EQ(made.code, 0) << made.error;
-  DatasetReportOptions options;
-  options.quiet = true;
-  options.samples = 0;
-  const DatasetReport sound = examineDataset(street, options);
+  const DatasetReport sound = examineDataset(street, {.samples = 0, .quiet = true});
   for (const DatasetWarning& w : sound.warnings) EXPECT_TRUE(w.command.empty()) << w.text;
   constexpr std::uint16_t kCar = 20, kBuilding = 6, kVegetation = 10;
   const ThingSummary* car = nullptr;

@@ -52,6 +52,15 @@ inline Affine at(double x, double y, double z) {
   return {{}, {x, y, z}};
 }
 
+// Nothing but level ground of 4 km at the height z.
+inline Scene groundAt(double z) {
+  SceneBuilder builder = testBuilder();
+  Mesh ground = meshOf(builder, "ground");
+  appendPlane(ground, 0, {}, 4000, 4000);
+  builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
+  return builder.finish();
+}
+
 // A beam table with given directions, as one ring.
 inline std::shared_ptr<BeamTable> beamsOf(const std::vector<Vec3d>& directions, double minRange = 0,
                                           double maxRange = 1000) {

@@ -49,9 +49,7 @@ const Concept* mainConcept(const Asset& asset, const std::vector<const Concept*>
   const auto first = mostOf(triangles);
   const bool detail = first != triangles.end() && first->first != nullptr && first->first->kind == ConceptKind::Detail;
   if (detail && !ofWholes.empty()) return mostOf(ofWholes)->first;
-  const auto most = std::max_element(triangles.begin(), triangles.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == triangles.end() ? nullptr : most->first;
+  return first == triangles.end() ? nullptr : first->first;
 }
 
 // True if the parts belong to at least three different objects and grounds. The file then contains a place, such as a

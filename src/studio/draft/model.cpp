@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -73,23 +72,26 @@ void nameModels(std::vector<Model>& models) {
   }
 }
 
+// Returns the number of triangles of the parts for which counts(part) is true.
+template <class Counts>
+std::uint64_t trianglesOf(const std::vector<KnownPart>& parts, const Counts& counts) {
+  std::uint64_t sum = 0;
+  for (const KnownPart& p : parts) sum += counts(p) ? p.triangles : 0;
+  return sum;
+}
+
 }  // namespace
 
 std::uint64_t Model::triangles() const {
-  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0},
-                         [](std::uint64_t sum, const KnownPart& p) { return sum + p.triangles; });
+  return trianglesOf(parts, [](const KnownPart&) { return true; });
 }
 
 std::uint64_t Model::guessed() const {
-  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [](std::uint64_t sum, const KnownPart& p) {
-    return sum + (p.what != nullptr ? p.triangles : 0);
-  });
+  return trianglesOf(parts, [](const KnownPart& p) { return p.what != nullptr; });
 }
 
 std::uint64_t Model::byFile() const {
-  return std::accumulate(parts.begin(), parts.end(), std::uint64_t{0}, [&](std::uint64_t sum, const KnownPart& p) {
-    return sum + (p.what != nullptr && p.what == whole ? p.triangles : 0);
-  });
+  return trianglesOf(parts, [&](const KnownPart& p) { return p.what != nullptr && p.what == whole; });
 }
 
 std::vector<std::string> Model::doubts() const {

@@ -264,17 +264,19 @@ BeamErrors BeamErrorSum::finish() const {
   return impl_->finish();
 }
 
-std::vector<ThingSize> thingSizes(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes(scene.meshes.size());  // indexed by mesh and object; in the mesh's frame
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    const Mesh& mesh = scene.meshes[m];
-    boxes[m].resize(mesh.objects);
-    for (std::size_t t = 0; mesh.objects > 0 && t < mesh.triangles.size(); ++t) {
-      const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
-      if (object == 0) continue;
-      for (const std::uint32_t corner : mesh.triangles[t]) boxes[m][object - 1].add(Vec3d(mesh.positions[corner]));
-    }
+std::vector<Box> objectBoxes(const Mesh& mesh) {
+  std::vector<Box> boxes(mesh.objects);
+  for (std::size_t t = 0; mesh.objects > 0 && t < mesh.triangles.size(); ++t) {
+    const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
+    if (object == 0) continue;
+    for (const std::uint32_t corner : mesh.triangles[t]) boxes[object - 1].add(Vec3d(mesh.positions[corner]));
   }
+  return boxes;
+}
+
+std::vector<ThingSize> thingSizes(const Scene& scene) {
+  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
+  for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
   std::vector<ThingSize> sizes(1);
   for (const Instance& instance : scene.instances) {
     const Mat3& linear = instance.worldFromMesh.linear;

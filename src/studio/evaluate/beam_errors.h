@@ -109,6 +109,9 @@ class BeamErrorSum {
   std::unique_ptr<Impl> impl_;
 };
 
+// Returns the bounding boxes of a mesh's objects in the mesh's frame (m); the index is Surface::object - 1.
+std::vector<Box> objectBoxes(const Mesh& mesh);
+
 // The shortest and longest edge (m) of an object instance's bounding box, which is aligned with its mesh's axes.
 struct ThingSize {
   double smallest = 0;

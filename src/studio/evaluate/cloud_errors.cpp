@@ -4,27 +4,55 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <nanoflann.hpp>
 
-#include "evaluate/cloud_distance.h"
+#include "base/parallel.h"
 
 namespace scanmill {
 
 namespace {
 
-std::size_t finiteCount(std::span<const Vec3f> points) {
-  return static_cast<std::size_t>(
-      std::count_if(points.begin(), points.end(), [](const Vec3f& p) { return isFinite(p); }));
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+struct Cloud {
+  std::vector<Vec3f> points;  // finite points of the cloud (m)
+
+  // The functions that nanoflann calls.
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return axis == 0 ? points[i].x : axis == 1 ? points[i].y : points[i].z;
+  }
+  template <class Bounds>
+  bool kdtree_get_bbox(Bounds&) const {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3>;
+
+Cloud finitePoints(std::span<const Vec3f> points) {
+  Cloud cloud;
+  cloud.points.reserve(points.size());
+  for (const Vec3f& p : points) {
+    if (isFinite(p)) cloud.points.push_back(p);
+  }
+  return cloud;
 }
 
-// Returns for each point of `from` the distance to the nearest point of `to`; NaN for points that are not finite. Float
-// is exact enough, since the points are float32 too.
-std::vector<float> distancesByPoint(std::span<const Vec3f> from, std::span<const Vec3f> to) {
-  const std::vector<double> known = distancesToNearest(from, to);
-  std::vector<float> distances(from.size(), std::numeric_limits<float>::quiet_NaN());
-  auto next = known.begin();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    if (isFinite(from[i])) distances[i] = static_cast<float>(*next++);
-  }
+// Returns for each point of `from` the distance to the nearest point of `to`, which has at least one point; NaN for
+// points that are not finite. Float is exact enough, since the points are float32 too.
+std::vector<float> distancesByPoint(std::span<const Vec3f> from, const Cloud& to) {
+  const Tree tree(3, to);
+  std::vector<float> distances(from.size(), kUnknown);
+  parallelFor(from.size(), 1024, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) {
+      if (!isFinite(from[i])) continue;
+      std::uint32_t index = 0;
+      float square = 0;
+      tree.knnSearch(&from[i].x, 1, &index, &square);
+      distances[i] = static_cast<float>(std::sqrt(double{square}));
+    }
+  });
   return distances;
 }
 
@@ -35,11 +63,13 @@ void appendKnown(std::vector<float>& all, const std::vector<float>& more) {
 }  // namespace
 
 CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {
-  const std::size_t there = finiteCount(truth);
-  const std::size_t here = finiteCount(tested);
-  if (there > 0 && here > 0) return {distancesByPoint(truth, tested), distancesByPoint(tested, truth), 0};
-  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-  return {std::vector<float>(truth.size(), kUnknown), std::vector<float>(tested.size(), kUnknown), there + here};
+  const Cloud there = finitePoints(truth);
+  const Cloud here = finitePoints(tested);
+  if (!there.points.empty() && !here.points.empty()) {
+    return {distancesByPoint(truth, here), distancesByPoint(tested, there), 0};
+  }
+  return {std::vector<float>(truth.size(), kUnknown), std::vector<float>(tested.size(), kUnknown),
+          there.points.size() + here.points.size()};
 }
 
 void CloudErrorSum::add(const CloudDistances& distances) {
@@ -49,12 +79,9 @@ void CloudErrorSum::add(const CloudDistances& distances) {
 }
 
 CloudErrors CloudErrorSum::finish() const {
-  CloudErrors errors;
-  errors.to = spreadOf({to_.begin(), to_.end()});
-  errors.from = spreadOf({from_.begin(), from_.end()});
-  errors.hausdorff = std::max(errors.to.max, errors.from.max);
-  errors.unmatched = unmatched_;
-  return errors;
+  const Spread to = spreadOf({to_.begin(), to_.end()});
+  const Spread from = spreadOf({from_.begin(), from_.end()});
+  return {to, from, std::max(to.max, from.max), unmatched_};
 }
 
 CloudErrors cloudErrors(std::span<const Vec3f> truth, std::span<const Vec3f> tested) {

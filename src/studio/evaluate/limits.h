@@ -15,12 +15,12 @@ namespace scanmill {
 // The limits that a user sets for errors and rate; an absent limit allows any value. Range errors are those of beams
 // that hit in both the truth and the test. Miss rates and labels are fractions from 0 to 1, as in GroupErrors.
 struct ErrorLimits {
-  std::optional<double> mean, rms, median, p95, p99, p999, max;  // upper limits of the range error (m)
-  std::optional<double> intensity;                               // upper limit of the mean intensity error
-  std::optional<double> missRate;                                // upper limit of GroupErrors::missRate()
+  std::optional<double> mean{}, rms{}, median{}, p95{}, p99{}, p999{}, max{};  // upper limits of the range error (m)
+  std::optional<double> intensity{};  // upper limit of the mean intensity error
+  std::optional<double> missRate{};   // upper limit of GroupErrors::missRate()
   // Lower limits of the fractions of correct labels, classes and instances.
-  std::optional<double> labels, classes, instances;
-  std::optional<double> minRate;  // lower limit of the rate (beams/s)
+  std::optional<double> labels{}, classes{}, instances{};
+  std::optional<double> minRate{};  // lower limit of the rate (beams/s)
 };
 
 // Reads limits such as {max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}, min_rate: 5e6}. `errors` and `rate` are

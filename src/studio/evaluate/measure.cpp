@@ -1,5 +1,6 @@
 #include "evaluate/measure.h"
 
+#include <fmt/core.h>
 #include <malloc.h>
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/wall_timer.h"
-#include "evaluate/hit_errors.h"
 
 namespace scanmill {
 
@@ -84,6 +84,44 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
 }
 
 }  // namespace
+
+void requireOneRay(const Hits& hits) {
+  if (hits.beamOfRay.empty() && hits.rays() == hits.size()) return;
+  throw Error(
+      fmt::format("{} beams have {} rays, but methods are compared with one ray per beam", hits.rays(), hits.size()));
+}
+
+std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle) {
+  // Fraction of the range by which ranges of neighbouring beams may differ on one surface.
+  constexpr double kStep = 0.1;
+  const Channels channels = Channel::Range | Channel::Instance | Channels(Channel::Semantic);
+  Hits middle;
+  method.trace(shot, channels, middle);
+  requireOneRay(middle);
+  std::vector<std::uint8_t> edges(middle.size(), 0);
+  Hits beside;
+  for (int up = -1; up <= 1; ++up) {
+    for (int left = -1; left <= 1; ++left) {
+      if (up == 0 && left == 0) continue;
+      auto turned = std::make_shared<BeamTable>(*shot.beams);
+      for (Vec3d& d : turned->direction) {
+        const Vec3d across = normalized(cross(Vec3d{0, 0, 1}, d));
+        const Vec3d above = cross(d, across);
+        d = normalized(d + (across * left + above * up) * std::tan(angle));
+      }
+      Shot other = shot;
+      other.beams = turned;
+      method.trace(other, channels, beside);
+      for (std::size_t i = 0; i < edges.size(); ++i) {
+        const bool differs = middle.hit(i) != beside.hit(i) || middle.instance[i] != beside.instance[i] ||
+                             middle.semantic[i] != beside.semantic[i] ||
+                             (middle.hit(i) && std::abs(middle.range[i] - beside.range[i]) > kStep * middle.range[i]);
+        if (differs) edges[i] = 1;
+      }
+    }
+  }
+  return edges;
+}
 
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options) {
   const ExactTracer tracer(scene);

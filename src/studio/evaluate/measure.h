@@ -46,12 +46,21 @@ struct MeasureOptions {
   double leastSeconds = 0;
   bool clouds = true;  // measure distances between point clouds, overall and for each group of beams
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
-  Channels channels;
+  Channels channels{};
   // Returns the noise-free intensity of each beam from a method's hits; null: intensities are not compared.
-  std::function<std::vector<float>(const Shot&, const Hits&)> intensity;
+  std::function<std::vector<float>(const Shot&, const Hits&)> intensity{};
   // Called between scans. If it returns true, measure() throws Error.
-  std::function<bool()> stop;
+  std::function<bool()> stop{};
 };
+
+// Throws Error if beams fire several rays, since methods are compared beam by beam.
+void requireOneRay(const Hits& hits);
+
+// Returns for each beam 1 if it is near an edge, otherwise 0. For this, eight neighbouring beams are traced at `angle`
+// (rad) above, below, left, right and diagonally. The beam is near an edge if a neighbour hits another instance or
+// class, if only one of the two has a hit, or if their ranges differ by more than a tenth of the range, which is more
+// than the slope of a surface explains.
+std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle);
 
 // True if at least one beam of the shots has a true hit.
 bool anyHit(std::span<const TrueShot> shots);

@@ -15,14 +15,14 @@ namespace {
 
 constexpr std::size_t kMostSettings = 500;
 
+}  // namespace
+
 const Value& requireItems(const Value& list, const std::string& what) {
   if (list.kind != Value::Kind::Sequence || list.items.empty()) {
     throw InputError(list.where, fmt::format("{} must be a list with at least one item", what));
   }
   return list;
 }
-
-}  // namespace
 
 std::vector<Value> expandLists(const Value& options, const std::string& what) {
   std::vector<Value> all{options};

@@ -32,6 +32,9 @@ struct MethodSetting {
   MethodChoice choice;
 };
 
+// Returns the list. Throws InputError with `what`, its name, if it is no list or an empty one.
+const Value& requireItems(const Value& list, const std::string& what);
+
 // Returns a map for each combination of items of the map's lists, one item from each list. The item of the last list
 // changes fastest. `what`: name of the map in messages. Throws InputError.
 std::vector<Value> expandLists(const Value& options, const std::string& what);

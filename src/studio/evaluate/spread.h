@@ -18,6 +18,7 @@ struct Spread {
   double p99 = 0;
   double p999 = 0;
   double max = 0;
+  bool operator==(const Spread&) const = default;
 };
 
 Spread spreadOf(std::vector<double> values);

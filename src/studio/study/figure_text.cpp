@@ -1,10 +1,12 @@
 #include "study/figure_text.h"
 
+#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 
 namespace scanmill {
 
@@ -75,6 +77,10 @@ std::string wordsOf(std::string_view key) {
   std::string words(key);
   std::replace(words.begin(), words.end(), '_', ' ');
   return words;
+}
+
+std::string today() {
+  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)));
 }
 
 std::string pluralOf(std::uint64_t count, std::string_view what) {

@@ -78,8 +78,8 @@ inline bool isNumeric(const ColorBy& by) {
 
 // Describes colours: either a list of named colours, or a scale from `low` to `high`.
 struct Legend {
-  std::string title;  // quantity and unit, such as "range (m)"
-  std::vector<LegendEntry> entries;
+  std::string title{};  // quantity and unit, such as "range (m)"
+  std::vector<LegendEntry> entries{};
   bool scale = false;
   double low = 0;
   double high = 0;

@@ -189,9 +189,7 @@ Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
   canvas.setViews(std::array{view});
   canvas.setTriangles(1, shape.corners, shape.colors);
   canvas.setLines(2, arrow, std::vector<Rgb>(arrow.size() / 2, kArrowColor));
-  ItemLook line;
-  line.size = 3;
-  canvas.setLook(2, line);
+  canvas.setLook(2, {.size = 3});
   canvas.render();
   return canvas.read();
 }

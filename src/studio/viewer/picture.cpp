@@ -43,10 +43,9 @@ double pointDiameter(double range, double scale, double factor, double unit) {
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
   constexpr double kMostDiameter = 200;  // maximum diameter of a point in pixels
-  CanvasView view;
-  view.rect = body;
-  view.camera = makeCamera(options.view, body.width, body.height, options.zoom);
-  view.background = kBackground;
+  CanvasView view{.rect = body,
+                  .camera = makeCamera(options.view, body.width, body.height, options.zoom),
+                  .background = kBackground};
   view.depthEdges = options.depthEdges;
   view.farthest = 2 * view.camera.nearest;
   const double unit = std::max(body.height / 850.0, 0.5);

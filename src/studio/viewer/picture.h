@@ -21,7 +21,7 @@ constexpr int kMostPictureSide = 8192;
 constexpr int kMostPicturePixels = 36'000'000;
 
 struct PictureOptions {
-  std::optional<ColorBy> colorBy;  // quantity that colours show; absent: colorScan() chooses it
+  std::optional<ColorBy> colorBy{};  // quantity that colours show; absent: colorScan() chooses it
   View view = View::Chase;
   int width = 1600;
   int height = 900;

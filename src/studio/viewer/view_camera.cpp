@@ -6,12 +6,9 @@ namespace scanmill {
 
 Projected ViewCamera::project(const Vec3d& point) const {
   const Vec3d p = point - eye;
-  Projected out;
-  out.depth = dot(p, forward);
-  out.scale = orthographic ? focal : focal / out.depth;
-  out.x = centerX + dot(p, right) * out.scale;
-  out.y = centerY + dot(p, down) * out.scale;
-  return out;
+  const double depth = dot(p, forward);
+  const double scale = orthographic ? focal : focal / depth;
+  return {centerX + dot(p, right) * scale, centerY + dot(p, down) * scale, depth, scale};
 }
 
 ViewCamera makeCamera(View view, int width, int height, double zoom) {

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "dataset/sample_names.h"
 #include "tests/core/dataset/fixture.h"
+#include "tests/support/json_places.h"
 
 namespace scanmill {
 namespace {
@@ -49,23 +50,6 @@ Manifest readBack(const Manifest& manifest) {
   Manifest read = parseManifest(text, "manifest.json");
   EXPECT_EQ(toJson(read), text);
   return read;
-}
-
-// Pointers of all values of a document, the root left out.
-void collect(const Json& value, const Json::json_pointer& place, std::vector<Json::json_pointer>& places) {
-  if (!value.is_structured()) return;
-  std::size_t i = 0;
-  for (const auto& entry : value.items()) {
-    const Json::json_pointer child = value.is_object() ? place / entry.key() : place / i++;
-    places.push_back(child);
-    collect(entry.value(), child, places);
-  }
-}
-
-std::vector<Json::json_pointer> placesOf(const Json& json) {
-  std::vector<Json::json_pointer> places;
-  collect(json, Json::json_pointer(), places);
-  return places;
 }
 
 TEST(Manifest, RoundTrips) {
@@ -222,7 +206,7 @@ TEST(Manifest, TheChoiceOfTheMethodIsToldWhereOneWasMade) {
 TEST(Manifest, RefusesEveryMissingKey) {
   const Json json = Json::parse(toJson(filledManifest()));
   int tried = 0;
-  for (const Json::json_pointer& place : placesOf(json)) {
+  for (const Json::json_pointer& place : placesIn(json)) {
     const Json& parent = json[place.parent_pointer()];
     const std::string top = place.to_string().substr(0, 8);
     const bool optional = place.back() == "aliases" || place.back() == "origin_left" || place.back() == "origin_up" ||
@@ -242,7 +226,7 @@ TEST(Manifest, RefusesEveryMissingKey) {
 
 TEST(Manifest, RefusesEveryUnknownKey) {
   const Json json = Json::parse(toJson(filledManifest()));
-  std::vector<Json::json_pointer> places = placesOf(json);
+  std::vector<Json::json_pointer> places = placesIn(json);
   places.emplace_back("");
   for (const Json::json_pointer& place : places) {
     if (!json[place].is_object() || place.to_string() == "/frames") continue;
@@ -252,7 +236,7 @@ TEST(Manifest, RefusesEveryUnknownKey) {
 
 TEST(Manifest, RefusesEveryWrongType) {
   const Json json = Json::parse(toJson(filledManifest()));
-  for (const Json::json_pointer& place : placesOf(json)) {
+  for (const Json::json_pointer& place : placesIn(json)) {
     for (const Json& wrong : {Json(), Json(true), Json("x"), Json::array({nullptr}), Json{{"x", 1}}, Json(-1.5)}) {
       if (wrong.type() == json[place].type()) continue;
       if (wrong.is_number() && json[place].is_number_float()) continue;

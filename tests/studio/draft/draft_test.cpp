@@ -79,41 +79,34 @@ TEST(DraftScene, ReadsAsItWasGuessed) {
   EXPECT_NE(draft.yaml.find("mystery"), std::string::npos) << "what no word tells is listed";
 }
 
-TEST(DraftScene, OfAnotherOntologyTakesItsClasses) {
+// `expected`: names of nodes, each with the class that the drafted scene gives it.
+void expectClasses(const std::string& ontology, const std::map<std::string, std::string>& expected) {
   const TemporaryFolder folder;
-  const std::filesystem::path file =
-      folder.write("place.gltf", gltfOf({{"Sidewalk", ""}, {"Tree_2", ""}, {"Lamp", ""}}));
-  const auto classes = classesOf(folder, drafted({file}, folder.path(), "semantic_kitti"));
-  std::map<std::string, std::string> byNode;
-  for (const auto& [names, c] : classes) byNode[names.first] = c;
-  EXPECT_EQ(byNode,
-            (std::map<std::string, std::string>{{"Sidewalk", "sidewalk"}, {"Tree_2", "vegetation"}, {"Lamp", "pole"}}));
+  std::vector<std::pair<std::string, std::string>> nodes;
+  for (const auto& [node, name] : expected) nodes.emplace_back(node, "");
+  const std::filesystem::path file = folder.write("place.gltf", gltfOf(nodes));
+  std::map<std::string, std::string> classes;
+  for (const auto& [names, name] : classesOf(folder, drafted({file}, folder.path(), ontology))) {
+    classes[names.first] = name;
+  }
+  EXPECT_EQ(classes, expected);
+}
+
+TEST(DraftScene, OfAnotherOntologyTakesItsClasses) {
+  expectClasses("semantic_kitti", {{"Sidewalk", "sidewalk"}, {"Tree_2", "vegetation"}, {"Lamp", "pole"}});
 }
 
 TEST(DraftScene, OfRoomsTakesTheClassesOfRooms) {
-  const TemporaryFolder folder;
-  const std::filesystem::path file = folder.write("office.gltf", gltfOf({{"Floor", ""},
-                                                                         {"Ceiling_01", ""},
-                                                                         {"wall.N", ""},
-                                                                         {"Stuhl_3", ""},
-                                                                         {"desk lamp", ""},
-                                                                         {"Bookcase", ""},
-                                                                         {"Fenster", ""},
-                                                                         {"OfficeDoor", ""},
-                                                                         {"mug", ""},
-                                                                         {"Trash bin", ""}}));
-  std::map<std::string, std::string> byNode;
-  for (const auto& [names, c] : classesOf(folder, drafted({file}, folder.path(), "nyu40"))) byNode[names.first] = c;
-  EXPECT_EQ(byNode, (std::map<std::string, std::string>{{"Floor", "floor"},
-                                                        {"Ceiling_01", "ceiling"},
-                                                        {"wall.N", "wall"},
-                                                        {"Stuhl_3", "chair"},
-                                                        {"desk lamp", "lamp"},
-                                                        {"Bookcase", "bookshelf"},
-                                                        {"Fenster", "window"},
-                                                        {"OfficeDoor", "door"},
-                                                        {"mug", "unlabeled"},
-                                                        {"Trash bin", "otherprop"}}));
+  expectClasses("nyu40", {{"Floor", "floor"},
+                          {"Ceiling_01", "ceiling"},
+                          {"wall.N", "wall"},
+                          {"Stuhl_3", "chair"},
+                          {"desk lamp", "lamp"},
+                          {"Bookcase", "bookshelf"},
+                          {"Fenster", "window"},
+                          {"OfficeDoor", "door"},
+                          {"mug", "unlabeled"},
+                          {"Trash bin", "otherprop"}});
 }
 
 TEST(DraftScene, SeveralFilesStandBesideOneAnother) {

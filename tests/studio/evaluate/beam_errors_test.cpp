@@ -65,15 +65,8 @@ const GroupErrors& groupOf(const std::vector<ErrorGroup>& groups, const std::str
 TEST(BeamErrors, OfParallelPlanesAreTheirOffsetOverTheCosine) {
   const double height = 2;
   const double offset = 0.1;
-  const auto planeAt = [](double z) {
-    SceneBuilder builder = testBuilder();
-    Mesh ground = meshOf(builder, "ground");
-    appendPlane(ground, 0, {}, 4000, 4000);
-    builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
-    return builder.finish();
-  };
-  const Scene upper = planeAt(-height);
-  const Scene lower = planeAt(-height - offset);
+  const Scene upper = groundAt(-height);
+  const Scene lower = groundAt(-height - offset);
   const Shot shot = shotAt(spinning(60, 90, -88, -2));
   const TrueShot truth = truthFrom(traced(upper, shot));
   const BeamErrors e = errorsOf(upper, truth, traced(lower, shot));
@@ -215,15 +208,11 @@ RandomPair randomPair(std::uint32_t stream, std::uint32_t beams) {
 GroupErrors totalOf(const std::vector<ErrorGroup>& groups) {
   GroupErrors total;
   for (const auto& [name, low, high, e] : groups) {
-    total.beams += e.beams;
-    total.bothHit += e.bothHit;
-    total.bothMiss += e.bothMiss;
-    total.falseNegatives += e.falseNegatives;
-    total.falsePositives += e.falsePositives;
-    total.unresolved += e.unresolved;
-    total.sameClass += e.sameClass;
-    total.sameInstance += e.sameInstance;
-    total.sameLabel += e.sameLabel;
+    for (const auto count : {&GroupErrors::beams, &GroupErrors::bothHit, &GroupErrors::bothMiss,
+                             &GroupErrors::falseNegatives, &GroupErrors::falsePositives, &GroupErrors::unresolved,
+                             &GroupErrors::sameClass, &GroupErrors::sameInstance, &GroupErrors::sameLabel}) {
+      total.*count += e.*count;
+    }
     total.range.count += e.range.count;
     total.range.mean += e.range.mean * static_cast<double>(e.range.count);
     total.range.max = std::max(total.range.max, e.range.max);

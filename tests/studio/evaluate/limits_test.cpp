@@ -162,9 +162,7 @@ TEST(Cheapest, IsWhatBruteForceFinds) {
   for (std::uint32_t stream = 0; stream < 200; ++stream) {
     const std::vector<Candidate> candidates = randomCandidates(stream, 30);
     const RandomBlock r = randomBlock({10, stream, 0, 0, 0, 0, Purpose::Test});
-    ErrorLimits l;
-    l.p99 = 0.04 * uniform(r[0]);
-    l.missRate = 0.008 * uniform(r[1]);
+    ErrorLimits l{.p99 = 0.04 * uniform(r[0]), .missRate = 0.008 * uniform(r[1])};
     if (r[2] % 2 == 0) l.labels = 1 - 0.008 * uniform(r[2]);
     if (r[3] % 2 == 0) l.minRate = 1e6 + 4e6 * uniform(r[3]);
     std::optional<std::size_t> expected;

@@ -1,15 +1,17 @@
 #include "evaluate/measure.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <thread>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "tests/core/methods/trace.h"
-#include "tests/support/points_of.h"
+#include "tests/support/message_of.h"
 #include "tests/support/test_scene.h"
 
 namespace scanmill {
@@ -81,9 +83,7 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
   const Scene scene = courtyard();
   const std::vector<TrueShot> shots = seenByRays(scene);
   std::vector<Channels> scans;
-  MeasureOptions options;
-  options.repeats = 4;
-  options.channels = Channel::Instance;
+  MeasureOptions options{.repeats = 4, .channels = Channel::Instance};
   const auto make = [&] { return std::make_unique<Counting>(scene, std::size_t{32} << 20, scans); };
   const Measurement m = measure(make, scene, shots, options);
   EXPECT_EQ(m.cost.stages, (std::map<std::string, double>{{"build", 0}, {"fly", 0.5}}));
@@ -108,10 +108,7 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
 
 TEST(Measure, FastScansAreRepeatedFurther) {
   const Scene scene = courtyard();
-  MeasureOptions options;
-  options.repeats = 2;
-  options.clouds = false;
-  options.channels = kErrorChannels;
+  MeasureOptions options{.repeats = 2, .clouds = false, .channels = kErrorChannels};
   const std::vector<TrueShot> truth = trueShots(scene, {twoShots().front()}, options);
   const auto scansWith = [&](double leastSeconds) {
     options.leastSeconds = leastSeconds;
@@ -140,9 +137,7 @@ TEST(Measure, SensorsCountByTheirNumberOfScans) {
   shots.push_back(shots.front());
   shots.push_back(shots.front());
   shots[3].sensor = 1;
-  MeasureOptions options;
-  options.repeats = 1;
-  options.clouds = false;
+  const MeasureOptions options{.repeats = 1, .clouds = false};
   const std::vector<TrueShot> truth = trueShots(scene, shots, options);
   std::vector<Channels> scans;
   const Cost cost = measure([&] { return std::make_unique<Slow>(scene, 1, scans); }, scene, truth, options).cost;
@@ -152,11 +147,10 @@ TEST(Measure, SensorsCountByTheirNumberOfScans) {
 }
 
 TEST(Measure, AnyHitTellsABlindSensor) {
-  MeasureOptions options;
-  EXPECT_TRUE(anyHit(trueShots(courtyard(), twoShots(), options)));
+  EXPECT_TRUE(anyHit(trueShots(courtyard(), twoShots(), {})));
   std::vector<Shot> blind = twoShots();
   for (Shot& shot : blind) shot.worldFromSensor.front().translation.z = 5000;
-  EXPECT_FALSE(anyHit(trueShots(courtyard(), blind, options)));
+  EXPECT_FALSE(anyHit(trueShots(courtyard(), blind, {})));
   EXPECT_FALSE(anyHit({}));
 }
 
@@ -175,9 +169,7 @@ TEST(Measure, StopsBetweenScans) {
 TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
   const Scene scene = courtyard();
   const std::vector<TrueShot> shots = seenByRays(scene);
-  MeasureOptions options;
-  options.repeats = 0;
-  options.clouds = false;
+  const MeasureOptions options{.repeats = 0, .clouds = false};
   std::vector<Channels> scans;
   const Measurement m = measure([&] { return std::make_unique<Counting>(scene, 0, scans); }, scene, shots, options);
   EXPECT_EQ(m.cost.scanSeconds, 0);
@@ -191,9 +183,7 @@ TEST(Measure, WithoutRepeatsOnlyErrorsAreMeasured) {
 
 TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   const Scene scene = courtyard();
-  MeasureOptions options;
-  options.repeats = 1;
-  options.channels = Channel::Reflectance;
+  MeasureOptions options{.repeats = 1, .channels = Channel::Reflectance};
   options.intensity = [](const Shot&, const Hits& hits) {
     std::vector<float> intensity(hits.size(), 0.0f);
     for (std::size_t i = 0; i < hits.size(); ++i) intensity[i] = hits.reflectance[i] * hits.incidence[i];
@@ -234,17 +224,6 @@ TEST(Measure, RaysAreTrueAndCoarseParticlesAreNot) {
   EXPECT_GT(edges.missRate() + 1 - edges.labels(), interior.missRate() + 1 - interior.labels());
 }
 
-void expectSame(const Spread& a, const Spread& b) {
-  EXPECT_EQ(a.count, b.count);
-  EXPECT_EQ(a.mean, b.mean);
-  EXPECT_EQ(a.rms, b.rms);
-  EXPECT_EQ(a.median, b.median);
-  EXPECT_EQ(a.p95, b.p95);
-  EXPECT_EQ(a.p99, b.p99);
-  EXPECT_EQ(a.p999, b.p999);
-  EXPECT_EQ(a.max, b.max);
-}
-
 // Against another scene: what it lacks are false negatives, what it has beyond are false positives.
 TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
   const Scene scene = courtyard();
@@ -256,15 +235,13 @@ TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
   appendBox(tower, 0, {}, {2, 6, 20});
   builder.place(builder.addMesh(tower), at(-9, 4, 0), "tower");
   const Scene other = builder.finish();
-  MeasureOptions options;
-  options.repeats = 0;
-  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), options);
+  const Measurement m = measure([&] { return rayTracing(other); }, scene, seenByRays(scene), {.repeats = 0});
   const BeamErrors& e = m.errors;
   EXPECT_GT(e.all.falseNegatives, 0u);
   EXPECT_GT(e.all.falsePositives, 0u);
   EXPECT_GT(m.cloud.hausdorff, 0.1);
-  expectSame(e.all.nearestTo, m.cloud.to);
-  expectSame(e.all.nearestFrom, m.cloud.from);
+  EXPECT_EQ(e.all.nearestTo, m.cloud.to);
+  EXPECT_EQ(e.all.nearestFrom, m.cloud.from);
   EXPECT_EQ(e.all.hausdorff(), m.cloud.hausdorff);
   EXPECT_EQ(e.all.nearestTo.count, e.all.bothHit + e.all.falseNegatives);
   EXPECT_EQ(e.all.nearestFrom.count, e.all.bothHit + e.all.falsePositives);
@@ -287,17 +264,9 @@ TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
 // Ground that lies lower: no point is nearer than the planes are, and none farther than the one of the same beam.
 TEST(Measure, NearestDistancesOfLoweredGroundAreItsOffsetAndMore) {
   constexpr double kHeight = 2, kOffset = 0.05;
-  const auto groundAt = [](double z) {
-    SceneBuilder builder = testBuilder();
-    Mesh ground = meshOf(builder, "ground");
-    appendPlane(ground, 0, {}, 4000, 4000);
-    builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
-    return builder.finish();
-  };
   const Scene upper = groundAt(-kHeight);
   const Scene lower = groundAt(-kHeight - kOffset);
-  MeasureOptions options;
-  options.repeats = 0;
+  const MeasureOptions options{.repeats = 0};
   const std::vector<TrueShot> shots = trueShots(upper, {shotAt(spinning(60, 512, -85, -5))}, options);
   const Measurement m = measure([&] { return rayTracing(lower); }, upper, shots, options);
   std::size_t bands = 0;
@@ -321,9 +290,7 @@ TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
     hits.range.assign(hits.size(), kMiss);
     shot.truth.range.assign(hits.size(), kMiss);
   }
-  MeasureOptions options;
-  options.repeats = 0;
-  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, options);
+  const Measurement m = measure([&] { return rayTracing(scene); }, scene, shots, {.repeats = 0});
   EXPECT_GT(m.errors.all.falsePositives, 0u);
   EXPECT_EQ(m.cloud.unmatched, m.errors.all.falsePositives);
   EXPECT_EQ(m.errors.all.nearestTo.count, 0u);
@@ -333,8 +300,7 @@ TEST(Measure, WhereNothingIsHitNoDistanceIsKnown) {
 
 TEST(Measure, ErrorsDoNotDependOnThreads) {
   const Scene scene = courtyard();
-  MeasureOptions options;
-  options.repeats = 1;
+  const MeasureOptions options{.repeats = 1};
   const auto run = [&](int threads) {
     const ThreadLimit limit(threads);
     const std::vector<TrueShot> shots = trueShots(scene, twoShots(), options);
@@ -352,6 +318,19 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   EXPECT_EQ(one.cloud.from.rms, three.cloud.from.rms);
   EXPECT_EQ(one.cloud.hausdorff, three.cloud.hausdorff);
   EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo.rms, three.errors.byPlace[1].errors.nearestTo.rms);
+}
+
+// The points that a standing sensor's beams hit, in its own axes (m).
+std::vector<Vec3f> pointsOf(const Shot& shot, const Hits& hits) {
+  const BeamTable& beams = *shot.beams;
+  std::vector<Vec3f> points;
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    if (!hits.hit(i)) continue;
+    Vec3d p = beams.direction[i] * double{hits.range[i]};
+    if (!beams.origin.empty()) p += Vec3d(beams.origin[i]);
+    points.push_back(Vec3f(p));
+  }
+  return points;
 }
 
 TEST(HitPoints, AreWhereTheSensorPutsThem) {
@@ -382,6 +361,48 @@ TEST(HitPoints, OfAMovingSensorAreInTheFrameThatTheShotAsksFor) {
     const Vec3d expected = inverse(shot.worldFromSensor[0]) * world;
     EXPECT_LT(length(Vec3d(points[i]) - expected), 1e-6) << i;
   }
+}
+
+// What is compared is of beams; rays of several a beam would be taken for those of others.
+TEST(Measure, RefusesSeveralRaysABeam) {
+  Hits several;
+  several.reset(1, 2, {});
+  several.beamOfRay = {0, 1, 1};
+  several.range = {10, 10, 12};
+  EXPECT_THAT(messageOf<Error>([&] { requireOneRay(several); }), testing::HasSubstr("2 beams have 3 rays"));
+}
+
+// A disc of angular radius a seen head-on: edge beams are those whose angle to its rim is below the pixel's.
+TEST(Measure, EdgesAreWhereNeighboursDiffer) {
+  SceneBuilder builder = testBuilder();
+  Mesh box = meshOf(builder, "thing");
+  appendBox(box, 0, at(0, 0, 0), {0.02, 2, 2});
+  builder.place(builder.addMesh(box), at(10, 0, 0), "board");
+  const Scene scene = builder.finish();
+  const auto method = rayTracing(scene);
+  const double angle = 0.002;
+  const Shot shot = shotAt(spinning(9, 3600, -8, 8));
+  const std::vector<std::uint8_t> edges = edgeBeams(*method, shot, angle);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Vec3d& d = shot.beams->direction[i];
+    if (d.x <= 0) {
+      EXPECT_EQ(edges[i], 0);
+      continue;
+    }
+    // Distance, on the image plane at 1 m, from the square's outline of half side 1 / 9.99.
+    const double u = std::abs(d.y / d.x);
+    const double v = std::abs(d.z / d.x);
+    const double half = 1 / 9.99;
+    const double toOutline = u <= half && v <= half ? std::min(half - u, half - v)
+                                                    : std::hypot(std::max(u - half, 0.0), std::max(v - half, 0.0));
+    if (toOutline > 2.1 * angle) {
+      EXPECT_EQ(edges[i], 0) << u << " " << v;
+    }
+    if (toOutline < 0.9 * angle) {
+      EXPECT_EQ(edges[i], 1) << u << " " << v;
+    }
+  }
+  EXPECT_GT(std::accumulate(edges.begin(), edges.end(), 0), 15);
 }
 
 }  // namespace

@@ -7,10 +7,8 @@
 
 #include <cmath>
 
-#include "evaluate/cloud_distance.h"
-#include "evaluate/hit_errors.h"
 #include "tests/core/methods/trace.h"
-#include "tests/support/points_of.h"
+#include "tests/support/hit_errors.h"
 
 namespace scanmill {
 namespace {
@@ -61,10 +59,9 @@ TEST_F(Street, PlaneSamplingIsAsGoodAsTheTableSays) {
   EXPECT_LT(e.rangeSameSurface.p99, 0.05);
   EXPECT_GT(e.interior, 80'000u);
   EXPECT_GT(static_cast<double>(e.interiorAgree), 0.995 * static_cast<double>(e.interior));
-  const std::vector<Vec3f> there = pointsOf(shot, truth);
-  const std::vector<Vec3f> here = pointsOf(shot, tested);
-  EXPECT_LT(nearestDistances(there, here).mean, 0.01);
-  EXPECT_LT(nearestDistances(here, there).mean, 0.01);
+  const CloudErrors clouds = cloudErrors(hitPoints(shot, truth), hitPoints(shot, tested));
+  EXPECT_LT(clouds.to.mean, 0.01);
+  EXPECT_LT(clouds.from.mean, 0.01);
 }
 
 // Where the trees are nearest; the default layout.
@@ -133,8 +130,9 @@ TEST_F(Street, ParticlesThatMeetTrianglesSeeWhatRaysSee) {
     EXPECT_LT(e.falseNegatives + e.falsePositives, e.beams / 10'000);
     EXPECT_GT(static_cast<double>(e.sameLabel), 0.9999 * static_cast<double>(e.bothHit));
     EXPECT_LT(e.rangeSameSurface.p999, 1e-4);
-    EXPECT_LT(nearestDistances(pointsOf(shot, truth), pointsOf(shot, tested)).mean, 1e-3);
-    EXPECT_LT(nearestDistances(pointsOf(shot, tested), pointsOf(shot, truth)).mean, 1e-3);
+    const CloudErrors clouds = cloudErrors(hitPoints(shot, truth), hitPoints(shot, tested));
+    EXPECT_LT(clouds.to.mean, 1e-3);
+    EXPECT_LT(clouds.from.mean, 1e-3);
     EXPECT_TRUE(tested.unresolved.empty());
   }
 }

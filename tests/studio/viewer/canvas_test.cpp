@@ -44,8 +44,7 @@ std::unique_ptr<Canvas> canvasOrNull(int width, int height) {
 
 // Looks along x, y to the left, from the origin; 100 pixels of focal length.
 CanvasView viewAt(const PixelRect& rect) {
-  CanvasView view;
-  view.rect = rect;
+  CanvasView view{.rect = rect};
   view.camera.focal = 100;
   view.camera.centerX = rect.width / 2.0;
   view.camera.centerY = rect.height / 2.0;
@@ -85,9 +84,7 @@ void setOnePoint(Canvas& canvas, ItemId item, const Vec3f& at, const Rgb& color,
 }
 
 ItemLook sized(double size) {
-  ItemLook look;
-  look.size = size;
-  return look;
+  return {.size = size};
 }
 
 // An image over a rectangle.
@@ -117,9 +114,7 @@ TEST(Canvas, ProjectsLikeItsCameras) {
     colors.push_back(colorOf(k));
   }
   canvas.setPoints(3, points, colors);
-  ItemLook look;
-  look.views = 7;
-  canvas.setLook(3, look);
+  canvas.setLook(3, {.views = 7});
   std::size_t found = 0;
   for (int round = 0; round < 12; ++round) {
     std::vector<CanvasView> views;
@@ -299,8 +294,7 @@ TEST(Canvas, SurfacesAreLitFromTheEye) {
   for (const Rgb& pixel : image.pixels) brightest = std::max(brightest, pixel[1]);
   EXPECT_GT(brightest, 60);
   EXPECT_LT(brightest, 140);
-  ItemLook look;
-  look.lit = false;
+  const ItemLook look{.lit = false};
   canvas.setTriangles(1, wall(10, 20), std::vector{kGreen, kGreen});
   canvas.setLook(1, look);
   EXPECT_EQ(countOf(drawn(canvas), kGreen), 10000u);
@@ -309,9 +303,7 @@ TEST(Canvas, SurfacesAreLitFromTheEye) {
 TEST(Canvas, WhatIsTranslucentHidesNothing) {
   CANVAS_OR_SKIP(canvas, 100, 100);
   setView(canvas);
-  ItemLook faint;
-  faint.opacity = 0.25;
-  faint.lit = false;
+  ItemLook faint{.opacity = 0.25, .lit = false};
   canvas.setTriangles(1, wall(5, 20), std::vector{kGreen, kGreen});
   canvas.setLook(1, faint);
   setOnePoint(canvas, 2, {10, 1, 0}, kRed, sized(5));      // behind it
@@ -409,9 +401,7 @@ TEST(Canvas, DepthEdgesDarkenWhatLiesBehindAndNothingElse) {
       view.camera.focal = orthographic ? 10 : 100;
     }
     canvas.setViews(views);
-    ItemLook look;
-    look.views = 3;
-    look.lit = false;
+    const ItemLook look{.views = 3, .lit = false};
     canvas.setTriangles(1, wall(20, 4), std::vector{kGreen, kGreen});
     canvas.setTriangles(2, wall(10, 1), std::vector{kRed, kRed});
     canvas.setLook(1, look);
@@ -437,8 +427,7 @@ TEST(Canvas, DepthEdgesDarkenWhatLiesBehindAndNothingElse) {
 TEST(Canvas, SlopesAreNotDarkened) {
   CANVAS_OR_SKIP(canvas, 200, 200);
   setView(canvas, true);
-  ItemLook look;
-  look.lit = false;
+  const ItemLook look{.lit = false};
   canvas.setTriangles(1, std::vector<Vec3f>{{2, -90, -1}, {2, 90, -1}, {90, 0, -1}}, std::vector{kGreen});
   canvas.setLook(1, look);
   const Image image = drawn(canvas);
@@ -513,8 +502,7 @@ TEST(Canvas, TheSameCallsGiveTheSamePicture) {
     for (Vec3f& point : points) point = {12 + any(random), any(random), any(random)};
     canvas.setPoints(1, points, std::vector<Rgb>(points.size(), kRed));
     canvas.setLook(1, sized(4));
-    ItemLook faint;
-    faint.opacity = 0.3;
+    const ItemLook faint{.opacity = 0.3};
     canvas.setTriangles(2, wall(11, 3), std::vector{kGreen, kBlue});
     canvas.setLook(2, faint);
     canvas.setImage(1, 1, 1, std::vector<Rgba>{{1, 2, 3, 99}});

@@ -20,19 +20,16 @@ constexpr Rgb kDot{250, 10, 20};
 constexpr Rgb kGround{0, 40, 90};
 
 void draw(Canvas& canvas) {
-  CanvasView view;
-  view.rect = {0, 0, canvas.width(), canvas.height()};
-  view.camera = makeCamera(View::Driver, canvas.width(), canvas.height(), 1);
-  view.background = kGround;
+  CanvasView view{.rect = {0, 0, canvas.width(), canvas.height()},
+                  .camera = makeCamera(View::Driver, canvas.width(), canvas.height(), 1),
+                  .background = kGround};
   canvas.setViews({&view, 1});
   canvas.render();
 }
 
 void addDot(Canvas& canvas, double size) {
   canvas.setPoints(1, std::vector<Vec3f>{{10, 0, 0}}, std::vector{kDot});
-  ItemLook look;
-  look.size = size;
-  canvas.setLook(1, look);
+  canvas.setLook(1, {.size = size});
 }
 
 // Runs the window, draws where it must, and calls `step` at every tick with its number until that returns false. Gives

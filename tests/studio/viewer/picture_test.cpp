@@ -52,10 +52,7 @@ Ontology colorful() {
 }
 
 PictureOptions small() {
-  PictureOptions options;
-  options.width = 480;
-  options.height = 270;
-  return options;
+  return {.width = 480, .height = 270};
 }
 
 std::ptrdiff_t count(const Image& image, const Rgb& color) {
@@ -71,9 +68,7 @@ std::ptrdiff_t bright(const Image& image, int top, int bottom) {
 TEST(Picture, HasTheSizeAskedFor) {
   const Ontology ontology = colorful();
   for (const auto& [width, height] : {std::pair{64, 64}, std::pair{480, 270}, std::pair{300, 700}}) {
-    PictureOptions options;
-    options.width = width;
-    options.height = height;
+    PictureOptions options{.width = width, .height = height};
     for (const ColorBy& by : {ColorBy("class"), ColorBy("intensity")}) {
       options.colorBy = by;
       const Image image = drawPicture(smallScan(), &ontology, options, "a scan");
@@ -302,9 +297,7 @@ TEST(RealScan, IsDrawnFromAllSides) {
   SKIP_WITHOUT_SHARED_DATA("lidar/ouster_os1_128/frame_1795.pcd");
   const ScanSource source = findScan(sharedData() / "lidar/ouster_os1_128/frame_1795.pcd", "", "");
   EXPECT_FALSE(source.ontology);
-  PictureOptions options;
-  options.width = 480;
-  options.height = 270;
+  PictureOptions options{.width = 480, .height = 270};
   for (const View view : {View::Driver, View::Above, View::Chase}) {
     options.view = view;
     const Image image = drawPicture(source.scan, nullptr, options, source.title);

@@ -11,13 +11,7 @@ namespace scanmill {
 namespace {
 
 Legend scaleOf(double low, double high, double power = 1) {
-  Legend legend;
-  legend.title = "range (m)";
-  legend.scale = true;
-  legend.low = low;
-  legend.high = high;
-  legend.power = power;
-  return legend;
+  return {.title = "range (m)", .scale = true, .low = low, .high = high, .power = power};
 }
 
 // 1, 2, 5 or 10 after powers of ten are taken away, of a number or of the step that it is a multiple of.

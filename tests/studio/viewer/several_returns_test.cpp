@@ -91,10 +91,7 @@ TEST(SeveralReturnsStrip, ShowsTheNearest) {
 
 TEST(SeveralReturnsPictures, AreDrawn) {
   for (const Scan& scan : layouts()) {
-    PictureOptions options;
-    options.width = 320;
-    options.height = 200;
-    options.colorBy = kByReturn;
+    const PictureOptions options{.colorBy = kByReturn, .width = 320, .height = 200};
     const Image picture = drawPicture(scan, nullptr, options, "two returns");
     const Rgb second = colorScan(scan, kByReturn, nullptr).legend.entries.at(1).color;
     EXPECT_TRUE(std::find(picture.pixels.begin(), picture.pixels.end(), second) != picture.pixels.end());

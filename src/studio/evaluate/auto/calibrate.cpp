@@ -8,6 +8,7 @@
 #include "base/short_text.h"
 #include "evaluate/intensity.h"
 #include "evaluate/measure.h"
+#include "pipeline/run/forecast.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/scenes/shot_source.h"
 
@@ -28,27 +29,21 @@ Value defaultSettings() {
 Spread worstOf(const Spread& a, const Spread& b) {
   Spread s;
   s.count = a.count + b.count;
-  s.mean = std::max(a.mean, b.mean);
-  s.rms = std::max(a.rms, b.rms);
-  s.median = std::max(a.median, b.median);
-  s.p95 = std::max(a.p95, b.p95);
-  s.p99 = std::max(a.p99, b.p99);
-  s.p999 = std::max(a.p999, b.p999);
-  s.max = std::max(a.max, b.max);
+  for (double Spread::*value :
+       {&Spread::mean, &Spread::rms, &Spread::median, &Spread::p95, &Spread::p99, &Spread::p999, &Spread::max}) {
+    s.*value = std::max(a.*value, b.*value);
+  }
   return s;
 }
 
 GroupErrors worstOf(const GroupErrors& a, const GroupErrors& b) {
   GroupErrors e;
-  e.beams = a.beams + b.beams;
-  e.bothHit = a.bothHit + b.bothHit;
-  e.bothMiss = a.bothMiss + b.bothMiss;
-  e.falseNegatives = a.falseNegatives + b.falseNegatives;
-  e.falsePositives = a.falsePositives + b.falsePositives;
-  e.unresolved = a.unresolved + b.unresolved;
-  e.sameClass = a.sameClass + b.sameClass;
-  e.sameInstance = a.sameInstance + b.sameInstance;
-  e.sameLabel = a.sameLabel + b.sameLabel;
+  for (std::uint64_t GroupErrors::*count :
+       {&GroupErrors::beams, &GroupErrors::bothHit, &GroupErrors::bothMiss, &GroupErrors::falseNegatives,
+        &GroupErrors::falsePositives, &GroupErrors::unresolved, &GroupErrors::sameClass, &GroupErrors::sameInstance,
+        &GroupErrors::sameLabel}) {
+    e.*count = a.*count + b.*count;
+  }
   e.range = worstOf(a.range, b.range);
   e.intensity = worstOf(a.intensity, b.intensity);
   return e;
@@ -64,14 +59,6 @@ std::vector<std::size_t> sequencesOf(const Pipeline& pipeline, std::size_t most)
   std::vector<std::size_t> chosen;
   for (std::size_t i = 0; i < count; ++i) chosen.push_back(firsts[i * firsts.size() / count]);
   return chosen;
-}
-
-std::uint64_t scenesOf(const Pipeline& pipeline) {
-  std::uint64_t count = 0;
-  for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
-    count += s == 0 || !pipeline.sequences[s].sameScene(pipeline.sequences[s - 1]) ? 1 : 0;
-  }
-  return count;
 }
 
 class Calibrator {
@@ -141,12 +128,11 @@ class Calibrator {
       ++frames_;
       for (Shot& shot : source_.frame(sequence, frame).shots) shots.push_back(std::move(shot));
     }
-    MeasureOptions options;
-    options.clouds = false;
-    options.leastSeconds = 0.1;
-    options.channels = plan_.channels;
-    options.intensity = noiseFreeIntensity(pipeline_, scene);
-    options.stop = [this] { return stop_ != nullptr && *stop_; };
+    const MeasureOptions options{.leastSeconds = 0.1,
+                                 .clouds = false,
+                                 .channels = plan_.channels,
+                                 .intensity = noiseFreeIntensity(pipeline_, scene),
+                                 .stop = [this] { return stop_ != nullptr && *stop_; }};
     const std::vector<TrueShot> truth = trueShots(scene, std::move(shots), options);
     if (!anyHit(truth)) {
       throw InputError({pipeline_.file.string()},

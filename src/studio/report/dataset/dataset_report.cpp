@@ -42,10 +42,7 @@ PicturedScan pictureOf(const Manifest& manifest, const ScanPlace& place, const S
   if (!scan[kIntensity].empty()) colors.push_back(kByIntensity);
   if (colors.empty()) colors.push_back(kByRange);
   for (const ColorBy& color : colors) {
-    PictureOptions options;
-    options.width = kPictureWidth;
-    options.height = kPictureHeight;
-    options.colorBy = color;
+    const PictureOptions options{.colorBy = color, .width = kPictureWidth, .height = kPictureHeight};
     try {
       pictured.pictures.emplace_back(color.name(),
                                      encodePng(drawPicture(scan, &manifest.ontology, options, pictured.title)));

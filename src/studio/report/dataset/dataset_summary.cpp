@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/append_new.h"
 #include "dataset/sample_names.h"
 #include "viewer/color_map.h"
 
@@ -161,9 +162,7 @@ class Summing {
     ++sensor.scans;
     sensor.points += scan.points;
     sensor.beams += scan.beams;
-    if (std::find(sensor.methods.begin(), sensor.methods.end(), scan.method) == sensor.methods.end()) {
-      sensor.methods.push_back(scan.method);
-    }
+    appendNew({scan.method}, sensor.methods);
     for (const auto& [id, points] : scan.pointsPerClass) {
       if (points == 0) continue;
       ClassSummary& c = classEntry(id);

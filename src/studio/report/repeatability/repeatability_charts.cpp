@@ -20,11 +20,7 @@ using OfLevels = FitnessSpread LevelFitness::*;
 
 // Returns a series without points. Each view and each level has the same colour in all charts.
 ChartSeries line(std::string name, std::size_t color) {
-  ChartSeries series;
-  series.name = std::move(name);
-  series.color = color % kChartColors;
-  series.mark = ChartMark::LineAndDots;
-  return series;
+  return {.name = std::move(name), .color = color % kChartColors, .mark = ChartMark::LineAndDots};
 }
 
 // Adds a point at the mean, with an error bar of one standard deviation in each direction.
@@ -39,17 +35,15 @@ void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::
 }
 
 ChartAxis logAxis(const std::string& title) {
-  ChartAxis axis;
-  axis.title = title;
-  axis.scale = AxisScale::Log;
-  return axis;
+  return {.title = title, .scale = AxisScale::Log};
 }
 
 Chart fitnessAxes(const char* name, const std::string& title, const std::string& note) {
-  Chart chart{.name = name, .title = title, .note = note};
-  chart.x = logAxis("distance to the object (m)");
-  chart.y = logAxis("fitness: mean squared distance (m²)");
-  return chart;
+  return {.name = name,
+          .title = title,
+          .note = note,
+          .x = logAxis("distance to the object (m)"),
+          .y = logAxis("fitness: mean squared distance (m²)")};
 }
 
 std::vector<const RepeatedPlace*> byDistance(const RepeatedView& view) {

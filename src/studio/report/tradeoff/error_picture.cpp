@@ -67,11 +67,7 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   coloring.legend.entries.push_back({fmt::format("other label: {}", label), kLabelColor});
   coloring.legend.entries.push_back({fmt::format("false negatives: {}", falseNegatives), kFalseNegativeColor});
   coloring.legend.entries.push_back({fmt::format("false positives: {}", falsePositives), kFalsePositiveColor});
-  PictureOptions options;
-  options.width = 1200;
-  options.height = 675;
-  options.zoom = 1.6;
-  options.depthEdges = false;
+  const PictureOptions options{.width = 1200, .height = 675, .zoom = 1.6, .depthEdges = false};
   const std::string title = fmt::format("{}, {}", truth.shot.sample, truth.shot.sensorName);
   return encodePng(drawColored(scan, coloring, options, title));
 }

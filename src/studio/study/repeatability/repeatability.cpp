@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/append_new.h"
 #include "base/parallel.h"
 #include "config/version.h"
 #include "pipeline/run/progress.h"
@@ -82,7 +83,7 @@ class RepeatabilityRun {
         methods.clear();
         scene = std::make_unique<Scene>(source_.load(s));
         standStill(*scene, 0);
-        for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting, *scene));
+        for (const MethodSetting& setting : choice_.methods) methods.push_back(makeMethod(setting.choice, *scene));
         things = boxedThings(*scene);
       }
       for (std::size_t m = 0; m < methods.size(); ++m) {
@@ -188,12 +189,6 @@ class RepeatabilityRun {
     }
   }
 
-  static std::unique_ptr<Method> makeMethod(const MethodSetting& setting, const Scene& scene) {
-    Fields options(setting.choice.options, "method " + setting.setting.method);
-    options.alsoDescribed(setting.choice.entry->keys).finish();
-    return setting.choice.entry->make(scene, options);
-  }
-
   bool stopped() const { return options_.stop != nullptr && *options_.stop; }
 
   // Returns the object's points in the scans with all noise levels and seeds. Traces once, since the hits are the same
@@ -280,18 +275,14 @@ class RepeatabilityRun {
 std::vector<std::string> Repeatability::objects() const {
   std::vector<std::string> names;
   for (const RepeatedView& view : views) {
-    for (const RepeatedPlace& place : view.places) {
-      if (std::find(names.begin(), names.end(), place.object) == names.end()) names.push_back(place.object);
-    }
+    for (const RepeatedPlace& place : view.places) appendNew({place.object}, names);
   }
   return names;
 }
 
 std::vector<std::string> Repeatability::sensors() const {
   std::vector<std::string> names;
-  for (const RepeatedView& view : views) {
-    if (std::find(names.begin(), names.end(), view.sensor) == names.end()) names.push_back(view.sensor);
-  }
+  for (const RepeatedView& view : views) appendNew({view.sensor}, names);
   return names;
 }
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "config/fields.h"
+#include "evaluate/beam_errors.h"
 
 namespace scanmill {
 
@@ -20,17 +21,8 @@ double BoxedThing::distance(const Vec3d& point) const {
 }
 
 std::vector<BoxedThing> boxedThings(const Scene& scene) {
-  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object; in the mesh's frame
-  for (const Mesh& mesh : scene.meshes) {
-    std::vector<Box>& own = boxes.emplace_back(mesh.objects);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const std::uint32_t object = mesh.surfaces[mesh.surfaceOf[t]].object;
-      if (object == 0) continue;
-      for (const std::uint32_t corner : mesh.triangles[t]) {
-        own[object - 1].add(static_cast<Vec3d>(mesh.positions[corner]));
-      }
-    }
-  }
+  std::vector<std::vector<Box>> boxes;  // indexed by mesh and object
+  for (const Mesh& mesh : scene.meshes) boxes.push_back(objectBoxes(mesh));
   std::vector<BoxedThing> things;
   for (const Instance& instance : scene.instances) {
     for (const Box& box : boxes[instance.mesh]) {

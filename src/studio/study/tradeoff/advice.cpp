@@ -29,14 +29,7 @@ struct Need {
   const char* limits;  // the limits in words; empty: no limits
   std::optional<double> p95{}, p99{}, missRate{}, labels{};
 
-  ErrorLimits asked() const {
-    ErrorLimits allowed;
-    allowed.p95 = p95;
-    allowed.p99 = p99;
-    allowed.missRate = missRate;
-    allowed.labels = labels;
-    return allowed;
-  }
+  ErrorLimits asked() const { return {.p95 = p95, .p99 = p99, .missRate = missRate, .labels = labels}; }
 };
 const std::array<Need, 4> kNeeds{{
     {.name = "exact ranges and labels",

@@ -1,8 +1,6 @@
-#include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <ctime>
 #include <fstream>
 #include <set>
 
@@ -15,6 +13,7 @@
 #include "pipeline/run/progress.h"
 #include "pipeline/run/run_shot.h"
 #include "pipeline/scenes/shot_source.h"
+#include "study/figure_text.h"
 #include "study/tradeoff/encodings.h"
 #include "study/tradeoff/ring_timings.h"
 #include "study/tradeoff/settings.h"
@@ -23,10 +22,6 @@
 namespace scanmill {
 
 namespace {
-
-std::string today() {
-  return fmt::format("{:%Y-%m-%d}", fmt::gmtime(std::time(nullptr)));
-}
 
 std::string processorName() {
   std::ifstream file("/proc/cpuinfo");

@@ -39,16 +39,9 @@ constexpr const char* kDefaultEncodings = R"(
 - {draco: {max_error_mm: [0.1, 1, 10, 50]}}
 )";
 
-const Value& requireNonEmptyList(const Value& list, const std::string& what) {
-  if (list.kind != Value::Kind::Sequence || list.items.empty()) {
-    throw InputError(list.where, fmt::format("{} must be a list with at least one item", what));
-  }
-  return list;
-}
-
 std::vector<StudyEncoding> readEncodings(const Value& list) {
   std::vector<StudyEncoding> encodings;
-  for (const Value& item : requireNonEmptyList(list, "tradeoff.encodings").items) {
+  for (const Value& item : requireItems(list, "tradeoff.encodings").items) {
     const NamedOptions named = readNamed(item, "an item of tradeoff.encodings");
     const FormatEntry& entry = requireFormat(named.name, named.where);
     for (const Value& options : expandLists(named.options, "tradeoff.encodings")) {
@@ -94,7 +87,7 @@ StudyChoice readStudyChoice(const Pipeline& pipeline) {
   choice.encodings =
       readEncodings(encodings == nullptr ? parseYaml(kDefaultEncodings, "default encodings") : *encodings);
   if (const Value* rings = fields.find("rings")) {
-    for (const Value& item : requireNonEmptyList(*rings, "tradeoff.rings").items) {
+    for (const Value& item : requireItems(*rings, "tradeoff.rings").items) {
       choice.rings.push_back(static_cast<std::uint32_t>(readInteger(item, "tradeoff.rings", 2, 4096)));
       if (choice.rings.size() > 1 && choice.rings.back() <= choice.rings[choice.rings.size() - 2]) {
         throw InputError(item.where, "tradeoff.rings: each number of rings must be larger than the one before");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/append_new.h"
 #include "methods/method.h"
 
 namespace scanmill {
@@ -90,11 +91,7 @@ std::optional<std::size_t> tracingDefault(const Study& study) {
 
 std::vector<std::string> methodsOf(const Study& study) {
   std::vector<std::string> methods;
-  for (const SettingResult& s : study.settings) {
-    if (std::find(methods.begin(), methods.end(), s.setting.method) == methods.end()) {
-      methods.push_back(s.setting.method);
-    }
-  }
+  for (const SettingResult& s : study.settings) appendNew({s.setting.method}, methods);
   return methods;
 }
 

@@ -46,15 +46,15 @@ struct PixelRect {
 // A rectangle of the canvas with a camera. The camera's centerX and centerY are half the rectangle's width and height.
 // Items are drawn up to the depth `farthest` (m along the line of sight).
 struct CanvasView {
-  PixelRect rect;
-  ViewCamera camera;
+  PixelRect rect{};
+  ViewCamera camera{};
   double farthest = 1000;
   Rgb background{};
   bool depthEdges = true;  // darkens points behind nearer surfaces (eye-dome lighting)
 };
 
 struct ItemLook {
-  Affine canvasFromItem;
+  Affine canvasFromItem{};
   double size = 1;          // pixels: side of a point, or width of a line
   double opacity = 1;       // opacity from 0 (invisible) to 1
   std::uint32_t views = 1;  // bit k: the item is drawn in view k
@@ -98,9 +98,9 @@ struct CanvasEvent {
   };
   Kind kind = Kind::Tick;
   // The typed character such as "a", "A", "[" or " ", or the key's name such as "Left", "Return" or "F1".
-  std::string key;
-  std::string text;  // the typed text in UTF-8; may be empty
-  int x = 0;         // pixel of the pointer; may be outside of the canvas while a button is pressed
+  std::string key{};
+  std::string text{};  // the typed text in UTF-8; may be empty
+  int x = 0;           // pixel of the pointer; may be outside of the canvas while a button is pressed
   int y = 0;
   int button = 0;  // 1: left, 2: middle, 3: right
   int clicks = 1;  // 2: the second press of a double click

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <limits>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "config/file_kind.h"
 #include "config/value.h"
 #include "pipeline/plan/dataset_plan.h"
+#include "pipeline/read/sequences.h"
 
 namespace scanmill {
 
@@ -22,15 +22,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view kSuffix = ".yaml";
-
-// Converts a scene's name to the form used in sample keys, like keyPart() in pipeline/read/sequences.h.
-std::string inKey(std::string name) {
-  for (char& c : name) {
-    const auto byte = static_cast<unsigned char>(c);
-    c = std::isalnum(byte) == 0 && c != '_' && c != '-' ? '_' : static_cast<char>(std::tolower(byte));
-  }
-  return name;
-}
 
 Value pipelineOf(const std::string& pipelineText, const fs::path& datasetFolder) {
   Value root = parseYaml(pipelineText, "the pipeline in " + (datasetFolder / "manifest.json").string());
@@ -75,7 +66,7 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
     if (file == nullptr) continue;
     const fs::path name = fs::path(file->text).filename();
     // Names occur without and with ".yaml".
-    for (const std::string& scene : {inKey(name.stem().string()), inKey(name.string())}) {
+    for (const std::string& scene : {keyPart(name.stem().string()), keyPart(name.string())}) {
       const auto seed = seedBehind(key, scene);
       if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;
       const Value* moving = entry.find("moving");

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "base/append_new.h"
 #include "base/error.h"
 #include "base/parallel.h"
 #include "config/text.h"
@@ -261,11 +262,7 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
       l.problems.push_back(fmt::format("{}; what lies before that is shown", damage));
     }
     if (!l.store->classes.empty() && !l.scan.scan[kLabel].empty()) l.problems.push_back(l.store->classes);
-    for (std::string& problem : l.problems) {
-      if (std::find(view.problems.begin(), view.problems.end(), problem) == view.problems.end()) {
-        view.problems.push_back(std::move(problem));
-      }
-    }
+    appendNew(l.problems, view.problems);
     if (l.loaded) view.scans.push_back(std::move(l.scan));
   }
   view.objects = objectsAbout(frame, view.problems);
@@ -317,7 +314,7 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
       }
     }
   } catch (const InputError& e) {
-    if (std::find(problems.begin(), problems.end(), e.what()) == problems.end()) problems.emplace_back(e.what());
+    appendNew({e.what()}, problems);
   }
   return all;
 }

@@ -43,8 +43,7 @@ double letterOfPicture(int width, int height) {
 }
 
 PanelNeeds needsOfPicture(int width, int height, bool side) {
-  PanelNeeds needs;
-  needs.letter = letterOfPicture(width, height);
+  PanelNeeds needs{.letter = letterOfPicture(width, height)};
   needs.row = std::round(1.5 * needs.letter);
   needs.side = side;
   needs.bar = false;

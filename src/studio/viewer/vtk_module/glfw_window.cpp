@@ -88,35 +88,21 @@ std::string_view nameOf(int key, bool numLock) {
   constexpr std::array<std::string_view, 12> kFunction{"F1", "F2", "F3", "F4",  "F5",  "F6",
                                                        "F7", "F8", "F9", "F10", "F11", "F12"};
   if (key >= GLFW_KEY_F1 && key <= GLFW_KEY_F12) return kFunction[static_cast<std::size_t>(key - GLFW_KEY_F1)];
-  switch (key) {
-    case GLFW_KEY_ESCAPE:
-      return "Escape";
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return "Return";
-    case GLFW_KEY_TAB:
-      return "Tab";
-    case GLFW_KEY_BACKSPACE:
-      return "BackSpace";
-    case GLFW_KEY_RIGHT:
-      return "Right";
-    case GLFW_KEY_LEFT:
-      return "Left";
-    case GLFW_KEY_UP:
-      return "Up";
-    case GLFW_KEY_DOWN:
-      return "Down";
-    case GLFW_KEY_PAGE_UP:
-      return "Page_Up";
-    case GLFW_KEY_PAGE_DOWN:
-      return "Page_Down";
-    case GLFW_KEY_HOME:
-      return "Home";
-    case GLFW_KEY_END:
-      return "End";
-    default:
-      return "";
-  }
+  constexpr std::pair<int, std::string_view> kOthers[]{{GLFW_KEY_ESCAPE, "Escape"},
+                                                       {GLFW_KEY_ENTER, "Return"},
+                                                       {GLFW_KEY_KP_ENTER, "Return"},
+                                                       {GLFW_KEY_TAB, "Tab"},
+                                                       {GLFW_KEY_BACKSPACE, "BackSpace"},
+                                                       {GLFW_KEY_RIGHT, "Right"},
+                                                       {GLFW_KEY_LEFT, "Left"},
+                                                       {GLFW_KEY_UP, "Up"},
+                                                       {GLFW_KEY_DOWN, "Down"},
+                                                       {GLFW_KEY_PAGE_UP, "Page_Up"},
+                                                       {GLFW_KEY_PAGE_DOWN, "Page_Down"},
+                                                       {GLFW_KEY_HOME, "Home"},
+                                                       {GLFW_KEY_END, "End"}};
+  const auto named = std::ranges::find(kOthers, key, &std::pair<int, std::string_view>::first);
+  return named == std::end(kOthers) ? "" : named->second;
 }
 
 std::string utf8(unsigned codepoint) {
@@ -152,15 +138,7 @@ struct GlfwWindow::State {
   static State& of(GLFWwindow* of) { return *static_cast<State*>(glfwGetWindowUserPointer(of)); }
 
   CanvasEvent plain(Kind kind) const {
-    CanvasEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    event.width = width;
-    event.height = height;
-    event.shift = shift;
-    event.control = control;
-    return event;
+    return {.kind = kind, .x = x, .y = y, .shift = shift, .control = control, .width = width, .height = height};
   }
 
   // Appends an event to the queue. Of several consecutive events of the kind Move, Resize or Redraw, only the last is

@@ -120,12 +120,11 @@ struct ImageSession::State {
 
   void show() {
     const PassPlane& p = planes[plane];
-    PanelNeeds needs;
-    needs.letter = toolkit.letter();
-    needs.row = toolkit.row();
-    needs.title = !bare;
-    needs.bar = !bare && !still;
-    needs.side = !bare && legends && (p.legend.scale || !p.legend.entries.empty());
+    const PanelNeeds needs{.letter = toolkit.letter(),
+                           .row = toolkit.row(),
+                           .title = !bare,
+                           .side = !bare && legends && (p.legend.scale || !p.legend.entries.empty()),
+                           .bar = !bare && !still};
     rooms = roomsOf(canvas.width(), canvas.height(), needs);
     note = {rooms.body.left, rooms.body.top, rooms.body.width, 0};
     if (!bare && !p.note.empty()) {
@@ -136,9 +135,7 @@ struct ImageSession::State {
     pane.place(p.image.width, p.image.height, rooms.body);
     if (pictureChanged) setImage(canvas, kImage, p.image);
     pictureChanged = false;
-    CanvasView view;
-    view.rect = {0, 0, canvas.width(), canvas.height()};
-    view.background = kBackground;
+    CanvasView view{.rect = {0, 0, canvas.width(), canvas.height()}, .background = kBackground};
     canvas.setViews({&view, 1});
     runPanels();
     runPanels();  // sizes that depend on contents are known in the second run
@@ -173,12 +170,8 @@ struct ImageSession::State {
     panelAt("##side", rooms.side, !still, [&] { legendSection(p.legend, still); });
     if (mark) tip(p.name, under, *valuesAt(pointerX, pointerY));
     if (still) return;
-    FrameBar bar;
-    bar.frame = index;
-    bar.frames = images.files.size();
-    bar.key = images.names[index];
-    bar.playing = playing;
-    const FrameBarUse use = frameBar(rooms.bar, bar);
+    const FrameBarUse use = frameBar(
+        rooms.bar, {.frame = index, .frames = images.files.size(), .key = images.names[index], .playing = playing});
     if (use.play) togglePlaying();
     if (use.frame) {
       playing = false;

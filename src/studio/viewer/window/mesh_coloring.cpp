@@ -71,14 +71,6 @@ Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, s
   return legend;
 }
 
-Legend reflectanceLegend() {
-  Legend legend;
-  legend.scale = true;
-  legend.low = 0;
-  legend.high = 1;
-  return legend;
-}
-
 }  // namespace
 
 Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
@@ -114,7 +106,8 @@ Coloring colorMesh(const ViewMesh& mesh, MeshColor by) {
       break;
     case MeshColor::Reflectance:
       paint([&](std::size_t t) { return viridis(double{mesh.reflectance[mesh.surfaceOf(t).material]}); });
-      coloring.legend = reflectanceLegend();
+      coloring.legend.scale = true;
+      coloring.legend.high = 1;
       break;
   }
   coloring.legend.title = std::string(kMeshColorNames[static_cast<std::size_t>(by)]);

@@ -12,7 +12,7 @@ namespace scanmill {
 
 // Positions are in the canvas frame (m): x forward, y left, z up. Angles are in radians.
 struct OrbitCamera {
-  Vec3d target;
+  Vec3d target{};
   double yaw = 0;        // heading of the line of sight, counter-clockwise; at 0 the camera looks along x
   double pitch = 0;      // angle by which the camera looks down, from -pi/2 to pi/2
   double distance = 30;  // distance from the eye to the target

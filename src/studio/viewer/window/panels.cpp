@@ -26,11 +26,10 @@ void Panels::arrange() {
   fillPanes();
   collectLegends();
   addMessages();
-  PanelNeeds needs;
-  needs.letter = toolkit.letter();
-  needs.row = toolkit.row();
-  needs.title = !context_.options.bare;
-  needs.bar = !context_.options.bare && !context_.options.still;
+  PanelNeeds needs{.letter = toolkit.letter(),
+                   .row = toolkit.row(),
+                   .title = !context_.options.bare,
+                   .bar = !context_.options.bare && !context_.options.still};
   needs.side = !context_.options.bare && (needs.bar || pointer_.pinned || !legends.empty());
   if (clouds_.strip && !context_.options.bare)
     needs.stripHeight = stripHeight(clouds_.strip->image.height, context_.canvas.width(), context_.canvas.height());
@@ -63,9 +62,7 @@ void Panels::fillPanes() {
 std::vector<CanvasView> Panels::views() const {
   std::vector<CanvasView> placed;
   for (const PixelRect& rect : partsOf(rooms.body, panes.size(), 1)) {
-    CanvasView view;
-    view.rect = rect;
-    view.camera = scenery_.camera.camera(rect.width, rect.height);
+    CanvasView view{.rect = rect, .camera = scenery_.camera.camera(rect.width, rect.height)};
     view.farthest = std::max(scenery_.farthest(view.camera.eye), 2 * view.camera.nearest);
     view.background = context_.options.background;
     view.depthEdges = context_.options.depthEdges;

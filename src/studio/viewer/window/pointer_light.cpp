@@ -68,8 +68,7 @@ void Pointer::outline(const ShownCloud& cloud, bool anew) {
     }
     litItem_.setPoints(places, std::vector<Rgb>(places.size(), Rgb{255, 255, 255}));
   }
-  ItemLook look;
-  look.views = 0;
+  ItemLook look{.views = 0};
   for (const ShownCloud& same : clouds_.list) {
     if (same.scan == cloud.scan) look.views |= 1U << same.view;
   }

@@ -55,11 +55,8 @@ void Scenery::placeClouds() {
     ShownCloud& cloud = clouds_.list[k];
     const ViewScan& viewed = context_.frame->scans[cloud.scan];
     cloud.canvasFromScan = canvasFromScan(viewed);
-    ItemLook look;
-    look.canvasFromItem = cloud.canvasFromScan;
-    look.size = pointSize();
-    look.views = 1U << cloud.view;
-    context_.canvas.setLook(cloudItem(k), look);
+    context_.canvas.setLook(cloudItem(k),
+                            {.canvasFromItem = cloud.canvasFromScan, .size = pointSize(), .views = 1U << cloud.view});
     double radius = 0;
     for (const Vec3f& p : viewed.scan.position) {
       if (isFinite(p)) radius = std::max(radius, double{dot(p, p)});
@@ -102,10 +99,7 @@ void Scenery::placeGuides() {
 
 void Scenery::setLines(ItemId item, const LineSet& lines, double width) {
   context_.canvas.setLines(item, lines.ends, lines.colors);
-  ItemLook look;
-  look.size = width;
-  look.views = (1U << clouds_.viewCount()) - 1;
-  context_.canvas.setLook(item, look);
+  context_.canvas.setLook(item, {.size = width, .views = (1U << clouds_.viewCount()) - 1});
 }
 
 std::optional<Affine> Scenery::toggleWorld() {

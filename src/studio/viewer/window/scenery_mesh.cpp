@@ -57,10 +57,9 @@ void Scenery::applyFilter() {
 void Scenery::placeMeshLook() {
   if (!meshItem.there()) return;
   constexpr double kFaint = 0.25;
-  ItemLook look;
-  look.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin};
-  look.opacity = context_.source->isScene() ? 1 : kFaint;
-  look.views = (1U << clouds_.viewCount()) - 1;
+  const ItemLook look{.canvasFromItem = canvasFromWorld * Affine{{}, mesh->origin},
+                      .opacity = context_.source->isScene() ? 1 : kFaint,
+                      .views = (1U << clouds_.viewCount()) - 1};
   meshItem.setLook(look);
   context_.changes.items = true;
 }

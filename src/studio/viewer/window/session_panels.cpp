@@ -224,14 +224,13 @@ void ViewSession::State::drawStrip() {
 
 void ViewSession::State::drawFrameBar() {
   const std::size_t requested = playback.requested();
-  FrameBar bar;
-  bar.frame = requested;
-  bar.frames = playback.count();
-  bar.key = context.source->keys()[requested];
-  bar.speed = playback.speedText();
-  bar.busy = playback.busy();
-  bar.playing = playback.playing();
-  bar.damaged = playback.damaged();
+  const FrameBar bar{.frame = requested,
+                     .frames = playback.count(),
+                     .key = context.source->keys()[requested],
+                     .speed = playback.speedText(),
+                     .busy = playback.busy(),
+                     .playing = playback.playing(),
+                     .damaged = playback.damaged()};
   const FrameBarUse use = frameBar(panels.rooms.bar, bar);
   if (use.play) togglePlaying();
   if (use.frame && *use.frame != requested) {

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "viewer/window/session_state.h"
 
@@ -15,41 +17,23 @@ std::string ViewSession::State::sceneLacks(const ColorBy& by) const {
 }
 
 std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
-  switch (meaning.action) {
-    case KeyAction::ColorByNumber:
-      return sceneLacks(ColorBy(colorNames()[meaning.number]));
-    case KeyAction::LargerPoints:
-    case KeyAction::SmallerPoints:
-      return "a scene has no points";
-    case KeyAction::ToggleRangeRings:
-      return "a scene has no sensor to draw range rings about";
-    case KeyAction::ToggleTrajectory:
-      return "a scene has no trajectory: a dataset of it has";
-    case KeyAction::ToggleBoxes:
-      return "a scene has no list of objects: a dataset of it may have";
-    case KeyAction::ToggleMesh:
-      return "the scene's mesh is all that there is";
-    case KeyAction::NextFrame:
-    case KeyAction::PreviousFrame:
-    case KeyAction::TenFramesOn:
-    case KeyAction::TenFramesBack:
-    case KeyAction::FirstFrame:
-    case KeyAction::LastFrame:
-    case KeyAction::Play:
-    case KeyAction::GoTo:
-      return "a scene has no frames: a dataset of it has";
-    case KeyAction::ToggleOverlay:
-    case KeyAction::ToggleSplit:
-    case KeyAction::NextView:
-    case KeyAction::NextScan:
-      return "a scene has no scans: a dataset of it has";
-    case KeyAction::ToggleWorld:
-      return "a scene has no sensor to follow";
-    case KeyAction::ToggleRangeImage:
-      return "a scene has no range image: a dataset of it has";
-    default:
-      return {};
+  using enum KeyAction;
+  static const std::vector<std::pair<std::vector<KeyAction>, const char*>> kLacks{
+      {{LargerPoints, SmallerPoints}, "a scene has no points"},
+      {{ToggleRangeRings}, "a scene has no sensor to draw range rings about"},
+      {{ToggleTrajectory}, "a scene has no trajectory: a dataset of it has"},
+      {{ToggleBoxes}, "a scene has no list of objects: a dataset of it may have"},
+      {{ToggleMesh}, "the scene's mesh is all that there is"},
+      {{NextFrame, PreviousFrame, TenFramesOn, TenFramesBack, FirstFrame, LastFrame, Play, GoTo},
+       "a scene has no frames: a dataset of it has"},
+      {{ToggleOverlay, ToggleSplit, NextView, NextScan}, "a scene has no scans: a dataset of it has"},
+      {{ToggleWorld}, "a scene has no sensor to follow"},
+      {{ToggleRangeImage}, "a scene has no range image: a dataset of it has"}};
+  if (meaning.action == ColorByNumber) return sceneLacks(ColorBy(colorNames()[meaning.number]));
+  for (const auto& [actions, lack] : kLacks) {
+    if (std::find(actions.begin(), actions.end(), meaning.action) != actions.end()) return lack;
   }
+  return {};
 }
 
 }  // namespace scanmill

@@ -8,10 +8,10 @@
 #include <memory>
 #include <set>
 
+#include "evaluate/measure.h"
 #include "report/dataset/dataset_warnings.h"
 #include "tests/core/dataset/fixture.h"
 #include "tests/core/methods/trace.h"
-#include "tests/support/points_of.h"
 #include "tests/support/street.h"
 #include "viewer/window/orbit_camera.h"
 
@@ -39,7 +39,7 @@ class AnomaliesInStreets : public testing::Test {
         const Shot shot = streetShot(beams, -60 + 12 * i);
         const Hits hits = traced(*method, shot, Channel::Range | Channel::Semantic | Channel::Instance);
         Scan scan;
-        scan.position = pointsOf(shot, hits);
+        scan.position = hitPoints(shot, hits);
         for (std::size_t b = 0; b < hits.size(); ++b) {
           if (!hits.hit(b)) continue;
           scan[kLabel].push_back(hits.semantic[b]);

@@ -18,11 +18,7 @@ using testing::HasSubstr;
 constexpr std::size_t kAll = 400;
 
 DatasetReport examined(const std::filesystem::path& folder, std::size_t samples = 0, std::size_t most = kAll) {
-  DatasetReportOptions options;
-  options.quiet = true;
-  options.samples = samples;
-  options.mostScans = most;
-  return examineDataset(folder, options);
+  return examineDataset(folder, {.samples = samples, .mostScans = most, .quiet = true});
 }
 
 // The warnings, each with its places behind it.
@@ -361,9 +357,7 @@ TEST_F(MadeDataset, NothingToReadIsAFailure) {
 TEST_F(MadeDataset, StopsWhenAsked) {
   writeMadeDataset(at(), samples_);
   const std::atomic<bool> stop = true;
-  DatasetReportOptions options;
-  options.quiet = true;
-  options.stop = &stop;
+  const DatasetReportOptions options{.quiet = true, .stop = &stop};
   EXPECT_THAT(messageOf<Error>([&] { examineDataset(at(), options); }), HasSubstr("stopped: nothing was written"));
 }
 
@@ -434,10 +428,7 @@ TEST_F(MadeDataset, TheSameBytesOnAnyNumberOfThreads) {
     if (first.empty()) first = page;
     EXPECT_TRUE(page == first) << threads;
   }
-  DatasetReportOptions other;
-  other.quiet = true;
-  other.seed = 1;
-  EXPECT_NE(datasetPage(examineDataset(at(), other)), first);
+  EXPECT_NE(datasetPage(examineDataset(at(), {.seed = 1, .quiet = true})), first);
 }
 
 // Two sensors, misses kept, and a dataset without labels or anything else but positions.

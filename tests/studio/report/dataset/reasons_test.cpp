@@ -13,10 +13,7 @@ using ReasonsReport = Yard;
 
 TEST_F(ReasonsReport, HasATableAndAnImage) {
   sound({"effects=[intensity, dropout: {probability: 0.25}]", "output.reasons=true"});
-  DatasetReportOptions options;
-  options.quiet = true;
-  options.samples = 2;
-  const DatasetReport report = examineDataset(out(), options);
+  const DatasetReport report = examineDataset(out(), {.samples = 2, .quiet = true});
   EXPECT_EQ(report.reasonImages.size(), 2u);
   ASSERT_EQ(report.summary.sensors.size(), 1u);
   std::uint64_t sum = 0;
@@ -34,9 +31,7 @@ TEST_F(ReasonsReport, WhatComesFromNothingIsNoWarning) {
       "sensors=[{name: top, columns: 64, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 8}, range_m: [0.5, "
       "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 3, pulse_ns: 5}]";
   const std::string snow = "effects=[intensity, weather: {kind: snow, severity: heavy}]";
-  DatasetReportOptions options;
-  options.quiet = true;
-  options.samples = 0;
+  const DatasetReportOptions options{.samples = 0, .quiet = true};
   for (const bool told : {true, false}) {
     const std::string name = told ? "told" : "untold";
     sound({sensor, snow, fmt::format("output.reasons={}", told)}, name);
@@ -50,9 +45,7 @@ TEST_F(ReasonsReport, WhatComesFromNothingIsNoWarning) {
 
 TEST_F(ReasonsReport, LeavesItOutWhereTheDatasetDoesNotSay) {
   sound({"effects=[intensity]"});
-  DatasetReportOptions options;
-  options.quiet = true;
-  options.samples = 1;
+  const DatasetReportOptions options{.samples = 1, .quiet = true};
   EXPECT_THAT(datasetPage(examineDataset(out(), options)), Not(HasSubstr("For every beam a reason")));
 }
 

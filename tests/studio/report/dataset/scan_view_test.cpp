@@ -122,10 +122,7 @@ class InBrowser : public testing::Test {
   void SetUp() override {
     if (findProgram("chromium").empty()) GTEST_SKIP() << "Chromium is not installed";
     writeMadeDataset(folder_.path() / "made", soundSamples());
-    DatasetReportOptions options;
-    options.quiet = true;
-    options.samples = 2;
-    report_ = examineDataset(folder_.path() / "made", options);
+    report_ = examineDataset(folder_.path() / "made", {.samples = 2, .quiet = true});
     page_ = datasetPage(report_);
   }
 

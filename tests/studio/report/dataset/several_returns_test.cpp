@@ -12,10 +12,7 @@ TEST_F(ReturnsReport, CountsEveryReturn) {
   for (const char* layout : {"dense", "organised"}) {
     SCOPED_TRACE(layout);
     make({kAllColumns, "effects=[intensity]", fmt::format("output.layout={}", layout)}, layout);
-    DatasetReportOptions options;
-    options.quiet = true;
-    options.samples = 2;
-    const DatasetReport report = examineDataset(out(layout), options);
+    const DatasetReport report = examineDataset(out(layout), {.samples = 2, .quiet = true});
     std::uint64_t points = 0;
     for (std::uint32_t frame = 0; frame < 4; ++frame) points += pointsOfFrame(frame);
     EXPECT_EQ(report.summary.points, points);

@@ -13,15 +13,8 @@ using testing::HasSubstr;
 using testing::Not;
 
 TEST(NoiseReport, HoldsTheRecordingBesideItsSimulation) {
-  const auto beams = wallBeams();
-  const std::vector<RecordedScan> scans =
-      recordedOf(wallScans(beams, {9, 9.2},
-                           "[range_noise: {sigma_m: 0.012}, dropout: {probability: 0.02}, quantize: {step_m: 0.008}]"),
-                 *beams);
-  const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
-  const NoiseFit fit = fitNoise(*beams, scans, patches);
-  const std::string effects = effectsYaml(fit, "today");
-  EXPECT_THAT(noiseReport(fit, compareNoise(*beams, scans, patches, fit, effects), "a <sensor>", effects, "today"),
+  const FittedWalls walls;
+  EXPECT_THAT(noiseReport(walls.fit, walls.comparison, "a <sensor>", walls.effects, "today"),
               AllOf(HasSubstr("a &lt;sensor&gt;"), HasSubstr("<canvas class=\"plot\""),
                     HasSubstr("Recorded and simulated"), HasSubstr("</html>"), Not(HasSubstr("nan"))));
 }

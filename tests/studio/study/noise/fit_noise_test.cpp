@@ -276,15 +276,7 @@ TEST(RangeStep, IsNotSeenWhereThereIsNone) {
 }
 
 TEST(CompareNoise, SimulationLooksLikeARecordingThatWasSimulated) {
-  const auto beams = wallBeams();
-  const std::vector<RecordedScan> scans =
-      recordedOf(wallScans(beams, {9, 9.2},
-                           "[range_noise: {sigma_m: 0.012}, dropout: {probability: 0.02}, quantize: {step_m: 0.008}]"),
-                 *beams);
-  const std::vector<FlatPatch> patches = findFlatPatches(*beams, scans);
-  const NoiseFit fit = fitNoise(*beams, scans, patches);
-  const std::string effects = effectsYaml(fit, "today");
-  const std::vector<ResidualComparison> comparison = compareNoise(*beams, scans, patches, fit, effects);
+  const std::vector<ResidualComparison> comparison = FittedWalls().comparison;
   ASSERT_FALSE(comparison.empty());
   for (const ResidualComparison& c : comparison) {
     EXPECT_NEAR(c.recorded.deviation / c.simulated.deviation, 1, 0.06) << c.name;

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "study/repeatability/repeatability_object.h"
 #include "tests/studio/study/repeatability/repeated_scans.h"
+#include "tests/support/two_returns.h"
 
 namespace scanmill {
 namespace {
@@ -231,10 +232,8 @@ TEST_F(RepeatedScans, RefusesWhatItCannotCompare) {
 TEST_F(RepeatedScans, AStopEndsItWithAnError) {
   const Plan plan = makePlan(readPipeline(pipeline(kShells), {}));
   const std::atomic<bool> stop = true;
-  RepeatabilityOptions options;
-  options.quiet = true;
-  options.stop = &stop;
-  EXPECT_THAT(messageOf<Error>([&] { measureRepeatability(plan, options); }), HasSubstr("stopped"));
+  EXPECT_THAT(messageOf<Error>([&] { measureRepeatability(plan, {.quiet = true, .stop = &stop}); }),
+              HasSubstr("stopped"));
 }
 
 TEST(BoxedThing, DistanceIsToTheNearestSideEdgeOrCorner) {
@@ -247,6 +246,30 @@ TEST(BoxedThing, DistanceIsToTheNearestSideEdgeOrCorner) {
   EXPECT_NEAR(thing.distance({10, 0, 7}), 1, 1e-12);
   EXPECT_NEAR(thing.distance({15, 5, 6}), 5, 1e-12);
   EXPECT_NEAR(thing.distance({15, 5, 8}), std::sqrt(29.0), 1e-12);
+}
+
+// Beams have two returns, one or none. The crop is as large as the scan: every return is compared.
+TEST_F(RepeatedScans, EveryReturnOfABeamIsCompared) {
+  const Repeatability result =
+      measure(withTwoReturns(readPipeline(pipeline("  scans: 3\n  object: slab\n  margin_m: 50\n  noise:\n"
+                                                   "    - {name: none, effects: []}\n"
+                                                   "    - {name: 1 cm, effects: [{range_noise: {sigma_m: 0.01}}]}\n"
+                                                   "    - {name: lossy, effects: [{dropout: {probability: 0.25}}]}\n"),
+                                          {}),
+                             "{near_m: 3, gap_m: 2}"));
+  EXPECT_EQ(result.methods, std::vector<std::string>{"two_returns near_m=3 gap_m=2"});
+  ASSERT_EQ(result.views.size(), 1u);
+  ASSERT_EQ(result.views[0].places.size(), 3u);
+  for (const RepeatedPlace& place : result.views[0].places) {
+    std::uint64_t returns = 0;
+    for (std::uint32_t beam = 0; beam < 21 * 21; ++beam) returns += returnsOfBeam(beam, place.frame);
+    EXPECT_EQ(place.points[0].least, returns);
+    EXPECT_EQ(place.points[1].mean, static_cast<double>(returns));
+    EXPECT_NEAR(place.points[2].mean, 0.75 * static_cast<double>(returns), 0.06 * static_cast<double>(returns));
+    EXPECT_EQ(result.at(place, 0, 0).unmoved.mean, 0);
+    // Of two noisy ranges, each with a deviation of 1 cm. Neighbours are farther away than that.
+    EXPECT_NEAR(result.at(place, 1, 1).unmoved.mean, 2e-4, 0.3e-4);
+  }
 }
 
 }  // namespace

@@ -55,12 +55,12 @@ output: {{formats: [pcd]}}
   }
 
   static Repeatability measure(const std::filesystem::path& file, const std::vector<std::string>& overrides = {}) {
-    Pipeline read = readPipeline(file, overrides);
+    return measure(readPipeline(file, overrides));
+  }
+  static Repeatability measure(Pipeline read) {
     const Channels channels = repeatabilityChannels(read);
     const Plan plan = makePlan(std::move(read), channels);
-    RepeatabilityOptions options;
-    options.quiet = true;
-    return measureRepeatability(plan, options);
+    return measureRepeatability(plan, {.quiet = true});
   }
 
   // Of kShells: measured once.

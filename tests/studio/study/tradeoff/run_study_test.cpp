@@ -122,8 +122,7 @@ TEST_F(RunStudy, EncodesWhatThePipelineWouldWrite) {
 }
 
 TEST_F(RunStudy, ABlindSensorIsRefused) {
-  StudyOptions quiet;
-  quiet.quiet = true;
+  const StudyOptions quiet{.quiet = true};
   const Plan plan =
       makePlan(readPipeline(withKey(three()), {"trajectories=[{name: sky, poses: [{position: [0, 0, 5000]}]}]"}));
   expectInputError([&] { runStudy(plan, quiet); }, {"study.yaml", "hits anything", "trajectory"});
@@ -164,15 +163,13 @@ TEST_F(RunStudy, NumbersOfThreadsDoNotMatter) {
 
 TEST_F(RunStudy, AStopEndsItWithoutAStudy) {
   const std::atomic<bool> stop = true;
-  StudyOptions options;
-  options.stop = &stop;
+  const StudyOptions options{.stop = &stop};
   const auto file = withKey(three());
   EXPECT_THAT(messageOf<Error>([&] { studied(file, options); }), HasSubstr("stopped"));
 }
 
 TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
-  StudyOptions options;
-  options.budgetSeconds = 1e-6;
+  const StudyOptions options{.budgetSeconds = 1e-6};
   const Study study =
       studied(withKey(fmt::format("{{settings: [ray_tracing, {}, {{ray_tracing: {{packet: 1}}}}], shots: 4, rings: [2, "
                                   "4, 8], repeats: 1}}",
@@ -190,8 +187,7 @@ TEST_F(RunStudy, WhatTheBudgetDoesNotHoldIsLeftOutAndSaid) {
 
 TEST_F(RunStudy, RingsAreTimedForTheFirstSettingOfEachMethod) {
   std::vector<std::uint32_t> shown;
-  StudyOptions options;
-  options.showScan = [&](const Scan& scan, const Ontology&) { shown.push_back(scan.rings); };
+  const StudyOptions options{.showScan = [&](const Scan& scan, const Ontology&) { shown.push_back(scan.rings); }};
   const Study study = studied(
       withKey(fmt::format("{{settings: [ray_tracing, {{ray_tracing: {{packet: 1}}}}, {0}, {1}], shots: 1, rings: [2, "
                           "8, 32], repeats: 1}}",

@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "study/tradeoff/study.h"
 #include "tests/studio/study/tradeoff/example_study.h"
+#include "tests/support/json_places.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
@@ -44,22 +45,6 @@ Study wholeStudy() {
 
 std::string refusalOf(const Json& json) {
   return messageOf<InputError>([&] { parseStudy(json.dump(), "t.json"); });
-}
-
-void addPlaces(const Json& value, const Json::json_pointer& place, std::vector<Json::json_pointer>& places) {
-  if (!value.is_structured()) return;
-  std::size_t i = 0;
-  for (const auto& entry : value.items()) {
-    const Json::json_pointer child = value.is_object() ? place / entry.key() : place / i++;
-    places.push_back(child);
-    addPlaces(entry.value(), child, places);
-  }
-}
-
-std::vector<Json::json_pointer> placesIn(const Json& json) {
-  std::vector<Json::json_pointer> places;
-  addPlaces(json, Json::json_pointer(), places);
-  return places;
 }
 
 // One of a kind is enough to damage.

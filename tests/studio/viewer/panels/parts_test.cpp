@@ -24,13 +24,7 @@ class Panels : public testing::Test {
     for (int i = 0; i < 2; ++i) toolkit_.frame(panels);
   }
   void event(CanvasEvent::Kind kind, int x, int y, double amount = 0) {
-    CanvasEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    event.button = 1;
-    event.amount = amount;
-    toolkit_.take(event);
+    toolkit_.take({.kind = kind, .x = x, .y = y, .button = 1, .amount = amount});
   }
   std::ptrdiff_t count(const Rgb& color, const PixelRect& rect = {0, 0, kWidth, kHeight}) const {
     std::ptrdiff_t found = 0;
@@ -44,10 +38,7 @@ class Panels : public testing::Test {
   }
 
   static Legend classes() {
-    Legend legend;
-    legend.title = "class";
-    legend.entries = {{"road", kRoad, 1, 123456}, {"car", kCar, 6, 789}, {"tree", kTree, 9, 0}};
-    return legend;
+    return {.title = "class", .entries = {{"road", kRoad, 1, 123456}, {"car", kCar, 6, 789}, {"tree", kTree, 9, 0}}};
   }
 
   static constexpr int kWidth = 500;
@@ -143,10 +134,7 @@ TEST_F(Panels, PicturesNameWhatThereIsRoomFor) {
 
 // From left to right the colours of the map, at its whole width.
 TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
-  Legend legend;
-  legend.title = "range (m)";
-  legend.scale = true;
-  legend.high = 50;
+  const Legend legend{.title = "range (m)", .scale = true, .high = 50};
   draw([&] { panelAt("panel", {0, 0, 400, 200}, true, [&] { scaleBar(legend, true); }); });
   int row = 0;
   while (row < 100 && !canvas_.isOverlay(200, row, canvas_.read().at(200, row))) ++row;
@@ -165,10 +153,7 @@ TEST_F(Panels, AScaleHasTheColoursOfTheMap) {
 }
 
 TEST_F(Panels, TheSliderGivesEveryFrame) {
-  FrameBar bar;
-  bar.frames = 12;
-  bar.key = "street-s1-lane-000012";
-  bar.damaged = {5};
+  FrameBar bar{.frames = 12, .key = "street-s1-lane-000012", .damaged = {5}};
   std::set<std::size_t> seen{0};
   const auto panel = [&] {
     const FrameBarUse use = frameBar({0, 260, kWidth, 40}, bar);

@@ -21,11 +21,10 @@ TEST(PanelRooms, FillTheCanvasAndLeaveABody) {
   for (int width = 1; width < 2000; width += 37) {
     for (int height = 1; height < 1200; height += 31) {
       for (int kinds = 0; kinds < 16; ++kinds) {
-        PanelNeeds needs;
-        needs.title = (kinds & 1) != 0;
-        needs.side = (kinds & 2) != 0;
-        needs.bar = (kinds & 4) != 0;
-        needs.stripHeight = (kinds & 8) != 0 ? stripHeight(64, width, height) : 0;
+        const PanelNeeds needs{.title = (kinds & 1) != 0,
+                               .side = (kinds & 2) != 0,
+                               .bar = (kinds & 4) != 0,
+                               .stripHeight = (kinds & 8) != 0 ? stripHeight(64, width, height) : 0};
         const PanelRooms rooms = roomsOf(width, height, needs);
         const PixelRect all[] = {rooms.title, rooms.side, rooms.strip, rooms.bar, rooms.body};
         long area = 0;

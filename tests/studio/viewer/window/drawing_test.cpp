@@ -115,8 +115,7 @@ TEST(Drawing, FollowsThePointerAsFastAsItDraws) {
 
 TEST(Drawing, GivesTheCanvasNewRectanglesAndCameras) {
   World world(kFew);
-  CanvasView view;
-  view.rect = {0, 0, 64, 48};
+  CanvasView view{.rect = {0, 0, 64, 48}};
   world.drawing.setViews({view});
   world.draw();
   view.background = {1, 2, 3};

@@ -34,18 +34,10 @@ class ImageViewer : public testing::Test {
   ImageList images() const { return openImages(file(), "", {}); }
 
   static bool key(ImageSession& session, const std::string& name) {
-    CanvasEvent event;
-    event.kind = CanvasEvent::Kind::Key;
-    event.key = name;
-    return session.handle(event);
+    return session.handle({.kind = CanvasEvent::Kind::Key, .key = name});
   }
   static void wheel(ImageSession& session, double amount, int x, int y) {
-    CanvasEvent event;
-    event.kind = CanvasEvent::Kind::Wheel;
-    event.amount = amount;
-    event.x = x;
-    event.y = y;
-    session.handle(event);
+    session.handle({.kind = CanvasEvent::Kind::Wheel, .x = x, .y = y, .amount = amount});
   }
   static std::string value(const ImageSession& session, int x, int y, const std::string& name) {
     const auto rows = session.pick(x, y);
@@ -82,12 +74,7 @@ TEST_F(ImageViewer, StepsThroughPlanesInARing) {
 TEST_F(ImageViewer, ValuesAreThoseOfThePixel) {
   ImageSession session(images(), canvas_, "semantic", false);
   for (const double zoom : {0.0, 3.0}) {
-    CanvasEvent wheel;
-    wheel.kind = CanvasEvent::Kind::Wheel;
-    wheel.amount = zoom;
-    wheel.x = 320;
-    wheel.y = 240;
-    session.handle(wheel);
+    session.handle({.kind = CanvasEvent::Kind::Wheel, .x = 320, .y = 240, .amount = zoom});
     session.settle();
     std::set<std::string> seen;
     for (int y = 0; y < 480; y += 3) {
@@ -187,12 +174,11 @@ TEST_F(ImageViewer, NothingStopsIt) {
   const char* const keys[] = {"Right", "Left", "Home", "h", "[", "x", "Tab", "k", "Escape", "Down"};
   ImageSession session(images(), canvas_, "", false);
   for (int i = 0; i < 2000; ++i) {
-    CanvasEvent event;
-    event.kind = static_cast<CanvasEvent::Kind>(random() % 8);
-    event.key = keys[random() % std::size(keys)];
-    event.x = static_cast<int>(random() % 900) - 100;
-    event.y = static_cast<int>(random() % 700) - 100;
-    event.amount = static_cast<double>(random() % 7) - 3;
+    const CanvasEvent event{.kind = static_cast<CanvasEvent::Kind>(random() % 8),
+                            .key = keys[random() % std::size(keys)],
+                            .x = static_cast<int>(random() % 900) - 100,
+                            .y = static_cast<int>(random() % 700) - 100,
+                            .amount = static_cast<double>(random() % 7) - 3};
     if (event.kind == CanvasEvent::Kind::Resize) {
       canvas_.resize(64 + static_cast<int>(random() % 500), 64 + static_cast<int>(random() % 500));
     }

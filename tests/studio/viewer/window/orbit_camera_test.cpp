@@ -14,13 +14,11 @@ constexpr std::pair<int, int> kSizes[] = {{1600, 900}, {640, 640}, {300, 900}, {
 
 OrbitCamera randomCamera(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
-  OrbitCamera camera;
-  camera.target = {50 * unit(random), 50 * unit(random), 5 * unit(random)};
-  camera.yaw = kPi * unit(random);
-  camera.pitch = kPi / 2 * unit(random);
-  camera.distance = std::pow(10, 1 + unit(random));
-  camera.orthographic = unit(random) > 0.3;
-  return camera;
+  return {.target = {50 * unit(random), 50 * unit(random), 5 * unit(random)},
+          .yaw = kPi * unit(random),
+          .pitch = kPi / 2 * unit(random),
+          .distance = std::pow(10, 1 + unit(random)),
+          .orthographic = unit(random) > 0.3};
 }
 
 TEST(OrbitCamera, PresetsAreThoseOfPictures) {

@@ -33,12 +33,10 @@ Cloud randomCloud(std::mt19937& random, std::size_t count) {
 
 OrbitCamera randomView(std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
-  OrbitCamera camera;
-  camera.yaw = kPi * unit(random);
-  camera.pitch = unit(random);
-  camera.distance = 15 + 10 * unit(random);
-  camera.orthographic = unit(random) > 0.5;
-  return camera;
+  return {.yaw = kPi * unit(random),
+          .pitch = unit(random),
+          .distance = 15 + 10 * unit(random),
+          .orthographic = unit(random) > 0.5};
 }
 
 // A visible point's own pixel gives it, or a nearer one whose square covers that pixel too.

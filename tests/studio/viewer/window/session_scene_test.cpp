@@ -30,10 +30,7 @@ class SceneViewer : public testing::Test {
     return session;
   }
   static void key(ViewSession& session, const std::string& name) {
-    CanvasEvent event;
-    event.kind = CanvasEvent::Kind::Key;
-    event.key = name;
-    session.handle(event);
+    session.handle({.kind = CanvasEvent::Kind::Key, .key = name});
   }
   std::vector<Rgb> colors() const { return canvas_.items.at(kMeshItem).colors; }
 
@@ -209,9 +206,7 @@ TEST_F(SceneViewer, SaysWhatMeansNothing) {
 TEST(SessionHelp, IsPagedByTheWheel) {
   SessionWorld world(1);
   world.canvas.resize(400, 300);
-  CanvasEvent resize;
-  resize.kind = CanvasEvent::Kind::Resize;
-  world.send(resize);
+  world.send({.kind = CanvasEvent::Kind::Resize});
   const OrbitCamera before = world.session->camera();
   world.key("h");
   const auto first = world.canvas.overlay();

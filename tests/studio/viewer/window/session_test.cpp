@@ -225,9 +225,7 @@ TEST(ViewSession, EscapeClosesWhatIsOpenAndNeverTheViewer) {
   EXPECT_TRUE(world.key("Escape"));  // the pin
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(world.key("Escape"));
   EXPECT_FALSE(world.key("q"));
-  CanvasEvent close;
-  close.kind = Kind::Close;
-  EXPECT_FALSE(world.send(close));
+  EXPECT_FALSE(world.send({.kind = Kind::Close}));
 }
 
 // A scene that cannot be read is said; nothing else changes.

@@ -28,24 +28,20 @@ struct SessionWorld {
 
   bool send(CanvasEvent event) { return session->handle(event); }
   bool key(const std::string& name, bool shift = false) {
-    CanvasEvent event;
-    event.kind = CanvasEvent::Kind::Key;
-    event.key = name;
-    event.text = name.size() == 1 ? name : "";
-    event.shift = shift;
+    const CanvasEvent event{
+        .kind = CanvasEvent::Kind::Key, .key = name, .text = name.size() == 1 ? name : "", .shift = shift};
     return send(event);
   }
   void type(const std::string& text) {
     for (const char c : text) key(std::string(1, c));
   }
   bool pointer(CanvasEvent::Kind kind, int x, int y, int button = 1, bool shift = false, int clicks = 1) {
-    CanvasEvent event;
-    event.kind = kind;
-    event.x = x;
-    event.y = y;
-    event.button = kind == CanvasEvent::Kind::Move ? 0 : button;
-    event.shift = shift;
-    event.clicks = clicks;
+    const CanvasEvent event{.kind = kind,
+                            .x = x,
+                            .y = y,
+                            .button = kind == CanvasEvent::Kind::Move ? 0 : button,
+                            .clicks = clicks,
+                            .shift = shift};
     return send(event);
   }
   void click(int x, int y, bool shift = false) {
@@ -60,11 +56,8 @@ struct SessionWorld {
     pointer(CanvasEvent::Kind::Up, x + right, y + down, button, shift);
   }
   void wheel(double amount) {
-    CanvasEvent event;
-    event.kind = CanvasEvent::Kind::Wheel;
-    event.x = canvas.width() / 2;
-    event.y = canvas.height() / 2;
-    event.amount = amount;
+    const CanvasEvent event{
+        .kind = CanvasEvent::Kind::Wheel, .x = canvas.width() / 2, .y = canvas.height() / 2, .amount = amount};
     send(event);
   }
   bool tick() { return send({}); }
