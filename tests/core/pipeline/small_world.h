@@ -88,12 +88,8 @@ class Yard : public testing::Test {
 
   GenerateSummary run(const std::vector<std::string>& overrides = {}, const std::string& name = "out",
                       bool overwrite = false, const std::atomic<bool>* stop = nullptr) const {
-    GenerateOptions options;
-    options.folder = out(name);
-    options.overwrite = overwrite;
-    options.quiet = true;
-    options.stop = stop;
-    return generate(makePlan(readPipeline(pipeline_, overrides)), options);
+    return generate(makePlan(readPipeline(pipeline_, overrides)),
+                    {.folder = out(name), .overwrite = overwrite, .quiet = true, .stop = stop});
   }
 
   // Every dataset that these tests make must be sound.

@@ -146,19 +146,14 @@ TEST_F(FootprintRun, LooksThroughGlass) {
 
 // A recording of hits holds one ray a beam: sensors' own effects stay usable, and the plan says what is left out.
 TEST_F(FootprintRun, IsLeftOutOfRecordings) {
-  GenerateOptions options;
-  options.folder = out("kept");
-  options.keepHits = out("hits");
-  options.quiet = true;
-  generate(makePlan(readPipeline(pipeline_, with("[intensity]"))), options);
+  generate(makePlan(readPipeline(pipeline_, with("[intensity]"))),
+           {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
   const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   const Plan plan =
       makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recording));
   EXPECT_THAT(modelled(plan, {}), testing::Contains("effect footprint: left out: a recording holds one ray per beam"));
   EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
-  GenerateOptions again;
-  again.folder = out("again");
-  again.quiet = true;
+  const GenerateOptions again{.folder = out("again"), .quiet = true};
   generate(plan, again);
   EXPECT_EQ(scans(".pcd", "again").size(), scans(".pcd", "kept").size());
   EXPECT_EQ(scans(".pcd", "again")[0].position, scans(".pcd", "kept")[0].position);

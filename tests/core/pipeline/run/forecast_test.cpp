@@ -81,10 +81,7 @@ TEST_F(ForecastTest, SaysTheSizeOfADataset) {
 }
 
 TEST_F(ForecastTest, OfARecordingIsThatOfItsOwnSamples) {
-  GenerateOptions options;
-  options.folder = out("first");
-  options.keepHits = out("hits");
-  options.quiet = true;
+  GenerateOptions options{.folder = out("first"), .keepHits = out("hits"), .quiet = true};
   generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()), options);
   const auto reread = [&](const std::vector<std::string>& more) {
     return readPipeline(pipeline_, more,

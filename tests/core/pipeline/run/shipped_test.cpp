@@ -18,9 +18,7 @@ namespace {
 Manifest generateLabelled(const std::string& pipeline, const std::vector<std::string>& overrides,
                           std::size_t leastClasses) {
   const TemporaryFolder folder;
-  GenerateOptions options;
-  options.folder = folder.path() / "out";
-  options.quiet = true;
+  const GenerateOptions options{.folder = folder.path() / "out", .quiet = true};
   const Plan plan =
       makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
   const GenerateSummary summary = generate(plan, options);
@@ -47,9 +45,7 @@ TEST(Shipped, Street) {
 // As a real sensor sees it, whatever it takes for a return. What comes from nothing has no class.
 TEST(Shipped, Quickstart) {
   const TemporaryFolder folder;
-  GenerateOptions options;
-  options.folder = folder.path() / "out";
-  options.quiet = true;
+  const GenerateOptions options{.folder = folder.path() / "out", .quiet = true};
   const Plan plan = makePlan(
       readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/quickstart.yaml",
                    {"scenes.0.seeds=[1, 3]", "splits=", "trajectories.0.frames=2", "trajectories.1.frames=1"}));
@@ -123,11 +119,9 @@ std::map<std::string, std::string> shardsOf(const std::string& pipeline, std::ve
   overrides.emplace_back("output.shard_samples=1000");
   const Plan plan =
       makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
-  GenerateOptions options;
-  options.folder = folder.path() / "out";
-  options.quiet = true;
   std::map<std::string, std::string> hashes;
-  for (const ShardRecord& shard : generate(plan, options).manifest.shards) hashes[shard.file] = shard.sha256;
+  for (const ShardRecord& shard : generate(plan, {.folder = folder.path() / "out", .quiet = true}).manifest.shards)
+    hashes[shard.file] = shard.sha256;
   return hashes;
 }
 
