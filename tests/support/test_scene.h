@@ -52,6 +52,22 @@ inline Affine at(double x, double y, double z) {
   return {{}, {x, y, z}};
 }
 
+// A scene of one mesh of a class, to which fill(mesh) appends the triangles.
+template <class Fill>
+Scene oneMeshScene(const char* className, const Fill& fill, const Affine& place = {}) {
+  SceneBuilder builder = testBuilder();
+  Mesh mesh = meshOf(builder, className);
+  fill(mesh);
+  builder.place(builder.addMesh(std::move(mesh)), place, className);
+  return builder.finish();
+}
+
+// A flat ground of `size` x `size` metres, cut into `cells` x `cells` squares.
+inline Scene flatGround(const Vec3d& middle, double size, std::uint32_t cells) {
+  const auto fill = [&](Mesh& ground) { appendPlane(ground, 0, {}, size, size, cells); };
+  return oneMeshScene("ground", fill, {{}, middle});
+}
+
 // A beam table with given directions, as one ring.
 inline std::shared_ptr<BeamTable> beamsOf(const std::vector<Vec3d>& directions, double minRange = 0,
                                           double maxRange = 1000) {

@@ -56,24 +56,22 @@ Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25)
 
 // A room with furniture whose triangles are large and small, and a loose sheet.
 Scene furnished() {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendBox(mesh, 0, {}, {24, 16, 8});
-  appendSphere(mesh, 0, at(3, 2, -1), 1.5, 24);
-  appendBox(mesh, 0, at(-4, -2, 0), {0.04, 0.04, 5});
-  appendCylinder(mesh, 0, at(5, -4, 1), 0.6, 0, 2, 16);
-  appendQuad(mesh, 0, {-6, 3, -2}, {-5, 5, -2}, {-5, 5, 2}, {-6, 3, 2});
-  builder.place(builder.addMesh(mesh), {toMatrix(fromYawPitchRoll(0.3, 0.1, -0.2)), {0.1, 0.2, 0.05}}, "room");
-  return builder.finish();
+  const auto fill = [](Mesh& mesh) {
+    appendBox(mesh, 0, {}, {24, 16, 8});
+    appendSphere(mesh, 0, at(3, 2, -1), 1.5, 24);
+    appendBox(mesh, 0, at(-4, -2, 0), {0.04, 0.04, 5});
+    appendCylinder(mesh, 0, at(5, -4, 1), 0.6, 0, 2, 16);
+    appendQuad(mesh, 0, {-6, 3, -2}, {-5, 5, -2}, {-5, 5, 2}, {-6, 3, 2});
+  };
+  return oneMeshScene("thing", fill, {toMatrix(fromYawPitchRoll(0.3, 0.1, -0.2)), {0.1, 0.2, 0.05}});
 }
 
 Scene openGround() {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "ground");
-  appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
-  appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
-  builder.place(builder.addMesh(mesh), {}, "ground");
-  return builder.finish();
+  const auto fill = [](Mesh& mesh) {
+    appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
+    appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
+  };
+  return oneMeshScene("ground", fill);
 }
 
 Scene nothing() {
