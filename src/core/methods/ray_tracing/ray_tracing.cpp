@@ -10,10 +10,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "base/parallel.h"
-#include "methods/ray_tracing/options.h"
+#include "config/fields.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"
@@ -25,6 +26,36 @@ namespace {
 
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // measured: the scene's own mesh
+
+// The map `ray_tracing: {...}` of a pipeline. All options except `simplify` give the same hits, up to float32 rounding.
+struct RayTracingOptions {
+  int packet = 16;      // rays per Embree call: 16, or 1 as the reference for tests
+  int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0: chosen by the angles between beams
+  bool robust = true;   // watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  HierarchyQuality quality = HierarchyQuality::Medium;
+  Instancing instancing = Instancing::Auto;
+  double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all
+};
+
+RayTracingOptions readRayTracingOptions(Fields& fields) {
+  RayTracingOptions options;
+  const std::string packet = fields.choice("packet", {"16", "1"}, "16");
+  options.packet = packet == "1" ? 1 : 16;
+  const std::string tile = fields.choice("tile_columns", {"auto", "1", "2", "4", "8", "16"}, "auto");
+  options.tileColumns = tile == "auto" ? 0 : std::stoi(tile);
+  options.robust = fields.boolean("robust", true);
+  const std::string quality = fields.choice("bvh", {"low", "medium", "high"}, "medium");
+  options.quality = quality == "low"    ? HierarchyQuality::Low
+                    : quality == "high" ? HierarchyQuality::High
+                                        : HierarchyQuality::Medium;
+  const std::string instancing = fields.choice("instancing", {"auto", "always", "never"}, "auto");
+  options.instancing = instancing == "always"  ? Instancing::Always
+                       : instancing == "never" ? Instancing::Never
+                                               : Instancing::Auto;
+  options.simplify = fields.number("simplify", {0.01, 1}, 1);
+  fields.finish();
+  return options;
+}
 
 // Returns the number of columns for which a packet's tile is as square as possible in angle, because packets trace
 // fastest when their beams are close together.

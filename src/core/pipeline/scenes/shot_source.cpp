@@ -6,14 +6,38 @@
 #include <utility>
 
 #include "pipeline/scenes/drawn_settings.h"
-#include "pipeline/scenes/drive.h"
 #include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/random_way.h"
 #include "pipeline/scenes/recorded_method.h"
+#include "pipeline/scenes/scene_ground.h"
 #include "pipeline/scenes/scene_shares.h"
 #include "scene/without.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {
+
+namespace {
+
+// True if the trajectory's poses can only be computed when its scene is loaded.
+bool needsScene(const Trajectory& trajectory) {
+  return trajectory.randomWay() != nullptr || trajectory.ground() != nullptr;
+}
+
+// Returns the trajectory with its random path, and with its poses moved onto the ground, as far as the trajectory asks
+// for these. Both are found in the scene of `probe`. `seed`: determines the random path. Throws InputError if the scene
+// has no suitable path or ground.
+Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
+  Trajectory driven = trajectory;
+  if (const RandomWay* random = trajectory.randomWay()) {
+    driven = driven.along(findRandomWay(probe, *random, seed, trajectory.name()));
+  }
+  if (const GroundOptions* ground = trajectory.ground()) {
+    driven = driven.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));
+  }
+  return driven;
+}
+
+}  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
   if (choice.entry == nullptr) throw Error("`method: auto`: no method has been chosen yet");
