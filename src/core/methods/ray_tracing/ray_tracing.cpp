@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "config/fields.h"
+#include "config/named_choice.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"
@@ -37,21 +37,21 @@ struct RayTracingOptions {
   double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all
 };
 
+constexpr std::pair<const char*, int> kPackets[] = {{"16", 16}, {"1", 1}};
+constexpr std::pair<const char*, int> kTileColumns[] = {{"auto", 0}, {"1", 1}, {"2", 2},
+                                                        {"4", 4},    {"8", 8}, {"16", 16}};
+constexpr std::pair<const char*, HierarchyQuality> kQualities[] = {
+    {"low", HierarchyQuality::Low}, {"medium", HierarchyQuality::Medium}, {"high", HierarchyQuality::High}};
+constexpr std::pair<const char*, Instancing> kInstancings[] = {
+    {"auto", Instancing::Auto}, {"always", Instancing::Always}, {"never", Instancing::Never}};
+
 RayTracingOptions readRayTracingOptions(Fields& fields) {
   RayTracingOptions options;
-  const std::string packet = fields.choice("packet", {"16", "1"}, "16");
-  options.packet = packet == "1" ? 1 : 16;
-  const std::string tile = fields.choice("tile_columns", {"auto", "1", "2", "4", "8", "16"}, "auto");
-  options.tileColumns = tile == "auto" ? 0 : std::stoi(tile);
+  options.packet = namedChoice(fields, "packet", kPackets, options.packet).second;
+  options.tileColumns = namedChoice(fields, "tile_columns", kTileColumns, options.tileColumns).second;
   options.robust = fields.boolean("robust", true);
-  const std::string quality = fields.choice("bvh", {"low", "medium", "high"}, "medium");
-  options.quality = quality == "low"    ? HierarchyQuality::Low
-                    : quality == "high" ? HierarchyQuality::High
-                                        : HierarchyQuality::Medium;
-  const std::string instancing = fields.choice("instancing", {"auto", "always", "never"}, "auto");
-  options.instancing = instancing == "always"  ? Instancing::Always
-                       : instancing == "never" ? Instancing::Never
-                                               : Instancing::Auto;
+  options.quality = namedChoice(fields, "bvh", kQualities, options.quality).second;
+  options.instancing = namedChoice(fields, "instancing", kInstancings, options.instancing).second;
   options.simplify = fields.number("simplify", {0.01, 1}, 1);
   fields.finish();
   return options;
