@@ -1,4 +1,4 @@
-#include "pipeline/checks/heading_warnings.h"
+#include "pipeline/checks/warnings.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
