@@ -55,10 +55,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 ShotSource::ShotSource(const Plan& plan)
     : plan_(plan), pipeline_(plan.pipeline), drawn_(std::make_unique<DrawnSettings>()) {
   if (!pipeline_.vehicle.empty()) {
-    SceneOptions options;
-    options.ontology = pipeline_.ontology;
-    options.wavelengthNm = pipeline_.wavelengthNm;
-    vehicle_ = std::make_shared<const Scene>(readScene(pipeline_.vehicle, options));
+    vehicle_ = std::make_shared<const Scene>(
+        readScene(pipeline_.vehicle, {.ontology = pipeline_.ontology, .wavelengthNm = pipeline_.wavelengthNm}));
   }
   std::vector<Pose> mounts;
   for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
@@ -112,12 +110,10 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
 Scene ShotSource::load(std::size_t sequence) {
   if (pipeline_.recording != nullptr) return recordedScene(sequence);
   const Sequence& own = pipeline_.sequences[sequence];
-  SceneOptions options;
-  options.seed = own.sceneSeed;
-  options.ontology = pipeline_.ontology;
-  options.wavelengthNm = pipeline_.wavelengthNm;
-  options.textures = plan_.channels.has(Channel::Reflectance);
-  Scene scene = readSceneToShares(own.sceneFile, options);
+  Scene scene = readSceneToShares(own.sceneFile, {.seed = own.sceneSeed,
+                                                  .ontology = pipeline_.ontology,
+                                                  .wavelengthNm = pipeline_.wavelengthNm,
+                                                  .textures = plan_.channels.has(Channel::Reflectance)});
   if (!own.moving) standStill(scene, 0);
   findDrives(own, scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);
