@@ -96,8 +96,7 @@ TEST_F(Drawn, RecordedHitsHaveDrawnEffects) {
   generate(makePlan(readPipeline(pipeline_, {kSeeds, lit})),
            {.folder = out("traced"), .keepHits = out("hits"), .quiet = true});
   const auto fromHits = [&](const std::vector<std::string>& overrides, const std::string& name) {
-    generate(makePlan(readPipeline(pipeline_, overrides,
-                                   std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)))),
+    generate(makePlan(readPipeline(pipeline_, overrides, recordingIn(out("hits")))),
              {.folder = out(name), .quiet = true});
   };
   fromHits({kSeeds, lit}, "sensed");

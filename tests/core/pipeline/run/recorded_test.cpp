@@ -36,8 +36,8 @@ class RecordedTest : public Yard {
 
   void remake(const std::vector<std::string>& overrides, const std::string& name, const fs::path& recording,
               RecordingKind kind = RecordingKind::Hits) const {
-    const auto read = std::make_shared<const Recording>(readRecording(recording, kind));
-    generate(makePlan(readPipeline(pipeline_, overrides, read)), {.folder = out(name), .quiet = true});
+    generate(makePlan(readPipeline(pipeline_, overrides, recordingIn(recording, kind))),
+             {.folder = out(name), .quiet = true});
     EXPECT_THAT(verifyDataset(out(name)).problems, IsEmpty());
   }
 };
@@ -94,8 +94,7 @@ TEST_F(RecordedTest, TheMethodOfAPipelineIsNotNeeded) {
   erase("scenes:", "sensors:");
   erase("method:", "output:");
   const fs::path bare = folder_.write("bare.yaml", text);
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  generate(makePlan(readPipeline(bare, {}, recording)), {.folder = out("bare"), .quiet = true});
+  generate(makePlan(readPipeline(bare, {}, recordingIn(out("hits")))), {.folder = out("bare"), .quiet = true});
   EXPECT_TRUE(shards("kept") == shards("bare"));
 }
 
@@ -118,10 +117,9 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   EXPECT_FALSE(fs::exists(out("second") / "manifest.json"));
   expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
   EXPECT_FALSE(fs::exists(out("passes"))) << "nothing is begun";
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   expectInputError(
       [&] {
-        generate(makePlan(readPipeline(pipeline_, {}, recording)),
+        generate(makePlan(readPipeline(pipeline_, {}, recordingIn(out("hits")))),
                  {.folder = out("fourth"), .keepPasses = out("passes")});
       },
       {"made from the hits in", "no passes are drawn"});
@@ -141,9 +139,9 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
   std::string text = kYardPipeline;  // without a mount: the recording's
   text.erase(text.find("    mount:"), text.find("method:") - text.find("    mount:"));
   const fs::path bare = folder_.write("bare.yaml", text);
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
   const Manifest manifest =
-      generate(makePlan(readPipeline(bare, {}, recording)), {.folder = out("bare"), .quiet = true}).manifest;
+      generate(makePlan(readPipeline(bare, {}, recordingIn(out("hits")))), {.folder = out("bare"), .quiet = true})
+          .manifest;
   EXPECT_EQ(manifest.sensors.front().vehicleFromSensor.translation.z, 1.8);
   EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as in the recording"));
 }

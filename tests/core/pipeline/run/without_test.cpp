@@ -105,7 +105,7 @@ TEST_F(WithoutRun, KeptHitsAreOfWhatTheSceneWas) {
   const auto kept = [&](const std::string& without, const std::string& hits) {
     generate(makePlan(readPipeline(pipeline_, {"scenes.0.without=" + without})),
              {.folder = out("of" + hits), .keepHits = out(hits), .quiet = true});
-    return std::make_shared<const Recording>(readRecording(out(hits), RecordingKind::Hits));
+    return recordingIn(out(hits));
   };
   const auto all = kept("[]", "all"), rest = kept("[car]", "rest");
   EXPECT_EQ(rest->sequences[0].without, (std::vector<std::string>{"car"}));
