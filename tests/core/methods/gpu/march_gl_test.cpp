@@ -80,41 +80,9 @@ Scene nothing() {
   return scene;
 }
 
-void setParticle(const DistanceField& field, Particles& particles, std::size_t i, const Vec3d& origin,
-                 const Vec3d& direction, double begin) {
-  const Box box = marchBox(field.shape);
-  const double voxel = field.shape.voxel;
-  const Vec3d start = (origin - field.shape.centre) * (1 / voxel);
-  const auto wayOut = [](double low, double high, double from, double along) {
-    return along == 0 ? 1e9 : ((along > 0 ? high : low) - from) / along;
-  };
-  const double end = std::min({wayOut(box.low.x, box.high.x, origin.x, direction.x),
-                               wayOut(box.low.y, box.high.y, origin.y, direction.y),
-                               wayOut(box.low.z, box.high.z, origin.z, direction.z)}) /
-                     voxel;
-  const auto put = [&](std::vector<float>& column, double value) { column[i] = static_cast<float>(value); };
-  put(particles.ox, start.x);
-  put(particles.oy, start.y);
-  put(particles.oz, start.z);
-  put(particles.dx, direction.x);
-  put(particles.dy, direction.y);
-  put(particles.dz, direction.z);
-  put(particles.begin, begin);
-  put(particles.end, end);
-  if (!field.shape.lists) return;
-  const auto inverse = [](double component) { return 1 / (std::abs(component) < 1e-12 ? 1e-12 : component); };
-  put(particles.wx, origin.x);
-  put(particles.wy, origin.y);
-  put(particles.wz, origin.z);
-  put(particles.ix, inverse(direction.x));
-  put(particles.iy, inverse(direction.y));
-  put(particles.iz, inverse(direction.z));
-}
-
 // From all over the field, in all directions; every ninth along an axis, some that have no way to go.
 Particles particlesIn(const DistanceField& field, std::size_t count, std::uint32_t stream = 0) {
   Particles particles;
-  particles.resize(count, field.shape.lists);
   const Box box = marchBox(field.shape);
   for (std::size_t i = 0; i < count; ++i) {
     const auto beam = static_cast<std::uint32_t>(i);
@@ -135,7 +103,7 @@ Particles particlesIn(const DistanceField& field, std::size_t count, std::uint32
       const Vec3d axes[] = {{turn, 0, 0}, {0, turn, 0}, {0, 0, turn}};
       direction = axes[d[3] % 3];
     }
-    setParticle(field, particles, i, origin, direction, i % 5 == 0 ? 4 * uniform(p[3]) : 0);
+    addParticle(field, origin, direction, i % 5 == 0 ? 4 * uniform(p[3]) * field.shape.voxel : 0, INFINITY, particles);
     if (i % 31 == 0) particles.end[i] = particles.begin[i];
     if (i % 37 == 0) particles.end[i] = -1;
   }
@@ -333,8 +301,7 @@ TEST(GlMarcher, NoParticlesAndOne) {
   EXPECT_EQ(marcher.march(place.field, place.world, kUsual, particlesIn(*place.field, 0)).size(), 0u);
   EXPECT_EQ(flown(marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
   Particles one;
-  one.resize(1, true);
-  setParticle(*place.field, one, 0, {0, 0, 0}, {0, 0, -1}, 0);
+  addParticle(*place.field, {0, 0, 0}, {0, 0, -1}, 0, INFINITY, one);
   EXPECT_EQ(flown(marcher, place, kUsual, one).hits, 1u);
 }
 
