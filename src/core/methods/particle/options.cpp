@@ -39,11 +39,6 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   return voxels;
 }
 
-// Returns the largest number of levels of the field.
-std::uint32_t mostLevels(const ParticleOptions& options) {
-  return options.levels == 0 ? kMaxLevels : options.levels;
-}
-
 // Returns the distance from the sensor (m) up to which `level` and finer levels are used, in all directions. The sensor
 // is up to half a brick of level 0 away from the field's centre along each axis.
 double servedRange(const ParticleOptions& options, std::uint32_t level) {
@@ -101,7 +96,8 @@ std::string memoryText(double bytes) {
 double smallestSeen(const ParticleOptions& options, double range) {
   const bool all = options.refine == Refine::ByTriangle;
   if (options.extent == Extent::Scene) return all ? 0 : kSmallestBall * options.voxel;
-  for (std::uint32_t level = 0; level < mostLevels(options); ++level) {
+  const std::uint32_t most = options.levels == 0 ? kMaxLevels : options.levels;
+  for (std::uint32_t level = 0; level < most; ++level) {
     if (servedRange(options, level) < range) continue;
     return all ? 0 : kSmallestBall * std::ldexp(options.voxel, static_cast<int>(level));
   }
