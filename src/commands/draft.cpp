@@ -10,9 +10,9 @@
 #include <set>
 
 #include "assets/asset_files.h"
-#include "base/extent_text.h"
 #include "base/file.h"
 #include "base/grouped.h"
+#include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"

@@ -10,7 +10,6 @@
 #include "base/short_text.h"
 #include "base/terminal.h"
 #include "commands/table.h"
-#include "pipeline/checks/heading_warnings.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/checks/way_warnings.h"
 #include "pipeline/scenes/scene_shares.h"

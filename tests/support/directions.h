@@ -22,4 +22,19 @@ inline std::vector<Vec3d> randomDirections(std::size_t count, std::uint32_t stre
   return directions;
 }
 
+constexpr std::size_t kFanWidth = 40;
+
+// Downward directions at these angles to the vertical (deg): kFanWidth directions all around for each angle.
+inline std::vector<Vec3d> fan(const std::vector<double>& incidences) {
+  std::vector<Vec3d> directions;
+  for (const double incidence : incidences) {
+    for (std::size_t k = 0; k < kFanWidth; ++k) {
+      const double azimuth = 0.1 + 2 * kPi * static_cast<double>(k) / kFanWidth;
+      const double i = radians(incidence);
+      directions.push_back({std::sin(i) * std::cos(azimuth), std::sin(i) * std::sin(azimuth), -std::cos(i)});
+    }
+  }
+  return directions;
+}
+
 }  // namespace scanmill

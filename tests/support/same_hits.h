@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/parallel.h"
 #include "scan/hits.h"
 
 namespace scanmill {
@@ -39,6 +40,18 @@ inline void expectSameHits(const Hits& a, const Hits& b) {
   EXPECT_EQ(bitsOf(a.metallic), bitsOf(b.metallic));
   EXPECT_EQ(bitsOf(a.retroreflectance), bitsOf(b.retroreflectance));
   EXPECT_EQ(a.unresolved, b.unresolved);
+}
+
+// Expects trace() to return the same hits on one, two and eight threads.
+template <class Trace>
+void expectSameOnAnyThreads(const Trace& trace) {
+  std::vector<Hits> results;
+  for (const int threads : {1, 2, 8}) {
+    const ThreadLimit limit(threads);
+    results.push_back(trace());
+  }
+  expectSameHits(results[1], results[0]);
+  expectSameHits(results[2], results[0]);
 }
 
 }  // namespace scanmill

@@ -52,13 +52,20 @@ inline Affine at(double x, double y, double z) {
   return {{}, {x, y, z}};
 }
 
-// Nothing but level ground of 4 km at the height z.
-inline Scene groundAt(double z) {
+// A scene of one mesh of a class, to which fill(mesh) appends the triangles.
+template <class Fill>
+Scene oneMeshScene(const char* className, const Fill& fill, const Affine& place = {}) {
   SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 4000, 4000);
-  builder.place(builder.addMesh(ground), at(0, 0, z), "ground");
+  Mesh mesh = meshOf(builder, className);
+  fill(mesh);
+  builder.place(builder.addMesh(std::move(mesh)), place, className);
   return builder.finish();
+}
+
+// A flat ground of `size` x `size` metres, cut into `cells` x `cells` squares.
+inline Scene flatGround(const Vec3d& middle, double size, std::uint32_t cells) {
+  const auto fill = [&](Mesh& ground) { appendPlane(ground, 0, {}, size, size, cells); };
+  return oneMeshScene("ground", fill, {{}, middle});
 }
 
 // A beam table with given directions, as one ring.

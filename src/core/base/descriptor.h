@@ -1,13 +1,25 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <utility>
+
 namespace scanmill {
 
-// Owns a file descriptor and closes it. `number` is negative if opening the file failed.
+// Owns a file descriptor and closes it. `number` is negative if opening the file failed, and after close().
 struct [[nodiscard]] Descriptor {
-  explicit Descriptor(int opened) : number(opened) {}
-  ~Descriptor();
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  explicit Descriptor(int opened = -1) : number(opened) {}
+  ~Descriptor() { close(); }
+  Descriptor(Descriptor&& other) noexcept : number(std::exchange(other.number, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number, other.number);
+    return *this;
+  }
+  bool open() const { return number >= 0; }
+  void close() {
+    if (open()) ::close(number);
+    number = -1;
+  }
   int number;
 };
 

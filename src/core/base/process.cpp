@@ -19,6 +19,8 @@
 #include <list>
 #include <utility>
 
+#include "base/descriptor.h"
+
 namespace scanmill {
 
 namespace {
@@ -44,26 +46,6 @@ class Deadline {
   Clock::time_point end_;
 };
 
-class Descriptor {
- public:
-  explicit Descriptor(int number = -1) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  operator int() const { return number_; }  // NOLINT: a number, as system calls want it
-  bool open() const { return number_ >= 0; }
-  void close() {
-    if (open()) ::close(number_);
-    number_ = -1;
-  }
-
- private:
-  int number_;
-};
-
 struct Pipe {
   Descriptor ours;
   Descriptor theirs;
@@ -83,7 +65,7 @@ Pipe makePipe() {
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw Error("no pipe: " + reason(errno));
   Pipe pipe{lifted(ends[0]), lifted(ends[1])};
-  ::fcntl(pipe.ours, F_SETFL, O_NONBLOCK);
+  ::fcntl(pipe.ours.number, F_SETFL, O_NONBLOCK);
   return pipe;
 }
 
@@ -93,7 +75,7 @@ Pipe makeSocket() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) throw Error("no pipe: " + reason(errno));
   Pipe pipe{lifted(ends[0]), lifted(ends[1])};
-  ::shutdown(pipe.theirs, SHUT_WR);
+  ::shutdown(pipe.theirs.number, SHUT_WR);
   return pipe;
 }
 
@@ -177,9 +159,9 @@ struct Process::State {
     Pipe out = makePipe();
     Pipe err = makePipe();
     SpawnActions actions;
-    ::posix_spawn_file_actions_adddup2(&actions.files, in.theirs, STDIN_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions.files, out.theirs, STDOUT_FILENO);
-    ::posix_spawn_file_actions_adddup2(&actions.files, err.theirs, STDERR_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions.files, in.theirs.number, STDIN_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions.files, out.theirs.number, STDOUT_FILENO);
+    ::posix_spawn_file_actions_adddup2(&actions.files, err.theirs.number, STDERR_FILENO);
     ::posix_spawn_file_actions_addclosefrom_np(&actions.files, STDERR_FILENO + 1);
     std::vector<std::string> words = command;
     std::vector<std::string> variables = environmentWith(environment);
@@ -218,7 +200,7 @@ struct Process::State {
   void take(Descriptor& from, std::string& into) const {
     std::array<char, 1 << 16> block;
     while (from.open() && into.size() <= kMaxLine) {
-      const ssize_t n = ::read(from, block.data(), block.size());
+      const ssize_t n = ::read(from.number, block.data(), block.size());
       if (n < 0 && errno == EINTR) continue;
       if (n < 0 && errno == EAGAIN) return;
       if (n <= 0) from.close();
@@ -249,15 +231,15 @@ struct Process::State {
   // Waits at most `seconds` until the child can be read from or written to, and then reads or writes without blocking.
   // Removes from `toWrite` what was written.
   void pump(double seconds, std::string_view& toWrite) {
-    std::array<pollfd, 3> polled{{{output, POLLIN, 0}, {errors, POLLIN, 0}, {-1, POLLOUT, 0}}};
-    if (!toWrite.empty()) polled[2].fd = input;
+    std::array<pollfd, 3> polled{{{output.number, POLLIN, 0}, {errors.number, POLLIN, 0}, {-1, POLLOUT, 0}}};
+    if (!toWrite.empty()) polled[2].fd = input.number;
     const int ready = ::poll(polled.data(), polled.size(), static_cast<int>(std::ceil(seconds * 1000)));
     if (ready < 0 && errno != EINTR) throw Error(fmt::format("{}: cannot be waited for: {}", name, reason(errno)));
     if (ready <= 0) return;
     if (polled[0].revents != 0) take(output, outputText);
     if (polled[1].revents != 0) takeErrors();
     if (polled[2].revents == 0) return;
-    const ssize_t n = ::send(input, toWrite.data(), toWrite.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    const ssize_t n = ::send(input.number, toWrite.data(), toWrite.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n > 0) toWrite.remove_prefix(static_cast<std::size_t>(n));
     if (n < 0 && errno != EAGAIN && errno != EINTR) {
       input.close();

@@ -212,6 +212,10 @@ class DeviceClock {
   std::deque<Pending> pending_;
 };
 
+// Objects by the numbers that they have outside of this module.
+template <class Object>
+using Numbered = std::map<std::uint32_t, std::unique_ptr<Object>>;
+
 // An OpenGL context and its objects, which may be used only while the context is current.
 struct ContextState {
   explicit ContextState(const std::string& device) : context(device) {
@@ -226,9 +230,9 @@ struct ContextState {
   static inline std::vector<ContextState*> all;  // all contexts of the process; used only on the OpenGL thread
 
   EglContext context;
-  std::map<std::uint32_t, std::unique_ptr<GlProgram>> programs;
-  std::map<std::uint32_t, std::unique_ptr<GlBuffer>> buffers;
-  std::map<std::uint32_t, std::unique_ptr<MappedCopy>> readbacks;
+  Numbered<GlProgram> programs;
+  Numbered<GlBuffer> buffers;
+  Numbered<MappedCopy> readbacks;
   std::uint32_t lastNumber = 0;
   std::unique_ptr<GlBuffer> parameters;
   std::vector<std::unique_ptr<BufferTexture>> textures;  // indexed by binding
@@ -268,46 +272,14 @@ class GlCompute final : public ComputeBackend {
   ComputeLimits limits() const override { return limits_; }
 
   std::uint32_t makeProgram(const std::string& name, const std::string& text) override {
-    std::uint32_t number = 0;
-    withContext([&](ContextState& state) {
-      auto made =
-          std::make_unique<GlProgram>(name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
-      number = ++state.lastNumber;
-      state.programs[number] = std::move(made);
-    });
-    return number;
+    return made(&ContextState::programs, name, std::initializer_list<GlShaderText>{{GL_COMPUTE_SHADER, text.c_str()}});
   }
+  std::uint32_t makeBuffer() override { return made(&ContextState::buffers); }
+  std::uint32_t makeReadback() override { return made(&ContextState::readbacks); }
 
-  std::uint32_t makeBuffer() override {
-    std::uint32_t number = 0;
-    withContext([&](ContextState& state) {
-      auto made = std::make_unique<GlBuffer>();
-      number = ++state.lastNumber;
-      state.buffers[number] = std::move(made);
-    });
-    return number;
-  }
-
-  std::uint32_t makeReadback() override {
-    std::uint32_t number = 0;
-    withContext([&](ContextState& state) {
-      number = ++state.lastNumber;
-      state.readbacks[number] = std::make_unique<MappedCopy>();
-    });
-    return number;
-  }
-
-  void dropProgram(std::uint32_t program) noexcept override {
-    dropping([&] { state_->programs.erase(program); });
-  }
-
-  void dropBuffer(std::uint32_t buffer) noexcept override {
-    dropping([&] { state_->buffers.erase(buffer); });
-  }
-
-  void dropReadback(std::uint32_t readback) noexcept override {
-    dropping([&] { state_->readbacks.erase(readback); });
-  }
+  void dropProgram(std::uint32_t program) noexcept override { drop(&ContextState::programs, program); }
+  void dropBuffer(std::uint32_t buffer) noexcept override { drop(&ContextState::buffers, buffer); }
+  void dropReadback(std::uint32_t readback) noexcept override { drop(&ContextState::readbacks, readback); }
 
   void startCopy(std::uint32_t readback, std::uint32_t buffer, std::uint64_t bytes) override {
     withContext([&](ContextState& state) {
@@ -402,11 +374,23 @@ class GlCompute final : public ComputeBackend {
     });
   }
 
-  template <class Work>
-  void dropping(const Work& work) noexcept {
+  // Makes an object of the context, and returns its number.
+  template <class Object, class... Arguments>
+  std::uint32_t made(Numbered<Object> ContextState::*objects, const Arguments&... arguments) {
+    std::uint32_t number = 0;
+    withContext([&](ContextState& state) {
+      auto object = std::make_unique<Object>(arguments...);
+      number = ++state.lastNumber;
+      (state.*objects)[number] = std::move(object);
+    });
+    return number;
+  }
+
+  template <class Object>
+  void drop(Numbered<Object> ContextState::*objects, std::uint32_t number) noexcept {
     thread_->run([&]() noexcept {
       state_->context.tryMakeCurrent();
-      work();
+      (*state_.*objects).erase(number);
     });
   }
 

@@ -2,6 +2,7 @@
 
 // Selects the device that renders and computes with OpenGL: a graphics card's driver, or Mesa's software rasteriser.
 
+#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,9 @@ constexpr std::string_view kInstallOpenGl =
 
 // Returns the value of the environment variable SCANMILL_GL_DEVICE: the device's number among EGL's devices,
 // "software", or an empty text, which means the best device.
-std::string namedDevice();
+inline std::string namedDevice() {
+  const char* name = std::getenv("SCANMILL_GL_DEVICE");
+  return name != nullptr ? name : "";
+}
 
 }  // namespace scanmill

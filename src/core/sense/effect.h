@@ -28,7 +28,8 @@ struct LightPaths;
 class Effect {
  public:
   virtual ~Effect() = default;
-  virtual Channels reads() const = 0;                      // channels of Hits that apply() reads
+  // Returns the channels of Hits that apply() reads. Every effect needs the ranges.
+  virtual Channels reads() const { return Channel::Range; }
   virtual bool setsIntensity() const { return false; }     // apply() fills Returns::power and Returns::intensity
   virtual double intensityFullScale() const { return 1; }  // value of the intensity that stands for 1
   virtual bool needsIntensity() const { return false; }    // apply() requires an earlier effect with setsIntensity()

@@ -120,18 +120,18 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   if (power.empty() && added.power > 0) power.resize(size() - 1);
   append(gain, 1.0f);
   append(power, added.power);
-  append(intensity, added.intensity);
+  append(intensity, 0.0f);
   append(displacement, Vec3f{});
   append(spread, 0.0f);
   append(share, 1.0f);
   append(label2, std::uint16_t{0});
   append(snr, added.snr);
   append(label, added.label);
-  append(instance, added.instance);
+  append(instance, std::uint32_t{0});
   // If the table had no rows, columns that effects have set looked like unset ones, because both are empty. Set them
   // from this row.
   if (size() != 1) return;
-  intensity = {added.intensity};
+  intensity = {0.0f};
   power = {added.power};
   if (added.snr > 0) snr = {added.snr};
 }

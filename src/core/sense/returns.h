@@ -24,16 +24,14 @@ namespace scanmill {
 // Value of Returns::hit() for a row that an effect has added and that has no hit.
 constexpr std::uint32_t kNoHit = 0xFFFFFFFF;
 
-// A row that an effect adds.
+// A row that an effect adds. It has no intensity and belongs to no instance.
 struct AddedReturn {
   std::uint32_t beam = 0;
   float range = 0;  // m along the beam
   float power = 0;  // received power; if added before the effect `intensity`: as if from the reference range
-  float intensity = 0;
   float snr = 0;
   Cause cause = Cause::FalsePositive;
   std::uint16_t label = 0;
-  std::uint32_t instance = 0;
 };
 
 // A structure of arrays. In most scans every beam has one ray and at most one return: row i is then the first return of

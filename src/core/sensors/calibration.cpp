@@ -44,17 +44,19 @@ std::vector<Laser> readLasers(const Value& file) {
   return read;
 }
 
+Value scalar(const std::string& text, const Location& where) {
+  Value value;
+  value.kind = Value::Kind::Scalar;
+  value.where = where;
+  value.text = text;
+  return value;
+}
+
 Value::Entry listOf(const char* key, const std::vector<Laser>& lasers, double Laser::*figure, const Location& where) {
   Value list;
   list.kind = Value::Kind::Sequence;
   list.where = where;
-  for (const Laser& laser : lasers) {
-    Value item;
-    item.kind = Value::Kind::Scalar;
-    item.where = where;
-    item.text = fmt::format("{}", laser.*figure);
-    list.items.push_back(std::move(item));
-  }
+  for (const Laser& laser : lasers) list.items.push_back(scalar(fmt::format("{}", laser.*figure), where));
   return {key, std::move(list)};
 }
 
@@ -70,20 +72,9 @@ void setSource(Value& sensor, const Location& file) {
     said->value.text += "; " + own;
     return;
   }
-  Value source;
-  source.kind = Value::Kind::Scalar;
-  source.where = file;
+  Value source = scalar(own, file);
   source.quoted = true;
-  source.text = own;
   sensor.entries.push_back({"source", std::move(source)});
-}
-
-Value scalar(const std::string& text, const Location& where) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.where = where;
-  value.text = text;
-  return value;
 }
 
 // Returns the value of the key `ring_order` that describes the order of these lasers.

@@ -17,11 +17,8 @@ Sway::Sway(const Value& value, std::uint64_t seed) {
   constexpr double kQuickest = 2;
   for (std::uint32_t axis = 0; axis < waves_.size(); ++axis) {
     for (std::uint32_t k = 0; k < kWaves; ++k) {
-      RandomAddress address;
-      address.seed = seed;
-      address.beam = axis * static_cast<std::uint32_t>(kWaves) + k;
-      address.purpose = Purpose::Sway;
-      const RandomBlock block = randomBlock(address);
+      const std::uint32_t wave = axis * static_cast<std::uint32_t>(kWaves) + k;
+      const RandomBlock block = randomBlock({.seed = seed, .beam = wave, .purpose = Purpose::Sway});
       waves_[axis][k] = {2 * kPi * (kSlowest + (kQuickest - kSlowest) * (k + uniform(block[0])) / kWaves),
                          2 * kPi * uniform(block[1])};
     }

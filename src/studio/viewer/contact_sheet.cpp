@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/extent_text.h"
+#include "base/short_text.h"
 #include "scene/primitives.h"
 #include "viewer/canvas/canvas.h"
 #include "viewer/panels/board.h"

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "base/file.h"
 #include "base/parallel.h"
 #include "dataset/reader.h"
+#include "dataset/recording.h"
 #include "dataset/verify.h"
 #include "pipeline/run/generate.h"
 #include "tests/support/message_of.h"
@@ -88,12 +90,8 @@ class Yard : public testing::Test {
 
   GenerateSummary run(const std::vector<std::string>& overrides = {}, const std::string& name = "out",
                       bool overwrite = false, const std::atomic<bool>* stop = nullptr) const {
-    GenerateOptions options;
-    options.folder = out(name);
-    options.overwrite = overwrite;
-    options.quiet = true;
-    options.stop = stop;
-    return generate(makePlan(readPipeline(pipeline_, overrides)), options);
+    return generate(makePlan(readPipeline(pipeline_, overrides)),
+                    {.folder = out(name), .overwrite = overwrite, .quiet = true, .stop = stop});
   }
 
   // Every dataset that these tests make must be sound.
@@ -129,6 +127,22 @@ class Yard : public testing::Test {
     return all;
   }
 
+  std::shared_ptr<const Recording> recordingIn(const std::filesystem::path& folder,
+                                               RecordingKind kind = RecordingKind::Hits) const {
+    return std::make_shared<const Recording>(readRecording(folder, kind));
+  }
+
+  // One thread makes the same bytes as several do.
+  void expectSameOnAnyThreads(const std::vector<std::string>& overrides) const {
+    std::vector<Bytes> bytes;
+    for (const int threads : {1, 4}) {
+      const ThreadLimit limit(threads);
+      sound(overrides, fmt::format("threads{}", threads));
+      bytes.push_back(shards(fmt::format("threads{}", threads)));
+    }
+    EXPECT_TRUE(bytes[0] == bytes[1]);
+  }
+
   TemporaryFolder folder_;
   std::filesystem::path pipeline_;
 };
@@ -138,6 +152,22 @@ inline std::map<std::pair<int, int>, std::size_t> rowsByBeam(const Scan& scan) {
   std::map<std::pair<int, int>, std::size_t> rows;
   for (std::size_t i = 0; i < scan.size(); ++i) rows[{scan[kRing][i], scan[kColumn][i]}] = i;
   return rows;
+}
+
+// The share of points of `scans` whose beam has a point in `others` too, where alike(scan, row, other scan, its row).
+template <class Alike>
+double shareAlike(const std::vector<Scan>& scans, const std::vector<Scan>& others, const Alike& alike) {
+  std::size_t same = 0;
+  std::size_t all = 0;
+  for (std::size_t s = 0; s < scans.size(); ++s) {
+    const auto rows = rowsByBeam(others.at(s));
+    for (std::size_t i = 0; i < scans[s].size(); ++i) {
+      const auto row = rows.find({scans[s][kRing][i], scans[s][kColumn][i]});
+      ++all;
+      if (row != rows.end() && alike(scans[s], i, others[s], row->second)) ++same;
+    }
+  }
+  return static_cast<double>(same) / static_cast<double>(all);
 }
 
 }  // namespace scanmill

@@ -35,10 +35,7 @@ class TwoReturnsYard : public Yard {
   // Every dataset must be sound.
   GenerateSummary make(const std::vector<std::string>& overrides, const std::string& name = "out",
                        const std::string& options = "{}") const {
-    GenerateOptions generating;
-    generating.folder = out(name);
-    generating.quiet = true;
-    GenerateSummary summary = generate(planned(overrides, options), generating);
+    GenerateSummary summary = generate(planned(overrides, options), {.folder = out(name), .quiet = true});
     const Verification verification = verifyDataset(out(name));
     EXPECT_THAT(verification.problems, testing::IsEmpty());
     EXPECT_EQ(verification.points, summary.points * summary.manifest.formats.size());

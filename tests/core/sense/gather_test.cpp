@@ -84,12 +84,9 @@ TEST(Gather, IndicesChangeNothing) {
   const World plain = makeRaggedWorld(33, 130);
   World indexed = plain;
   for (std::uint32_t ray = 0; ray < plain.hits.rays(); ++ray) indexed.hits.beamOfRay.push_back(ray);
-  const std::vector<std::string> all{"intensity: {gain: 3}",         "dropout: {threshold: 0.01, probability: 0.05}",
-                                     "range_noise: {sigma_m: 0.02}", "shell: {growth_per_m: 0.01}",
-                                     "quantize: {step_m: 0.008}",    "angular_jitter: {sigma_deg: 0.02}"};
   for (const ScanLayout& layout : {kDense, kOrganised}) {
-    const Scan a = senseOnce(plain, all, layout);
-    const Scan b = senseOnce(indexed, all, layout);
+    const Scan a = senseOnce(plain, kManyEffects, layout);
+    const Scan b = senseOnce(indexed, kManyEffects, layout);
     ASSERT_EQ(a.size(), b.size());
     const auto same = [](const auto& x, const auto& y) { return x == y || (x != x && y != y); };
     for (std::size_t i = 0; i < a.size(); ++i) {

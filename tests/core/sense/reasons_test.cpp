@@ -51,11 +51,7 @@ TEST(ReasonsOf, MirrorsAndGlassAreNoDarkSurfaces) {
 }
 
 TEST(ReasonsOf, TheAirHasWhatWouldBeFoundWithoutIt) {
-  World world = makeWorld(1, 1, 40);
-  world.beams().minRange = 1;
-  world.beams().maxRange = 100;
-  world.beams().divergence = {3e-3, 3e-3};
-  world.beams().pulse = 5e-9;
+  World world = makeWideWorld(1, 1, 40);
   const std::vector<std::string> effects{"weather: {kind: dust, visibility_m: 50, least: 1}", "intensity: {}",
                                          "dropout: {threshold: 0.02}"};
   EXPECT_EQ(reasonOfFirst(world, effects), Reason::LostInAir);
@@ -65,11 +61,7 @@ TEST(ReasonsOf, TheAirHasWhatWouldBeFoundWithoutIt) {
 
 // Neither what would be lost in clear air, nor drops that nobody sees, nor loss at random is the air's.
 TEST(ReasonsOf, ThinAirIsBlamedForNothing) {
-  World world = makeWorld(1, 400, 40);
-  world.beams().minRange = 1;
-  world.beams().maxRange = 100;
-  world.beams().divergence = {3e-3, 3e-3};
-  world.beams().pulse = 5e-9;
+  World world = makeWideWorld(1, 400, 40);
   for (std::size_t beam = 0; beam < 100; ++beam) miss(world, beam);
   for (std::size_t beam = 100; beam < 200; ++beam) world.hits.reflectance[beam] = 0.01f;
   const std::vector<std::string> effects{"weather: {kind: fog, visibility_m: 100000, least: 0.000001}", "intensity: {}",
@@ -82,11 +74,7 @@ TEST(ReasonsOf, ThinAirIsBlamedForNothing) {
 }
 
 TEST(ReasonsOf, TheNearestReturnSpeaksForItsBeam) {
-  World world = makeWorld(1, 200, 30);
-  world.beams().minRange = 1;
-  world.beams().maxRange = 100;
-  world.beams().divergence = {3e-3, 3e-3};
-  world.beams().pulse = 5e-9;
+  World world = makeWideWorld(1, 200, 30);
   const std::vector<std::string> snow{"weather: {kind: snow, severity: heavy}", "intensity: {}"};
   const ReasonCounts counts = countReasons(reasonsOnce(world, snow));
   const Returns returns = run(world, snow);

@@ -59,7 +59,7 @@ TEST(Returns, AddedRowsKeepTheOthersAndHaveNoHit) {
   returns.start(world.hits);
   returns.remove(3);
   const Returns before = returns;
-  returns.add({.beam = 3, .range = 4, .power = 0.25f, .label = 77, .instance = 5}, world.hits);
+  returns.add({.beam = 3, .range = 4, .power = 0.25f, .label = 77}, world.hits);
   returns.add({.beam = 3, .range = 2, .label = 78}, world.hits);
   ASSERT_EQ(returns.size(), 12u);
   for (std::size_t row = 0; row < before.size(); ++row) {
@@ -78,7 +78,7 @@ TEST(Returns, AddedRowsKeepTheOthersAndHaveNoHit) {
   }
   EXPECT_EQ(returns.power[10], 0.25f);
   EXPECT_EQ(returns.label[10], 77);
-  EXPECT_EQ(returns.instance[10], 5u);
+  EXPECT_EQ(returns.instance[10], 0u);
 }
 
 TEST(Returns, ABeamHasAtMostSixteen) {

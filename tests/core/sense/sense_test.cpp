@@ -7,9 +7,6 @@
 namespace scanmill {
 namespace {
 
-const std::vector<std::string> kAll{"intensity: {gain: 3}",         "dropout: {threshold: 0.01, probability: 0.05}",
-                                    "range_noise: {sigma_m: 0.02}", "shell: {growth_per_m: 0.01}",
-                                    "quantize: {step_m: 0.008}",    "angular_jitter: {sigma_deg: 0.02}"};
 constexpr ScanLayout kEvery{ColumnSet::all(), false};
 constexpr ScanLayout kEveryOrganised{ColumnSet::all(), true};
 
@@ -56,8 +53,8 @@ TEST(Sense, NoiseFreePointsLieOnTheirBeamsInTheOrderOfFiring) {
 
 TEST(Sense, DenseIsOrganisedWithoutItsMisses) {
   const World world = makeRaggedWorld(33, 130);
-  const Scan dense = senseOnce(world, kAll, kEvery);
-  const Scan organised = senseOnce(world, kAll, kEveryOrganised);
+  const Scan dense = senseOnce(world, kManyEffects, kEvery);
+  const Scan organised = senseOnce(world, kManyEffects, kEveryOrganised);
   ASSERT_EQ(organised.size(), world.hits.size());
   EXPECT_EQ(organised.width(), 130u);
   EXPECT_EQ(organised.height(), 33u);
@@ -76,14 +73,7 @@ TEST(Sense, DenseIsOrganisedWithoutItsMisses) {
       }
       ASSERT_LT(k, dense.size());
       EXPECT_EQ(dense.position[k], organised.position[b]);
-      EXPECT_EQ(dense[kIntensity][k], organised[kIntensity][b]);
-      EXPECT_EQ(dense[kLabel][k], organised[kLabel][b]);
-      EXPECT_EQ(dense[kInstance][k], organised[kInstance][b]);
-      EXPECT_EQ(dense[kRing][k], organised[kRing][b]);
-      EXPECT_EQ(dense[kColumn][k], organised[kColumn][b]);
-      EXPECT_EQ(dense[kTime][k], organised[kTime][b]);
-      EXPECT_EQ(dense[kRangeTrue][k], organised[kRangeTrue][b]);
-      EXPECT_EQ(dense[kIncidence][k], organised[kIncidence][b]);
+      visitTable(organised, [&](auto key, const auto& values) { EXPECT_EQ(values[b], dense[key][k]) << key.row.name; });
       ++k;
     }
   }
@@ -133,8 +123,8 @@ TEST(Sense, ZeroNoiseIsBitIdenticalToNone) {
 TEST(Sense, ReusedBuffersAndOtherThreadsGiveTheSameBytes) {
   const World big = makeRaggedWorld(40, 300);
   const World small = makeRaggedWorld(3, 7);
-  const auto list = makeEffects(kAll);
-  const Scan expected = senseOnce(big, kAll, kEvery);
+  const auto list = makeEffects(kManyEffects);
+  const Scan expected = senseOnce(big, kManyEffects, kEvery);
   Returns scratch;
   Scan scan;
   sense({list, big.materials, kEveryOrganised}, big.hits, big.shot, scratch, scan);
@@ -211,12 +201,12 @@ TEST(Sense, BeamOriginsShiftThePoints) {
 TEST(Sense, MissesGiveEmptyDenseScansAndOrganisedOnesWithoutPoints) {
   World world = makeWorld(6, 70);
   for (std::size_t b = 0; b < world.hits.size(); ++b) miss(world, b);
-  EXPECT_EQ(senseOnce(world, kAll, kEvery).size(), 0u);
-  const Scan organised = senseOnce(world, kAll, kEveryOrganised);
+  EXPECT_EQ(senseOnce(world, kManyEffects, kEvery).size(), 0u);
+  const Scan organised = senseOnce(world, kManyEffects, kEveryOrganised);
   EXPECT_EQ(organised.size(), 420u);
   for (const Vec3f& p : organised.position) EXPECT_TRUE(std::isnan(p.x));
-  EXPECT_EQ(senseOnce(makeWorld(0, 0), kAll, kEvery).size(), 0u);
-  EXPECT_EQ(senseOnce(makeWorld(0, 0), kAll, kEveryOrganised).size(), 0u);
+  EXPECT_EQ(senseOnce(makeWorld(0, 0), kManyEffects, kEvery).size(), 0u);
+  EXPECT_EQ(senseOnce(makeWorld(0, 0), kManyEffects, kEveryOrganised).size(), 0u);
 }
 
 TEST(Sense, ExtremeRangesGiveFinitePoints) {

@@ -27,6 +27,13 @@ Shot shotAtTime(double time, double duration) {
   return shot;
 }
 
+// Steps of an angle (rad) along a circle around the origin.
+std::shared_ptr<const Path> arc(double radius, double step, int steps) {
+  std::vector<Vec3d> places;
+  for (int k = 0; k <= steps; ++k) places.push_back(Vec3d{std::cos(step * k), std::sin(step * k), 0} * radius);
+  return std::make_shared<const Path>(places);
+}
+
 TEST(ThingMotions, AreTheVelocityOfWhatGoesStraightOn) {
   const Scene scene = sceneOf(std::make_shared<Movement>(Vec3d{3, -4, 1}));
   for (const double duration : {0.0, 0.1, 1.0}) {
@@ -42,11 +49,7 @@ TEST(ThingMotions, AreTheVelocityOfWhatGoesStraightOn) {
 TEST(ThingMotions, TurnWithWhatTurns) {
   constexpr double kRadius = 40;
   constexpr double kSpeed = 8;
-  std::vector<Vec3d> circle;
-  for (int k = 0; k <= 90; ++k) {
-    circle.push_back({kRadius * std::cos(radians(2.0 * k)), kRadius * std::sin(radians(2.0 * k)), 0});
-  }
-  const auto path = std::make_shared<const Path>(circle);
+  const auto path = arc(kRadius, radians(2.0), 90);
   const Scene scene = sceneOf(std::make_shared<Movement>(path, 0, kSpeed));
   for (const double time : {1.0, 5.0, 9.0}) {
     const ThingMotions motions(scene, shotAtTime(time, 0.1));
@@ -62,11 +65,7 @@ TEST(ThingMotions, TurnWithWhatTurns) {
 TEST(ThingMotions, FlowLeadsToTheSamePlaceOfTheSurface) {
   constexpr double kRadius = 20;
   constexpr double kSpeed = 10;
-  std::vector<Vec3d> circle;
-  for (int k = 0; k <= 720; ++k) {
-    circle.push_back({kRadius * std::cos(radians(0.5 * k)), kRadius * std::sin(radians(0.5 * k)), 0});
-  }
-  const auto path = std::make_shared<const Path>(circle);
+  const auto path = arc(kRadius, radians(0.5), 720);
   const Scene scene = sceneOf(std::make_shared<Movement>(path, 0, kSpeed));
   Shot shot = shotAtTime(1, 0.1);
   shot.untilNext = 0.5;

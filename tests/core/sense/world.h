@@ -58,6 +58,16 @@ inline World makeWorld(std::uint32_t rings, std::uint32_t columns, float range =
   return world;
 }
 
+// As makeWorld(), by beams of 3 mrad with pulses of 5 ns that see from 1 to 100 m.
+inline World makeWideWorld(std::uint32_t rings, std::uint32_t columns, float range) {
+  World world = makeWorld(rings, columns, range);
+  world.beams().minRange = 1;
+  world.beams().maxRange = 100;
+  world.beams().divergence = {3e-3, 3e-3};
+  world.beams().pulse = 5e-9;
+  return world;
+}
+
 inline void miss(World& world, std::size_t beam) {
   world.hits.range[beam] = kMiss;
   world.hits.semantic[beam] = 0;
@@ -106,6 +116,12 @@ inline Scan senseOnce(const World& world, const std::vector<std::string>& yaml, 
   sense({effects, world.materials, layout}, world.hits, world.shot, scratch, scan);
   return scan;
 }
+
+// Effects of every stage.
+inline const std::vector<std::string> kManyEffects{
+    "intensity: {gain: 3}",         "dropout: {threshold: 0.01, probability: 0.05}",
+    "range_noise: {sigma_m: 0.02}", "shell: {growth_per_m: 0.01}",
+    "quantize: {step_m: 0.008}",    "angular_jitter: {sigma_deg: 0.02}"};
 
 inline std::string refusal(const std::string& yaml) {
   return messageOf([&] { makeEffect(yaml); });

@@ -65,8 +65,8 @@ const GroupErrors& groupOf(const std::vector<ErrorGroup>& groups, const std::str
 TEST(BeamErrors, OfParallelPlanesAreTheirOffsetOverTheCosine) {
   const double height = 2;
   const double offset = 0.1;
-  const Scene upper = groundAt(-height);
-  const Scene lower = groundAt(-height - offset);
+  const Scene upper = flatGround({0, 0, -height}, 4000, 1);
+  const Scene lower = flatGround({0, 0, -height - offset}, 4000, 1);
   const Shot shot = shotAt(spinning(60, 90, -88, -2));
   const TrueShot truth = truthFrom(traced(upper, shot));
   const BeamErrors e = errorsOf(upper, truth, traced(lower, shot));

@@ -264,8 +264,8 @@ TEST(Measure, NearestDistancesOfTheGroupsAreThoseOfTheClouds) {
 // Ground that lies lower: no point is nearer than the planes are, and none farther than the one of the same beam.
 TEST(Measure, NearestDistancesOfLoweredGroundAreItsOffsetAndMore) {
   constexpr double kHeight = 2, kOffset = 0.05;
-  const Scene upper = groundAt(-kHeight);
-  const Scene lower = groundAt(-kHeight - kOffset);
+  const Scene upper = flatGround({0, 0, -kHeight}, 4000, 1);
+  const Scene lower = flatGround({0, 0, -kHeight - kOffset}, 4000, 1);
   const MeasureOptions options{.repeats = 0};
   const std::vector<TrueShot> shots = trueShots(upper, {shotAt(spinning(60, 512, -85, -5))}, options);
   const Measurement m = measure([&] { return rayTracing(lower); }, upper, shots, options);

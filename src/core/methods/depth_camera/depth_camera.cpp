@@ -13,13 +13,16 @@
 #include <list>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "assets/blender.h"
 #include "base/error.h"
 #include "base/stage_clock.h"
-#include "methods/depth_camera/options.h"
+#include "config/named_choice.h"
+#include "methods/depth_camera/layout.h"
 #include "methods/depth_camera/revolution.h"
+#include "methods/depth_camera/sample.h"
 
 namespace scanmill {
 
@@ -36,6 +39,53 @@ constexpr std::uint64_t kBytesOfLibraries = std::uint64_t{85} << 20;
 constexpr std::uint64_t kBytesPerPlacedTriangle = 60;
 constexpr std::uint64_t kBytesPerPixel = 16;
 constexpr std::initializer_list<const char*> kStages = {"render", "read_back", "sample"};
+
+// The map `depth_camera: {...}` of a pipeline.
+struct DepthCameraOptions {
+  std::string renderer;  // vtk or blender
+  std::string layoutName;
+  std::string samplingName;
+  std::string depthName;
+  LayoutOptions layout;
+  SampleOptions sample;                    // without `farthest`, which is set for each shot
+  double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
+  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: chosen from its motion
+};
+
+constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayout::Auto},
+                                                             {"three_120", CameraLayout::Three120},
+                                                             {"four_90", CameraLayout::Four90},
+                                                             {"cube_6", CameraLayout::Cube6}};
+constexpr std::pair<const char*, Sampling> kSamplings[] = {{"plane", Sampling::Plane},
+                                                           {"nearest", Sampling::Nearest},
+                                                           {"bilinear", Sampling::Bilinear},
+                                                           {"row_hyperbola", Sampling::RowHyperbola},
+                                                           {"equirectangular", Sampling::Equirectangular},
+                                                           {"pixel_row", Sampling::PixelRow}};
+constexpr std::pair<const char*, DepthFormat> kDepths[] = {{"float32", DepthFormat::Float32},
+                                                           {"uint24", DepthFormat::Unorm24},
+                                                           {"uint16", DepthFormat::Unorm16},
+                                                           {"half_500", DepthFormat::Half500}};
+constexpr std::pair<const char*, std::uint32_t> kAntialiasing[] = {{"1", 1}, {"2", 2}, {"4", 4}};
+
+DepthCameraOptions readDepthCameraOptions(Fields& fields) {
+  DepthCameraOptions options;
+  options.renderer = fields.choice("renderer", {"vtk", "blender"}, "vtk");
+  std::tie(options.layoutName, options.layout.layout) = namedChoice(fields, "layout", kLayouts, CameraLayout::Auto);
+  options.layout.resolution = static_cast<std::uint32_t>(fields.integer("resolution", 128, 4096, 2048));
+  std::tie(options.samplingName, options.sample.sampling) =
+      namedChoice(fields, "sampling", kSamplings, Sampling::Plane);
+  std::tie(options.depthName, options.sample.depth) = namedChoice(fields, "depth", kDepths, DepthFormat::Float32);
+  options.sample.antialiasing = namedChoice(fields, "antialiasing", kAntialiasing, 1U).second;
+  options.sample.nearest = fields.number("near_m", {1e-3, 1}, 0.01);
+  options.farthest = fields.number("far_m", {10, 1e4}, 0);
+  const Value* renders = fields.find("renders_per_turn");
+  if (renders != nullptr && !(renders->kind == Value::Kind::Scalar && renders->text == "auto")) {
+    options.rendersPerRevolution = static_cast<std::uint32_t>(fields.integer("renders_per_turn", 1, 65536));
+  }
+  fields.finish();
+  return options;
+}
 
 std::string whereBlenderIs() {
   try {

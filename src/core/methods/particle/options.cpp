@@ -4,14 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "base/error.h"
+#include "config/named_choice.h"
 
 namespace scanmill {
 
@@ -22,22 +19,6 @@ constexpr double kSmallestBall = 2;
 constexpr Range kVoxelRange{1e-3, kLargestVoxel};  // m, limits of the key voxel_m
 constexpr std::uint32_t kMostVoxels = 1024;
 constexpr std::uint32_t kMarginVoxels = kHalfBrick + 1;
-
-// Reads a key whose value is one of the names in `values`. Returns the value for that name; `fallback` if the key is
-// absent.
-template <class T, std::size_t n>
-T named(Fields& fields, std::string_view key, const std::pair<const char*, T> (&values)[n], T fallback) {
-  std::vector<std::string> names;
-  std::string_view usual;
-  for (const auto& [name, value] : values) {
-    names.emplace_back(name);
-    if (value == fallback) usual = name;
-  }
-  const std::string chosen = fields.choice(key, names, usual);
-  const auto found =
-      std::find_if(std::begin(values), std::end(values), [&](const auto& v) { return chosen == v.first; });
-  return found->second;
-}
 
 using Backend = ParticleOptions::Backend;
 using Extent = ParticleOptions::Extent;
@@ -58,11 +39,6 @@ std::uint32_t readVoxels(Fields& fields, std::uint32_t fallback) {
   return voxels;
 }
 
-// Returns the largest number of levels of the field.
-std::uint32_t mostLevels(const ParticleOptions& options) {
-  return options.levels == 0 ? kMaxLevels : options.levels;
-}
-
 // Returns the distance from the sensor (m) up to which `level` and finer levels are used, in all directions. The sensor
 // is up to half a brick of level 0 away from the field's centre along each axis.
 double servedRange(const ParticleOptions& options, std::uint32_t level) {
@@ -73,7 +49,7 @@ double servedRange(const ParticleOptions& options, std::uint32_t level) {
 
 ParticleOptions readParticleOptions(Fields& fields) {
   ParticleOptions options;
-  options.extent = named(fields, "field", kExtents, options.extent);
+  options.extent = namedChoice(fields, "field", kExtents, options.extent).second;
   options.voxel = fields.number("voxel_m", kVoxelRange, options.voxel);
   options.voxels = readVoxels(fields, options.voxels);
   const Value* levels = fields.find("levels");
@@ -85,9 +61,9 @@ ParticleOptions readParticleOptions(Fields& fields) {
                        "take `field: sensor`");
     }
   }
-  options.refine = named(fields, "refine", kRefines, options.refine);
+  options.refine = namedChoice(fields, "refine", kRefines, options.refine).second;
   options.steps = static_cast<std::uint32_t>(fields.integer("steps", 16, 65535, options.steps));
-  options.backend = named(fields, "backend", kBackends, options.backend);
+  options.backend = namedChoice(fields, "backend", kBackends, options.backend).second;
   fields.finish();
   if (const Value* voxels = fields.find("voxels"); voxels != nullptr && options.extent == Extent::Scene) {
     throw InputError(voxels->where,
@@ -120,7 +96,8 @@ std::string memoryText(double bytes) {
 double smallestSeen(const ParticleOptions& options, double range) {
   const bool all = options.refine == Refine::ByTriangle;
   if (options.extent == Extent::Scene) return all ? 0 : kSmallestBall * options.voxel;
-  for (std::uint32_t level = 0; level < mostLevels(options); ++level) {
+  const std::uint32_t most = options.levels == 0 ? kMaxLevels : options.levels;
+  for (std::uint32_t level = 0; level < most; ++level) {
     if (servedRange(options, level) < range) continue;
     return all ? 0 : kSmallestBall * std::ldexp(options.voxel, static_cast<int>(level));
   }

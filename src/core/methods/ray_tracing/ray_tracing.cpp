@@ -10,10 +10,11 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "base/parallel.h"
-#include "methods/ray_tracing/options.h"
+#include "config/named_choice.h"
 #include "methods/ray_tracing/packet.h"
 #include "methods/ray_tracing/unobstructed.h"
 #include "methods/world/worlds.h"
@@ -25,6 +26,36 @@ namespace {
 
 constexpr double kRingWeight = 3.5;
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
+
+// The map `ray_tracing: {...}` of a pipeline. All options except `simplify` give the same hits, up to float32 rounding.
+struct RayTracingOptions {
+  int packet = 16;      // rays per Embree call: 16, or 1 for comparison in tests
+  int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0: chosen by the angles between beams
+  bool robust = true;   // watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  HierarchyQuality quality = HierarchyQuality::Medium;
+  Instancing instancing = Instancing::Auto;
+  double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all
+};
+
+constexpr std::pair<const char*, int> kPackets[] = {{"16", 16}, {"1", 1}};
+constexpr std::pair<const char*, int> kTileColumns[] = {{"auto", 0}, {"1", 1}, {"2", 2},
+                                                        {"4", 4},    {"8", 8}, {"16", 16}};
+constexpr std::pair<const char*, HierarchyQuality> kQualities[] = {
+    {"low", HierarchyQuality::Low}, {"medium", HierarchyQuality::Medium}, {"high", HierarchyQuality::High}};
+constexpr std::pair<const char*, Instancing> kInstancings[] = {
+    {"auto", Instancing::Auto}, {"always", Instancing::Always}, {"never", Instancing::Never}};
+
+RayTracingOptions readRayTracingOptions(Fields& fields) {
+  RayTracingOptions options;
+  options.packet = namedChoice(fields, "packet", kPackets, options.packet).second;
+  options.tileColumns = namedChoice(fields, "tile_columns", kTileColumns, options.tileColumns).second;
+  options.robust = fields.boolean("robust", true);
+  options.quality = namedChoice(fields, "bvh", kQualities, options.quality).second;
+  options.instancing = namedChoice(fields, "instancing", kInstancings, options.instancing).second;
+  options.simplify = fields.number("simplify", {0.01, 1}, 1);
+  fields.finish();
+  return options;
+}
 
 // Returns the number of columns for which a packet's tile is as square as possible in angle, because packets trace
 // fastest when their beams are close together.

@@ -24,6 +24,12 @@ constexpr double kTown = 30;         // a mesh of at least this size (m) is take
 constexpr std::size_t kSeveral = 3;  // least number of nodes that count as many
 constexpr double kMostBlocked = 0.5;
 constexpr double kUnusual = 3;  // factor by which a size may differ from the usual sizes of its class
+// A box points sideways if its width exceeds kWider times its length. Models that are about square may face either way.
+constexpr double kWider = 1.1;
+constexpr double kDriving = 0.5;   // minimum speed of vehicles whose heading is checked (m/s)
+constexpr double kAhead = 0.7071;  // cosine of 45 degrees: the largest angle between the velocity and the box's x axis
+// Times at which velocities are checked (s). A vehicle may stand still at first and drive later.
+constexpr double kTimes[] = {0, 1, 3, 10};
 
 // Returns the longest edge (m) of a mesh's bounding box, which is computed in the mesh's frame and scaled by `linear`.
 // A rotation does not change this edge.
@@ -61,6 +67,24 @@ std::vector<MeshThing> thingsIn(const Mesh& mesh) {
   return things;
 }
 
+bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
+  return std::any_of(std::begin(kTimes), std::end(kTimes), [&](double time) {
+    const Vec3d velocity = boxes.velocity(thing, time);
+    const double speed = length(velocity);
+    const Vec3d ahead = toMatrix(boxes.at(thing, time).worldFromBox.rotation).x;
+    return speed > kDriving && std::fabs(dot(velocity, ahead)) < kAhead * speed;
+  });
+}
+
+// Returns the first lines; if there are more, also their number and what the others are.
+std::vector<std::string> firstOf(std::vector<std::string> lines, const Scene& scene, std::string_view others) {
+  if (lines.size() <= kMostLines) return lines;
+  const std::size_t more = lines.size() - kMostLines;
+  lines.resize(kMostLines);
+  lines.push_back(fmt::format("scene {}: {} more {}", scene.name, more, others));
+  return lines;
+}
+
 }  // namespace
 
 std::vector<std::string> damageWarnings(const Scene& scene) {
@@ -92,13 +116,7 @@ std::vector<std::string> sizeWarnings(const Scene& scene) {
                     "for centimetres, 1 for metres)",
                     scene.name, instance.name, extent));
   }
-  if (lines.size() > kMostLines) {
-    const std::size_t more = lines.size() - kMostLines;
-    lines.resize(kMostLines);
-    lines.push_back(
-        fmt::format("scene {}: {} more objects are larger than 5 km or smaller than 1 mm", scene.name, more));
-  }
-  return lines;
+  return firstOf(std::move(lines), scene, "objects are larger than 5 km or smaller than 1 mm");
 }
 
 std::vector<std::string> thingSizeWarnings(const Scene& scene) {
@@ -129,12 +147,30 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene) {
           high, extent > high ? " Or have several things one instance id (`instances`)?" : ""));
     }
   }
-  if (lines.size() > kMostLines) {
-    const std::size_t more = lines.size() - kMostLines;
-    lines.resize(kMostLines);
-    lines.push_back(fmt::format("scene {}: {} more things have unusual sizes", scene.name, more));
+  return firstOf(std::move(lines), scene, "things have unusual sizes");
+}
+
+std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes) {
+  static const std::vector<Concept> concepts = knownConcepts();
+  const std::set<std::uint16_t> wheels = classesWithWheels(concepts, scene.ontology);
+  std::set<std::string> told;
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < boxes.things().size(); ++i) {
+    const Thing& thing = boxes.things()[i];
+    if (!thing.headingKnown || !wheels.contains(thing.semantic)) continue;
+    const Vec3d size = boxes.at(i, 0).size;
+    const bool isAcross = size.y > kWider * size.x;
+    if (!isAcross && !(thing.moves && drivesSideways(boxes, i))) continue;
+    const std::string name = thing.name.substr(0, thing.name.find('#'));
+    if (!told.insert(name).second) continue;
+    const std::string what =
+        isAcross ? fmt::format("is {:.3g} m wide and {:.3g} m long", size.y, size.x) : std::string("drives sideways");
+    lines.push_back(
+        fmt::format("scene {}: '{}', a {}, {}: boxes point along its x axis; `facing: -y`, or whichever way "
+                    "its model looks, turns them (`scanmill view SCENE --contact-sheet` shows them)",
+                    scene.name, name, scene.ontology.find(thing.semantic)->name, what));
   }
-  return lines;
+  return firstOf(std::move(lines), scene, "models have boxes that point sideways");
 }
 
 std::vector<std::string> unlabeledWarnings(const Scene& scene) {

@@ -7,6 +7,7 @@
 
 #include "pipeline/read/pipeline.h"
 #include "scene/scene.h"
+#include "scene/thing_boxes.h"
 
 namespace scanmill {
 
@@ -21,6 +22,12 @@ std::vector<std::string> damageWarnings(const Scene& scene);
 // Warns of object instances far smaller or larger than the usual size of their class in labels/words.yaml, such as a
 // bus of 12 cm or a tree of 2 km. Returns at most one line per mesh and class, for the first five.
 std::vector<std::string> thingSizeWarnings(const Scene& scene);
+
+// Returns a warning for each vehicle model whose front is not on the side that the scene file states; at most five,
+// then a line with the number of further ones. Checks object instances whose heading is known and whose class has
+// wheels according to labels/words.yaml. A heading counts as wrong if the box is wider than long, or if the vehicle
+// drives sideways. `boxes`: the bounding boxes of the scene's objects.
+std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes);
 
 // Warns of triangles to which no rule gives a class, and states their number.
 std::vector<std::string> unlabeledWarnings(const Scene& scene);

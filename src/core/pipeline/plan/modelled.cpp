@@ -128,11 +128,9 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
   if (!left.empty()) lines.push_back(fmt::format("channels left out because nothing reads them: {}", left));
-  if (columns.has(kIntensity) && !setsIntensity(pipeline)) {
-    lines.emplace_back("intensity: left out, no effect sets it (add `effects: [intensity]`)");
-  }
-  if (columns.has(kPower) && !setsIntensity(pipeline)) {
-    lines.emplace_back("power: left out, no effect sets it (add `effects: [intensity]`)");
+  for (const std::string_view column : {"intensity", "power"}) {
+    if (!columns.has(columnIndex(column)) || setsIntensity(pipeline)) continue;
+    lines.push_back(fmt::format("{}: left out, no effect sets it (add `effects: [intensity]`)", column));
   }
   if (!plan.channels.has(Channel::Reflectance)) {
     lines.emplace_back("reflectance textures: left out, nothing reads the reflectance; only alpha is loaded");
@@ -166,8 +164,8 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     lines.emplace_back(pipeline.output.objects
                            ? "objects: boxes, and visibility by one more ray for each beam that crosses a box"
                            : "objects: left out (`output.objects: true` lists their boxes and visibility)");
+    lines.push_back(voxelsLine(pipeline));
   }
-  if (pipeline.recording == nullptr) lines.push_back(voxelsLine(pipeline));
   if (!columns.has(kRangeTrue)) {
     lines.emplace_back("range_true: left out (name it in output.columns to keep the noise-free range)");
   }

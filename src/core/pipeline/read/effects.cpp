@@ -19,11 +19,8 @@ namespace scanmill {
 
 namespace {
 
-struct MadeEffect {
-  const EffectEntry* entry;
+struct MadeEffect : ChosenEffect {
   Location where;
-  std::unique_ptr<Effect> effect;
-  std::string options;  // the options as YAML text, see ChosenEffect
 };
 
 bool meansSensor(const Value& item) {
@@ -76,8 +73,8 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
     resolveLabels(named, entry, classes);
     Fields options(named.options, "effect " + named.name);
     options.alsoDescribed(entry.keys).finish();
-    made.push_back({&entry, named.where, entry.make(options),
-                    named.options.kind == Value::Kind::Null ? "" : flowText(named.options)});
+    const std::string text = named.options.kind == Value::Kind::Null ? "" : flowText(named.options);
+    made.push_back({{&entry, entry.make(options), text}, named.where});
   }
 }
 
@@ -86,12 +83,12 @@ void addEffects(const std::vector<Value>& items, const EffectClasses& classes, s
 void addDetection(std::vector<MadeEffect>& made) {
   const EffectEntry* const detection = &requireEffect("detection", {});
   const auto several =
-      std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->mostReturns(1) > 1; });
+      std::find_if(made.begin(), made.end(), [](const MadeEffect& m) { return m->mostReturns(1) > 1; });
   const bool named = std::any_of(made.begin(), made.end(), [&](const MadeEffect& m) { return m.entry == detection; });
   if (several == made.end() || named) return;
   const Value none;
   Fields options(none, "effect detection");
-  made.push_back({detection, several->where, detection->make(options), ""});
+  made.push_back({{detection, detection->make(options), ""}, several->where});
 }
 
 // Returns the effects sorted by their stages, in which they run, whatever their order in the file.
@@ -102,33 +99,33 @@ Effects inOrder(std::vector<MadeEffect> made) {
   Effects ordered;
   bool intensity = false;
   bool snr = false;
-  const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m.effect->setsIntensity(); });
+  const bool lit = std::any_of(made.begin(), made.end(), [](const MadeEffect& m) { return m->setsIntensity(); });
   for (MadeEffect& m : made) {
-    if (m.effect->setsGain() && !lit) {
+    if (m->setsGain() && !lit) {
       throw InputError(m.where, fmt::format("the effect '{0}' changes the power, but no effect uses the power: add the "
                                             "effect `intensity`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
                                             m.entry->name));
     }
-    if (m.effect->needsIntensity() && !intensity) {
+    if (m->needsIntensity() && !intensity) {
       throw InputError(m.where, fmt::format("the effect '{0}' needs the intensity: add the effect `intensity`, or "
                                             "leave '{0}' out too (`{0}: none` beside `sensor`)",
                                             m.entry->name));
     }
-    if (m.effect->setsIntensity() && intensity) {
+    if (m->setsIntensity() && intensity) {
       throw InputError(
           m.where,
           fmt::format(
               "the effect '{}' sets the intensity, which an earlier effect sets already: leave one of the two out",
               m.entry->name));
     }
-    if (m.effect->needsSnr() && !snr) {
+    if (m->needsSnr() && !snr) {
       throw InputError(m.where, fmt::format("the effect '{0}' needs the signal-to-noise ratio: add `detection: "
                                             "{{noise: ...}}`, or leave '{0}' out too (`{0}: none` beside `sensor`)",
                                             m.entry->name));
     }
-    intensity = intensity || m.effect->setsIntensity();
-    snr = snr || m.effect->setsSnr();
-    ordered.push_back({m.entry, std::move(m.effect), std::move(m.options)});
+    intensity = intensity || m->setsIntensity();
+    snr = snr || m->setsSnr();
+    ordered.push_back(std::move(m));
   }
   return ordered;
 }
@@ -156,9 +153,7 @@ void checkSensorEffects(const Pipeline& pipeline, const EffectClasses& classes) 
 
 std::vector<Value> effectItems(const Value& list) {
   if (list.kind == Value::Kind::Null) return {};
-  if (list.kind == Value::Kind::Sequence) {
-    return withoutNone(list.items);
-  }
+  if (list.kind == Value::Kind::Sequence) return withoutNone(list.items);
   if (meansSensor(list)) return {list};
   throw InputError(list.where,
                    "effects must be a list such as [intensity], [] for no effects, or `sensor` for the effects in each "

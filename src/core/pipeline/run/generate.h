@@ -36,12 +36,12 @@ struct ShardChoice {
 
 struct GenerateOptions {
   std::filesystem::path folder;
-  std::filesystem::path keepHits;  // folder in which the hits are recorded; empty: no recording
+  std::filesystem::path keepHits{};  // folder in which the hits are recorded; empty: no recording
   // Folder in which the passes are recorded, if the method renders passes; empty: no recording.
-  std::filesystem::path keepPasses;
+  std::filesystem::path keepPasses{};
   bool overwrite = false;  // replaces an existing dataset and existing recordings
   bool resume = false;     // continues an unfinished dataset; cannot be combined with recordings
-  ShardChoice shards;      // the shards that this process makes
+  ShardChoice shards{};    // the shards that this process makes
   bool quiet = false;
   // Set by a signal handler; once it is true, generate() throws Error; may be null.
   const std::atomic<bool>* stop = nullptr;

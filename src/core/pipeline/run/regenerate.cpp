@@ -102,13 +102,9 @@ void regenerateShards(const fs::path& folder, const Manifest& manifest, const Pl
                       const std::vector<std::uint64_t>& shards, bool quiet, const std::atomic<bool>* stop) {
   const Scratch scratch(folder);
   fs::remove_all(scratch.folder());  // a process that was killed may have left files behind
-  GenerateOptions options;
-  options.folder = scratch.folder();
-  options.shards = {ShardChoice::Kind::Listed, shards};
-  options.quiet = quiet;
-  options.stop = stop;
   try {
-    generate(plan, options);
+    generate(plan,
+             {.folder = scratch.folder(), .shards = {ShardChoice::Kind::Listed, shards}, .quiet = quiet, .stop = stop});
   } catch (const Error&) {
     if (stop != nullptr && *stop) throw Error("stopped: nothing was replaced");
     throw;

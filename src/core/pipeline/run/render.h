@@ -16,7 +16,7 @@ namespace scanmill {
 
 struct RenderOptions {
   std::filesystem::path folder;
-  PassChoice passes;
+  PassChoice passes{};
   bool overwrite = false;
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // see GenerateOptions::stop

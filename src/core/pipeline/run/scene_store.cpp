@@ -14,7 +14,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/tsan_order.h"
-#include "pipeline/checks/heading_warnings.h"
 #include "pipeline/checks/warnings.h"
 #include "pipeline/checks/way_warnings.h"
 #include "pipeline/scenes/scene_shares.h"

@@ -6,14 +6,38 @@
 #include <utility>
 
 #include "pipeline/scenes/drawn_settings.h"
-#include "pipeline/scenes/drive.h"
 #include "pipeline/scenes/own_vehicle.h"
+#include "pipeline/scenes/random_way.h"
 #include "pipeline/scenes/recorded_method.h"
+#include "pipeline/scenes/scene_ground.h"
 #include "pipeline/scenes/scene_shares.h"
 #include "scene/without.h"
 #include "scenefile/scene_file.h"
 
 namespace scanmill {
+
+namespace {
+
+// True if the trajectory's poses can only be computed when its scene is loaded.
+bool needsScene(const Trajectory& trajectory) {
+  return trajectory.randomWay() != nullptr || trajectory.ground() != nullptr;
+}
+
+// Returns the trajectory with its random path, and with its poses moved onto the ground, as far as the trajectory asks
+// for these. Both are found in the scene of `probe`. `seed`: determines the random path. Throws InputError if the scene
+// has no suitable path or ground.
+Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
+  Trajectory driven = trajectory;
+  if (const RandomWay* random = trajectory.randomWay()) {
+    driven = driven.along(findRandomWay(probe, *random, seed, trajectory.name()));
+  }
+  if (const GroundOptions* ground = trajectory.ground()) {
+    driven = driven.onGround(SceneGround(probe, classIds(probe.scene().ontology, ground->classes, ground->where)));
+  }
+  return driven;
+}
+
+}  // namespace
 
 std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scene) {
   if (choice.entry == nullptr) throw Error("`method: auto`: no method has been chosen yet");
@@ -31,10 +55,8 @@ std::unique_ptr<Method> makeMethod(const MethodChoice& choice, const Scene& scen
 ShotSource::ShotSource(const Plan& plan)
     : plan_(plan), pipeline_(plan.pipeline), drawn_(std::make_unique<DrawnSettings>()) {
   if (!pipeline_.vehicle.empty()) {
-    SceneOptions options;
-    options.ontology = pipeline_.ontology;
-    options.wavelengthNm = pipeline_.wavelengthNm;
-    vehicle_ = std::make_shared<const Scene>(readScene(pipeline_.vehicle, options));
+    vehicle_ = std::make_shared<const Scene>(
+        readScene(pipeline_.vehicle, {.ontology = pipeline_.ontology, .wavelengthNm = pipeline_.wavelengthNm}));
   }
   std::vector<Pose> mounts;
   for (const MountedSensor& sensor : pipeline_.sensors) mounts.push_back(sensor.vehicleFromSensor);
@@ -88,12 +110,10 @@ Scene ShotSource::recordedScene(std::size_t sequence) const {
 Scene ShotSource::load(std::size_t sequence) {
   if (pipeline_.recording != nullptr) return recordedScene(sequence);
   const Sequence& own = pipeline_.sequences[sequence];
-  SceneOptions options;
-  options.seed = own.sceneSeed;
-  options.ontology = pipeline_.ontology;
-  options.wavelengthNm = pipeline_.wavelengthNm;
-  options.textures = plan_.channels.has(Channel::Reflectance);
-  Scene scene = readSceneToShares(own.sceneFile, options);
+  Scene scene = readSceneToShares(own.sceneFile, {.seed = own.sceneSeed,
+                                                  .ontology = pipeline_.ontology,
+                                                  .wavelengthNm = pipeline_.wavelengthNm,
+                                                  .textures = plan_.channels.has(Channel::Reflectance)});
   if (!own.moving) standStill(scene, 0);
   findDrives(own, scene);  // must precede takeOut(), so that random paths do not depend on which objects are removed
   takeOut(scene, own.without);

@@ -23,8 +23,6 @@ class AngularJitter : public Effect {
   AngularJitter(double azimuthSigma, double elevationSigma)
       : azimuthSigma_(azimuthSigma), elevationSigma_(elevationSigma) {}
 
-  Channels reads() const override { return Channel::Range; }
-
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     change(shot, returns);
   }

@@ -124,13 +124,8 @@ class Blooming : public Effect {
     }
     for (std::uint32_t beam = 0; beam < strays.size(); ++beam) {
       if (strays[beam].echo <= 0 || joined[beam] || returns.full(beam)) continue;
-      AddedReturn added;
-      added.beam = beam;
-      added.range = strays[beam].range;
-      added.power = strays[beam].echo;
-      added.cause = Cause::StrayLight;
-      added.label = o_.label;
-      returns.add(added, hits);
+      const auto [echo, range] = strays[beam];
+      returns.add({.beam = beam, .range = range, .power = echo, .cause = Cause::StrayLight, .label = o_.label}, hits);
     }
   }
 

@@ -162,11 +162,10 @@ class Detection : public Effect {
         if (uniform(drawn[i]) >= probability || returns.full(beam)) continue;
         const RandomBlock words = wordsOf(shot, beam);
         const double over = o_.threshold > 0 ? -naturalLog(uniform(words[2])) / o_.threshold : 0.0;
-        AddedReturn added;
-        added.beam = beam;
-        added.range = static_cast<float>(beams.minRange + length * uniform(words[1]));
-        added.power = static_cast<float>(o_.noise * (o_.threshold + over));
-        added.snr = static_cast<float>(o_.threshold + over);
+        const AddedReturn added{.beam = beam,
+                                .range = static_cast<float>(beams.minRange + length * uniform(words[1])),
+                                .power = static_cast<float>(o_.noise * (o_.threshold + over)),
+                                .snr = static_cast<float>(o_.threshold + over)};
         returns.add(added, hits);
         measured.push_back(added.power);
       }

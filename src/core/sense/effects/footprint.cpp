@@ -20,7 +20,6 @@ class FootprintEffect : public Effect {
  public:
   FootprintEffect(std::uint32_t rays, Location where) : rays_(rays), where_(std::move(where)) {}
 
-  Channels reads() const override { return Channel::Range; }
   std::uint32_t raysPerBeam() const override { return rays_; }
   std::uint32_t mostReturns(std::uint32_t before) const override {
     return std::max(before, std::min(rays_, kMostReturns));

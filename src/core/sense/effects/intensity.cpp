@@ -166,10 +166,7 @@ class Intensity : public Effect {
       reflect(surfacesOf(hits, first), lobes, count, some);
       for (std::size_t i = 0; i < count && !hits.weightOfRay.empty(); ++i) some[i] *= hits.weightOfRay[first + i];
       travel(hits.range.data() + first, count, some);
-      for (std::size_t i = 0; i < count; ++i) {
-        const float finite = some[i] < FLT_MAX ? some[i] : FLT_MAX;
-        some[i] = hits.range[first + i] < kMiss && some[i] > 0 ? finite : 0;
-      }
+      settle(hits.range.data() + first, count, some);
     });
   }
 

@@ -22,7 +22,6 @@ class LightPathsEffect : public Effect {
  public:
   explicit LightPathsEffect(const LightPaths& paths) : paths_(paths) {}
 
-  Channels reads() const override { return Channel::Range; }  // followLight() reads further channels
   const LightPaths* lightPaths() const override { return &paths_; }
   // Each pane may add one return per ray, each bounce two; the total is at most kMostReturns.
   std::uint32_t mostReturns(std::uint32_t before) const override {

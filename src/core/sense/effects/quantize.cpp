@@ -16,8 +16,6 @@ class Quantize : public Effect {
  public:
   explicit Quantize(double step) : step_(step) {}
 
-  Channels reads() const override { return Channel::Range; }
-
   void apply(const Hits&, const Shot&, std::span<const Material>, Returns& returns) const override { change(returns); }
 
  private:

@@ -70,7 +70,6 @@ class RangeNoise : public Effect {
  public:
   explicit RangeNoise(Sigma sigma) : sigma_(std::move(sigma)) {}
 
-  Channels reads() const override { return Channel::Range; }
   bool needsIntensity() const override { return sigma_.overSnr > 0; }
   bool needsSnr() const override { return sigma_.overSnr > 0; }
 

@@ -18,7 +18,6 @@ class RangeWalk : public Effect {
  public:
   RangeWalk(double perDecade, double above) : perDecade_(perDecade), above_(above) {}
 
-  Channels reads() const override { return Channel::Range; }
   bool needsIntensity() const override { return true; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {

@@ -35,7 +35,6 @@ class RingBias : public Effect {
   RingBias(PerRing range, PerRing elevation, PerRing gain)
       : range_(std::move(range)), elevation_(std::move(elevation)), gain_(std::move(gain)) {}
 
-  Channels reads() const override { return Channel::Range; }
   bool setsGain() const override { return !gain_.zero(); }
 
   void check(const BeamTable& beams) const override {

@@ -17,8 +17,6 @@ class ShellNoise : public Effect {
  public:
   ShellNoise(double scale, double growth) : scale_(scale), growth_(growth) {}
 
-  Channels reads() const override { return Channel::Range; }
-
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {
     change(shot, returns);
   }

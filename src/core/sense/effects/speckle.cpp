@@ -22,7 +22,6 @@ class Speckle : public Effect {
  public:
   explicit Speckle(int looks) : looks_(looks) {}
 
-  Channels reads() const override { return Channel::Range; }
   bool setsGain() const override { return true; }
 
   void apply(const Hits&, const Shot& shot, std::span<const Material>, Returns& returns) const override {

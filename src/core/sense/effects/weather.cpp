@@ -272,13 +272,9 @@ class WeatherEffect : public Effect {
     }
     for (const Particle& particle : particles) {
       if (returns.full(beam)) return;
-      AddedReturn added;
-      added.beam = beam;
-      added.range = particle.range;
-      added.power = particle.echo;
-      added.cause = Cause::Weather;
-      added.label = o_.label;
-      returns.add(added, hits);
+      returns.add(
+          {.beam = beam, .range = particle.range, .power = particle.echo, .cause = Cause::Weather, .label = o_.label},
+          hits);
     }
   }
 

@@ -15,6 +15,7 @@
 #include "tests/core/methods/depth_camera/worlds.h"
 #include "tests/support/blender.h"
 #include "tests/support/message_of.h"
+#include "tests/support/ray_scenes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -57,11 +58,7 @@ TEST(DepthCamera, IsExactInAClosedRoom) {
 }
 
 TEST(DepthCamera, GrazesTheGroundTo200Metres) {
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 2000, 2000, 5);
-  builder.place(builder.addMesh(ground), at(0, 0, -1.7), "ground");
-  const Scene scene = builder.finish();
+  const Scene scene = flatGround({0, 0, -1.7}, 2000, 5);
   std::vector<Vec3d> directions;
   for (int i = 0; i < 200; ++i) {
     const double distance = 3 + i * 0.985;
@@ -253,13 +250,7 @@ TEST(DepthCamera, ThreadsDoNotMatter) {
   const Shot still = shotAt(shipped("os1_128"));
   const Shot driving = moving(spinning(32, 720, -25, 5, 120), 720, 0.4);
   for (const Shot& shot : {still, driving}) {
-    std::vector<Hits> results;
-    for (const int threads : {1, 2, 8}) {
-      const ThreadLimit limit(threads);
-      results.push_back(photographed(scene, shot, "{resolution: 512}"));
-    }
-    expectSameHits(results[1], results[0]);
-    expectSameHits(results[2], results[0]);
+    expectSameOnAnyThreads([&] { return photographed(scene, shot, "{resolution: 512}"); });
   }
 }
 
@@ -361,13 +352,7 @@ TEST(DepthCamera, CountsBeamsThatNoImageSees) {
 }
 
 TEST(DepthCamera, NearAndFarBoundWhatIsDrawn) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {0, -50, -50}, {0, 50, -50}, {0, 50, 50}, {0, -50, 50});
-  const std::uint32_t mesh = builder.addMesh(wall);
-  builder.place(mesh, at(0.5, 0, 0), "near");
-  builder.place(mesh, at(50, 0, 0), "far");
-  const Scene scene = builder.finish();
+  const Scene scene = wallsAhead({0.5, 50});
   const auto range = [&](const std::string& options, double minRange = 0) {
     return photographed(scene, shotAt(beamsOf({{1, 0, 0}}, minRange, 100)), options).range[0];
   };

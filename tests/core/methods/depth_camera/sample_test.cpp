@@ -120,11 +120,8 @@ TEST(Sample, NearestErrsByHalfAPixelsFootprint) {
 }
 
 TEST(Sample, BilinearIsExactOnPlanesAwayFromEdges) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendPlane(wall, 0, {}, 500, 500, 1);
-  builder.place(builder.addMesh(wall), {toMatrix(fromYawPitchRoll(0.2, -1.2, 0)), {9, 1, 0}}, "wall");
-  const Scene scene = builder.finish();
+  const auto fill = [](Mesh& wall) { appendPlane(wall, 0, {}, 500, 500, 1); };
+  const Scene scene = oneMeshScene("ground", fill, {toMatrix(fromYawPitchRoll(0.2, -1.2, 0)), {9, 1, 0}});
   for (const double field : {20.0, 90.0}) {
     const Camera camera = ahead(256, field);
     // Half a pixel at the edges too: there the four pixels lie to one side.

@@ -291,11 +291,7 @@ TEST(Build, EmptyWorldIsEmpty) {
 }
 
 TEST(Build, MillionTriangles) {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendSphere(mesh, 0, {}, 1.0, 1000);
-  builder.place(builder.addMesh(mesh), {}, "ball");
-  const Scene scene = builder.finish();
+  const Scene scene = oneMeshScene("thing", [](Mesh& mesh) { appendSphere(mesh, 0, {}, 1.0, 1000); });
   EXPECT_GT(scene.placedTriangles(), 900'000u);
   const auto world = worldOf(scene);
   const auto field = buildField(*world, shapeAt({1, 0, 0}, 0.05, 32, 2, false));

@@ -56,24 +56,22 @@ Surroundings surroundingsOf(const Scene& scene, bool lists, double voxel = 0.25)
 
 // A room with furniture whose triangles are large and small, and a loose sheet.
 Scene furnished() {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendBox(mesh, 0, {}, {24, 16, 8});
-  appendSphere(mesh, 0, at(3, 2, -1), 1.5, 24);
-  appendBox(mesh, 0, at(-4, -2, 0), {0.04, 0.04, 5});
-  appendCylinder(mesh, 0, at(5, -4, 1), 0.6, 0, 2, 16);
-  appendQuad(mesh, 0, {-6, 3, -2}, {-5, 5, -2}, {-5, 5, 2}, {-6, 3, 2});
-  builder.place(builder.addMesh(mesh), {toMatrix(fromYawPitchRoll(0.3, 0.1, -0.2)), {0.1, 0.2, 0.05}}, "room");
-  return builder.finish();
+  const auto fill = [](Mesh& mesh) {
+    appendBox(mesh, 0, {}, {24, 16, 8});
+    appendSphere(mesh, 0, at(3, 2, -1), 1.5, 24);
+    appendBox(mesh, 0, at(-4, -2, 0), {0.04, 0.04, 5});
+    appendCylinder(mesh, 0, at(5, -4, 1), 0.6, 0, 2, 16);
+    appendQuad(mesh, 0, {-6, 3, -2}, {-5, 5, -2}, {-5, 5, 2}, {-6, 3, 2});
+  };
+  return oneMeshScene("thing", fill, {toMatrix(fromYawPitchRoll(0.3, 0.1, -0.2)), {0.1, 0.2, 0.05}});
 }
 
 Scene openGround() {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "ground");
-  appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
-  appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
-  builder.place(builder.addMesh(mesh), {}, "ground");
-  return builder.finish();
+  const auto fill = [](Mesh& mesh) {
+    appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
+    appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
+  };
+  return oneMeshScene("ground", fill);
 }
 
 Scene nothing() {
@@ -82,41 +80,9 @@ Scene nothing() {
   return scene;
 }
 
-void setParticle(const DistanceField& field, Particles& particles, std::size_t i, const Vec3d& origin,
-                 const Vec3d& direction, double begin) {
-  const Box box = marchBox(field.shape);
-  const double voxel = field.shape.voxel;
-  const Vec3d start = (origin - field.shape.centre) * (1 / voxel);
-  const auto wayOut = [](double low, double high, double from, double along) {
-    return along == 0 ? 1e9 : ((along > 0 ? high : low) - from) / along;
-  };
-  const double end = std::min({wayOut(box.low.x, box.high.x, origin.x, direction.x),
-                               wayOut(box.low.y, box.high.y, origin.y, direction.y),
-                               wayOut(box.low.z, box.high.z, origin.z, direction.z)}) /
-                     voxel;
-  const auto put = [&](std::vector<float>& column, double value) { column[i] = static_cast<float>(value); };
-  put(particles.ox, start.x);
-  put(particles.oy, start.y);
-  put(particles.oz, start.z);
-  put(particles.dx, direction.x);
-  put(particles.dy, direction.y);
-  put(particles.dz, direction.z);
-  put(particles.begin, begin);
-  put(particles.end, end);
-  if (!field.shape.lists) return;
-  const auto inverse = [](double component) { return 1 / (std::abs(component) < 1e-12 ? 1e-12 : component); };
-  put(particles.wx, origin.x);
-  put(particles.wy, origin.y);
-  put(particles.wz, origin.z);
-  put(particles.ix, inverse(direction.x));
-  put(particles.iy, inverse(direction.y));
-  put(particles.iz, inverse(direction.z));
-}
-
 // From all over the field, in all directions; every ninth along an axis, some that have no way to go.
 Particles particlesIn(const DistanceField& field, std::size_t count, std::uint32_t stream = 0) {
   Particles particles;
-  particles.resize(count, field.shape.lists);
   const Box box = marchBox(field.shape);
   for (std::size_t i = 0; i < count; ++i) {
     const auto beam = static_cast<std::uint32_t>(i);
@@ -137,7 +103,7 @@ Particles particlesIn(const DistanceField& field, std::size_t count, std::uint32
       const Vec3d axes[] = {{turn, 0, 0}, {0, turn, 0}, {0, 0, turn}};
       direction = axes[d[3] % 3];
     }
-    setParticle(field, particles, i, origin, direction, i % 5 == 0 ? 4 * uniform(p[3]) : 0);
+    addParticle(field, origin, direction, i % 5 == 0 ? 4 * uniform(p[3]) * field.shape.voxel : 0, INFINITY, particles);
     if (i % 31 == 0) particles.end[i] = particles.begin[i];
     if (i % 37 == 0) particles.end[i] = -1;
   }
@@ -335,8 +301,7 @@ TEST(GlMarcher, NoParticlesAndOne) {
   EXPECT_EQ(marcher.march(place.field, place.world, kUsual, particlesIn(*place.field, 0)).size(), 0u);
   EXPECT_EQ(flown(marcher, place, kUsual, particlesIn(*place.field, 2)).wrong, 0u);
   Particles one;
-  one.resize(1, true);
-  setParticle(*place.field, one, 0, {0, 0, 0}, {0, 0, -1}, 0);
+  addParticle(*place.field, {0, 0, 0}, {0, 0, -1}, 0, INFINITY, one);
   EXPECT_EQ(flown(marcher, place, kUsual, one).hits, 1u);
 }
 

@@ -83,12 +83,11 @@ ParticleOptions smallOptions(ParticleOptions::Refine refine) {
 // However many march at once; beams that do not fit are refused.
 TEST(ParticlesOnADevice, SlicesDoNotMatter) {
   SKIP_WITHOUT_GL();
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "ground");
-  appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
-  appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
-  builder.place(builder.addMesh(mesh), {}, "ground");
-  const Scene scene = builder.finish();
+  const auto fill = [](Mesh& mesh) {
+    appendPlane(mesh, 0, at(0, 0, -2), 100, 100, 9);
+    appendSphere(mesh, 0, at(6, 1, -1), 1, 16);
+  };
+  const Scene scene = oneMeshScene("ground", fill);
   const Shot shot = shotAt(spinning(6, 50, -25, 5, 60));
   using enum ParticleOptions::Refine;
   for (const auto refine : {None, ByTriangle}) {

@@ -42,24 +42,8 @@ double voxelAt(const Vec3d& fromSensor, double finest, int voxels) {
   return voxel;
 }
 
-Scene groundScene(double depth, double shift = 0) {
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 400, 400, 8);
-  builder.place(builder.addMesh(ground), at(shift, shift, shift - depth), "ground");
-  return builder.finish();
-}
-
-std::vector<Vec3d> fan(const std::vector<double>& incidences) {
-  std::vector<Vec3d> directions;
-  for (const double incidence : incidences) {
-    for (int k = 0; k < 40; ++k) {
-      const double azimuth = 0.1 + 2 * kPi * k / 40;
-      const double i = radians(incidence);
-      directions.push_back({std::sin(i) * std::cos(azimuth), std::sin(i) * std::sin(azimuth), -std::cos(i)});
-    }
-  }
-  return directions;
+Scene groundScene(double depth) {
+  return flatGround({0, 0, -depth}, 400, 8);
 }
 
 TEST(Particle, PlaneIsMetToHalfAVoxelWithoutRefinement) {
@@ -105,11 +89,8 @@ struct TurnedBox {
   Vec3d centre;
 
   Scene scene() const {
-    SceneBuilder builder = testBuilder();
-    Mesh walls = meshOf(builder, "thing");
-    appendBox(walls, 0, {}, half * 2.0);
-    builder.place(builder.addMesh(walls), {worldFromBox, centre}, "box");
-    return builder.finish();
+    const auto fill = [&](Mesh& walls) { appendBox(walls, 0, {}, half * 2.0); };
+    return oneMeshScene("thing", fill, {worldFromBox, centre});
   }
   Vec3d inBox(const Vec3d& point) const { return transposed(worldFromBox) * (point - centre); }
   // To the wall that is nearest, from inside or outside (m).
@@ -201,11 +182,8 @@ TEST(Particle, BoxFromOutside) {
 }
 
 TEST(Particle, SphereIsMetLikeByRayTracing) {
-  SceneBuilder builder = testBuilder();
-  Mesh sphere = meshOf(builder, "thing");
-  appendSphere(sphere, 0, {}, 2.0, 128);
-  builder.place(builder.addMesh(sphere), at(0.2, 0.1, 0), "sphere");
-  const Scene scene = builder.finish();
+  const auto fill = [](Mesh& sphere) { appendSphere(sphere, 0, {}, 2.0, 128); };
+  const Scene scene = oneMeshScene("thing", fill, at(0.2, 0.1, 0));
   const Shot shot = shotAt(beamsOf(randomDirections(20000, 2), 0, 100));
   const Hits truth = traced(scene, shot);
   const Hits exact = flown(scene, shot);
@@ -282,17 +260,7 @@ TEST(Particle, ThreadsDoNotMatter) {
   const Scene scene = things();
   const Shot shot = shotAt(spinning(32, 1000, -25, 5, 120));
   for (const char* refine : {"refine: none", "refine: normal", "refine: triangle", "refine: none, steps: 16"}) {
-    Hits first;
-    for (const int threads : {1, 2, 8}) {
-      const ThreadLimit limit(threads);
-      const Hits hits = flown(scene, shot, refine);
-      if (threads == 1) {
-        first = hits;
-      } else {
-        expectSameHits(first, hits);
-        EXPECT_EQ(first.unresolved, hits.unresolved);
-      }
-    }
+    expectSameOnAnyThreads([&] { return flown(scene, shot, refine); });
   }
 }
 
@@ -392,13 +360,11 @@ TEST(Particle, ALevelTooFewIsSaid) {
 TEST(Particle, EmptySceneAndOneTriangle) {
   Scene empty;
   empty.materials.emplace_back();
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  mesh.positions = {{5, -1, -1}, {5, 1, -1}, {5, 0, 1}};
-  mesh.triangles = {{0, 1, 2}};
-  mesh.surfaceOf = {0};
-  builder.place(builder.addMesh(mesh), at(0, 0, 0), "triangle");
-  const Scene one = builder.finish();
+  const Scene one = oneMeshScene("thing", [](Mesh& mesh) {
+    mesh.positions = {{5, -1, -1}, {5, 1, -1}, {5, 0, 1}};
+    mesh.triangles = {{0, 1, 2}};
+    mesh.surfaceOf = {0};
+  });
   const Shot shot = shotAt(beamsOf(randomDirections(500, 5), 0, 50));
   const Hits truth = traced(one, shot);
   for (const char* field : {"field: sensor", "field: scene"}) {
@@ -435,11 +401,8 @@ TEST(Particle, VoxelsFromAMillimetreToTenMetres) {
 
 // Plates across the beams' way, half a metre wide at least on each side of each beam.
 Scene plate(double thickness, double distance) {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendBox(mesh, 0, {}, {thickness, 6, 6});
-  builder.place(builder.addMesh(mesh), {toMatrix(fromYawPitchRoll(0.1, 0.05, 0)), {distance, 0, 0}}, "plate");
-  return builder.finish();
+  const auto fill = [&](Mesh& mesh) { appendBox(mesh, 0, {}, {thickness, 6, 6}); };
+  return oneMeshScene("thing", fill, {toMatrix(fromYawPitchRoll(0.1, 0.05, 0)), {distance, 0, 0}});
 }
 
 TEST(Particle, ThinPlatesAreSeenHoweverThin) {

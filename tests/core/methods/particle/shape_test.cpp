@@ -246,13 +246,7 @@ TEST(CheckField, RefusesTooManyBricksWhateverTheMemory) {
 }
 
 TEST(CheckField, IsAskedWhenAMethodIsMade) {
-  const Scene scene = [] {
-    SceneBuilder builder = testBuilder();
-    Mesh ground = meshOf(builder, "ground");
-    appendPlane(ground, 0, {}, 400, 400, 8);
-    builder.place(builder.addMesh(ground), {}, "ground");
-    return builder.finish();
-  }();
+  const Scene scene = flatGround({}, 400, 8);
   expectInputError([&] { methodOf("particle", scene, "{field: scene, backend: cpu, voxel_m: 0.001}"); },
                    {"voxel_m: ", "or more, or `field: sensor`"});
 }

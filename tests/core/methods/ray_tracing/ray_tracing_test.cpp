@@ -11,6 +11,7 @@
 #include "base/random.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/directions.h"
+#include "tests/support/ray_scenes.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/test_scene.h"
 
@@ -41,36 +42,21 @@ Scene clutter(double shift = 0) {
 }
 
 TEST(RayTracing, PlaneFollowsItsClosedFormToGrazingIncidence) {
-  SceneBuilder builder = testBuilder();
-  Mesh ground = meshOf(builder, "ground");
-  appendPlane(ground, 0, {}, 1e5, 1e5, 7);
-  builder.place(builder.addMesh(ground), at(0, 0, -1.7), "ground");
-  const Scene scene = builder.finish();
-  std::vector<Vec3d> directions;
-  std::vector<double> incidences;
-  for (const double incidence : {0.0, 10.0, 45.0, 80.0, 89.0, 89.9, 89.95, 89.99}) {
-    for (int k = 0; k < 50; ++k) {
-      const double azimuth = 0.1 + 0.125 * k;
-      const double i = radians(incidence);
-      directions.push_back({std::sin(i) * std::cos(azimuth), std::sin(i) * std::sin(azimuth), -std::cos(i)});
-      incidences.push_back(i);
-    }
-  }
+  const Scene scene = flatGround({0, 0, -1.7}, 1e5, 7);
+  const std::vector<double> incidences{0, 10, 45, 80, 89, 89.9, 89.95, 89.99};
+  const std::vector<Vec3d> directions = fan(incidences);
   const Hits hits = traced(scene, shotAt(beamsOf(directions, 0, 1e5)));
   for (std::size_t b = 0; b < directions.size(); ++b) {
-    const double expected = 1.7 / -normalized(directions[b]).z;
-    EXPECT_NEAR(hits.range[b], expected, 1e-5 / std::cos(incidences[b])) << degrees(incidences[b]);
-    EXPECT_NEAR(hits.incidence[b], std::cos(incidences[b]), 1e-6);
+    const double incidence = incidences[b / kFanWidth];
+    const double cosine = std::cos(radians(incidence));
+    EXPECT_NEAR(hits.range[b], 1.7 / -normalized(directions[b]).z, 1e-5 / cosine) << incidence;
+    EXPECT_NEAR(hits.incidence[b], cosine, 1e-6);
     EXPECT_EQ(hits.normal[b], (Vec3f{0, 0, 1}));
   }
 }
 
 TEST(RayTracing, SphereIsWithinItsFacets) {
-  SceneBuilder builder = testBuilder();
-  Mesh sphere = meshOf(builder, "thing");
-  appendSphere(sphere, 0, {}, 2.0, 256);
-  builder.place(builder.addMesh(sphere), at(0, 0, 0), "sphere");
-  const Scene scene = builder.finish();
+  const Scene scene = oneMeshScene("thing", [](Mesh& sphere) { appendSphere(sphere, 0, {}, 2.0, 256); });
   const Hits hits = traced(scene, shotAt(beamsOf(randomDirections(20000))));
   const double sagitta = 2.0 * (1 - std::cos(kPi / 128) * std::cos(kPi / 128));
   for (const float range : hits.range) {
@@ -130,11 +116,7 @@ TEST(RayTracing, FarFromTheScenesCentreToo) {
 }
 
 TEST(RayTracing, RangeLimits) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {10, -50, -50}, {10, 50, -50}, {10, 50, 50}, {10, -50, 50});
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
+  const Scene scene = wallAhead();
   const auto method = rayTracing(scene);
   const auto range = [&](double minimum, double maximum, double x = 0) {
     return traced(*method, shotAt(beamsOf({{1, 0, 0}}, minimum, maximum), {{}, {x, 0, 0}})).range[0];
@@ -149,23 +131,13 @@ TEST(RayTracing, RangeLimits) {
 }
 
 TEST(RayTracing, NearSurfaceBlocksWhatLiesBehind) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {0, -5, -5}, {0, 5, -5}, {0, 5, 5}, {0, -5, 5});
-  const std::uint32_t mesh = builder.addMesh(wall);
-  builder.place(mesh, at(1, 0, 0), "near");
-  builder.place(mesh, at(10, 0, 0), "far");
-  const Scene scene = builder.finish();
-  EXPECT_EQ(traced(scene, shotAt(beamsOf({{1, 0, 0}}, 2, 100))).range[0], kMiss);
+  EXPECT_EQ(traced(wallsAhead({1, 10}), shotAt(beamsOf({{1, 0, 0}}, 2, 100))).range[0], kMiss);
 }
 
 TEST(RayTracing, ClosedRoomHasNoEscapes) {
-  SceneBuilder builder = testBuilder();
-  Mesh room = meshOf(builder, "ground");
-  appendSphere(room, 0, {}, 30.0, 96);
-  appendBox(room, 0, {toMatrix(fromYawPitchRoll(0.3, 0.2, 0.1)), {}}, {120, 120, 120});
-  builder.place(builder.addMesh(room), {toMatrix(fromYawPitchRoll(0.7, 0.4, 0.2)), {3, 2, 1}}, "room");
-  const Scene scene = builder.finish();
+  const Scene scene = ballRoom([](Mesh& room) {
+    appendBox(room, 0, {toMatrix(fromYawPitchRoll(0.3, 0.2, 0.1)), {}}, {120, 120, 120});
+  });
   const auto method = rayTracing(scene);
   Hits hits;
   std::size_t misses = 0;
@@ -231,13 +203,7 @@ TEST(RayTracing, InstancedOrFlattenedGivesTheSame) {
 TEST(RayTracing, ThreadsDoNotMatter) {
   const Scene scene = clutter();
   const Shot shot = shotAt(spinning(64, 2048, -25, 5));
-  std::vector<Hits> results;
-  for (const int threads : {1, 2, 8}) {
-    const ThreadLimit limit(threads);
-    results.push_back(traced(scene, shot));
-  }
-  expectSameHits(results[1], results[0]);
-  expectSameHits(results[2], results[0]);
+  expectSameOnAnyThreads([&] { return traced(scene, shot); });
 }
 
 TEST(RayTracing, OddSizes) {
@@ -261,13 +227,7 @@ TEST(RayTracing, OnlyAskedChannelsAreFilled) {
 
 TEST(RayTracing, MissesAreZeroed) {
   const Scene scene = clutter();
-  const Hits hits = traced(scene, shotAt(beamsOf({{0, 0, 1}})));
-  EXPECT_EQ(hits.range[0], kMiss);
-  EXPECT_EQ(hits.instance[0], 0u);
-  EXPECT_EQ(hits.semantic[0], 0u);
-  EXPECT_EQ(hits.reflectance[0], 0.0f);
-  EXPECT_EQ(hits.incidence[0], 0.0f);
-  EXPECT_EQ(hits.normal[0], Vec3f{});
+  expectZeroedMiss(traced(scene, shotAt(beamsOf({{0, 0, 1}}))));
 }
 
 TEST(RayTracing, TinyAndHugeTrianglesInOneScene) {
@@ -291,56 +251,32 @@ TEST(RayTracing, TinyAndHugeTrianglesInOneScene) {
   EXPECT_NEAR(hits.range[3], 1.0, 1e-7);
 }
 
-// Two walls in one plane, cut into different triangles; the later one is placed first or second, baked or instanced.
+// The later wall is placed first or second, baked or instanced.
 TEST(RayTracing, CoplanarSurfacesGiveTheLowestInstance) {
   const auto beams = spinning(64, 512, -40, 40);
   for (const bool coarseFirst : {true, false}) {
+    const CoplanarWalls walls(coarseFirst);
     for (const char* options : {"{instancing: never}", "{instancing: always}", "{packet: 1}",
                                 "{instancing: always, packet: 1}", "{bvh: low}"}) {
-      SceneBuilder builder = testBuilder();
-      Mesh coarse = meshOf(builder, "thing");
-      appendPlane(coarse, 0, {}, 30, 30, 1);
-      Mesh fine = meshOf(builder, "other", "dark");
-      appendPlane(fine, 0, {toMatrix(fromYawPitchRoll(0.3, 0, 0)), {}}, 60, 60, 13);
-      const std::uint32_t a = builder.addMesh(coarse);
-      const std::uint32_t b = builder.addMesh(fine);
-      const Affine place{toMatrix(fromYawPitchRoll(0.4, 0.9, 0.2)), {3, 1, -4}};
-      builder.place(coarseFirst ? a : b, place, "first");
-      builder.place(coarseFirst ? b : a, place, "second");
-      const Scene scene = builder.finish();
-      const Hits hits = traced(scene, shotAt(beams), options);
-      const Affine planeFromWorld = inverse(place);
-      std::size_t both = 0;
-      for (std::size_t i = 0; i < hits.size(); ++i) {
-        if (!hits.hit(i)) continue;
-        const Vec3d p = planeFromWorld * (beams->direction[i] * hits.range[i]);
-        EXPECT_NEAR(p.z, 0, 1e-5);
-        const bool inCoarse = std::abs(p.x) < 14.999 && std::abs(p.y) < 14.999;
-        if (!inCoarse) continue;  // the fine one is larger and turned: inside the coarse one there are always both
-        ++both;
-        EXPECT_EQ(hits.instance[i], 1u) << options << " beam " << i << " range " << hits.range[i];
-      }
-      EXPECT_GT(both, 5000u);
+      SCOPED_TRACE(options);
+      const Hits hits = traced(walls.scene, shotAt(beams), options);
+      walls.expectTheFirst(*beams, hits, hits.range, 1e-5);
     }
   }
 }
 
 TEST(RayTracing, ExactDuplicatesHaveTheSameRange) {
-  SceneBuilder builder = testBuilder();
-  Mesh box = meshOf(builder, "thing");
-  appendBox(box, 0, {}, {4, 4, 4});
-  const std::uint32_t mesh = builder.addMesh(box);
-  const Affine place{toMatrix(fromYawPitchRoll(1, 0.5, 0.25)), {12, 3, 0}};
-  builder.place(mesh, place, "once");
-  const Scene once = [&] {
-    SceneBuilder single = testBuilder();
-    Mesh same = meshOf(single, "thing");
-    appendBox(same, 0, {}, {4, 4, 4});
-    single.place(single.addMesh(same), place, "once");
-    return single.finish();
-  }();
-  for (int i = 0; i < 5; ++i) builder.place(mesh, place, "again");
-  const Scene many = builder.finish();
+  const auto boxes = [](int count) {
+    SceneBuilder builder = testBuilder();
+    Mesh box = meshOf(builder, "thing");
+    appendBox(box, 0, {}, {4, 4, 4});
+    const std::uint32_t mesh = builder.addMesh(box);
+    const Affine place{toMatrix(fromYawPitchRoll(1, 0.5, 0.25)), {12, 3, 0}};
+    for (int i = 0; i < count; ++i) builder.place(mesh, place, "box");
+    return builder.finish();
+  };
+  const Scene once = boxes(1);
+  const Scene many = boxes(6);
   const Shot shot = shotAt(spinning(32, 2048, -30, 30));
   for (const char* options : {"{instancing: never}", "{instancing: always}"}) {
     expectSameHits(traced(many, shot, options), traced(once, shot, options));
@@ -348,29 +284,8 @@ TEST(RayTracing, ExactDuplicatesHaveTheSameRange) {
 }
 
 TEST(RayTracing, AlphaLetsBeamsThrough) {
-  SceneBuilder builder = testBuilder();
-  Material leaf;
-  leaf.name = "leaf";
-  leaf.alphaTested = true;
-  auto texture = std::make_shared<Texture>();
-  texture->width = 2;
-  texture->height = 1;
-  texture->hasAlpha = true;
-  texture->rgba = {255, 255, 255, 255, 255, 255, 255, 0};  // the left half is there, the right half is not
-  leaf.texture = texture;
-  Mesh curtain;
-  curtain.surfaces.push_back({builder.addMaterial(leaf), 2, 1, "", "", {}});
-  appendQuad(curtain, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
-  curtain.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  builder.place(builder.addMesh(curtain), {}, "curtain");
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {10, 50, -50}, {10, -50, -50}, {10, -50, 50}, {10, 50, 50});
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
-  std::vector<Vec3d> directions;
-  for (int i = -40; i <= 40; ++i) {
-    if (i != 0) directions.push_back({1, i * 0.02, 0.013});
-  }
+  const Scene scene = curtain();
+  const std::vector<Vec3d> directions = towardsTheCurtain();
   for (const char* options : {"{instancing: never}", "{instancing: always}", "{packet: 1}"}) {
     const Hits hits = traced(scene, shotAt(beamsOf(directions)), options);
     for (std::size_t b = 0; b < directions.size(); ++b) {
@@ -380,51 +295,20 @@ TEST(RayTracing, AlphaLetsBeamsThrough) {
 }
 
 TEST(RayTracing, TextureScalesReflectance) {
-  SceneBuilder builder = testBuilder();
-  Material paint;
-  paint.name = "paint";
-  paint.reflectance = 0.4f;
-  paint.textured = true;
-  auto texture = std::make_shared<Texture>();
-  texture->width = 2;
-  texture->height = 1;
-  texture->rgba = {255, 255, 255, 255, 0, 0, 0, 255};
-  paint.texture = texture;
-  paint.textureMean = 0.5f;
-  Mesh wall;
-  wall.surfaces.push_back({builder.addMaterial(paint), 1, 0, "", "", {}});
-  appendQuad(wall, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
-  wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
-  const Hits hits = traced(scene, shotAt(beamsOf({{1, 0.3, 0.1}, {1, -0.3, 0.1}})));
+  const Hits hits = traced(paintedWall(), shotAt(beamsOf({{1, 0.3, 0.1}, {1, -0.3, 0.1}})));
   EXPECT_FLOAT_EQ(hits.reflectance[0], 0.8f);
   EXPECT_FLOAT_EQ(hits.reflectance[1], 0.0f);
 }
 
 TEST(RayTracing, BeamOriginsAndPosesMove) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {10, -50, -50}, {10, 50, -50}, {10, 50, 50}, {10, -50, 50});
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
-  auto beams = beamsOf(std::vector<Vec3d>(40, {1, 0, 0}));
-  beams->origin.assign(40, {0.25f, 0, 0});
-  Shot shot = shotAt(beams);
-  for (int step = 1; step < 7; ++step) shot.worldFromSensor.push_back({{}, {0.5 * step, 0, 0}});
-  const Hits hits = traced(scene, shot);
+  const Hits hits = traced(wallAhead(), steppingAhead());
   for (std::uint32_t c = 0; c < 40; ++c) {
     EXPECT_EQ(hits.range[c], static_cast<float>(9.75 - 0.5 * static_cast<double>(c * 7 / 40))) << c;
   }
 }
 
 TEST(RayTracing, MirroredInstancesKeepTheirNormalsTowardsTheSensor) {
-  SceneBuilder builder = testBuilder();
-  Mesh box = meshOf(builder, "thing");
-  appendBox(box, 0, {}, {2, 2, 2});
-  const std::uint32_t mesh = builder.addMesh(box);
-  builder.place(mesh, {Mat3::scale({-1, 1, 1}), {5, 0, 0}}, "mirrored");
-  const Scene scene = builder.finish();
+  const Scene scene = mirroredBox();
   for (const char* options : {"{instancing: never}", "{instancing: always}"}) {
     const Hits hits = traced(scene, shotAt(beamsOf({{1, 0.01, 0.02}})), options);
     EXPECT_NEAR(hits.normal[0].x, -1, 1e-6);

@@ -88,12 +88,11 @@ TEST(Unobstructed, SeesThroughWhatStandsBefore) {
 }
 
 TEST(Unobstructed, CountsNoBeamsThatWhatIsTooNearHides) {
-  SceneBuilder builder = testBuilder();
-  Mesh mesh = meshOf(builder, "thing");
-  appendBox(mesh, 0, at(0.5, 0, 0), {0.01, 0.2, 0.2});
-  appendBox(mesh, 0, at(5, 0, 0), {1, 10, 10});
-  builder.place(builder.addMesh(mesh), {}, "thing");
-  const Scene scene = builder.finish();
+  const auto fill = [](Mesh& mesh) {
+    appendBox(mesh, 0, at(0.5, 0, 0), {0.01, 0.2, 0.2});
+    appendBox(mesh, 0, at(5, 0, 0), {1, 10, 10});
+  };
+  const Scene scene = oneMeshScene("thing", fill);
   auto beams = std::make_shared<BeamTable>(*spinning(32, 1024, -20, 20, 100));
   beams->minRange = 1;
   const Counter counter(scene);

@@ -11,6 +11,7 @@ namespace scanmill {
 namespace {
 
 class ForeignCamera : public ForeignFile {};
+class CameraExr : public OneFile {};
 
 PassImage smallImage() {
   PassImage image{squareCamera(2, 2, radians(100)), {}};
@@ -21,9 +22,7 @@ PassImage smallImage() {
   return image;
 }
 
-TEST(CameraExr, AnyPoseComesBackToTheBitAndByItsMatrixAlone) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "passes.exr";
+TEST_F(CameraExr, AnyPoseComesBackToTheBitAndByItsMatrixAlone) {
   PassImage image = smallImage();
   for (std::uint32_t i = 0; i < 48; ++i) {
     const RandomBlock random = randomBlock({.seed = 4, .beam = i});
@@ -50,9 +49,7 @@ TEST(CameraExr, AnyPoseComesBackToTheBitAndByItsMatrixAlone) {
 }
 
 // By the documentation of OpenEXR: row vectors; the camera is left-handed, x right, y up, z forward.
-TEST(CameraExr, TheStandardMatrixTakesTheWorldToTheCamera) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "passes.exr";
+TEST_F(CameraExr, TheStandardMatrixTakesTheWorldToTheCamera) {
   PassImage image = smallImage();
   image.camera.worldFromCamera.translation = {10, 20, 30};
   writePasses(path, image);
@@ -67,9 +64,7 @@ TEST(CameraExr, TheStandardMatrixTakesTheWorldToTheCamera) {
   EXPECT_EQ(std::get<std::string>(*file.attribute("units")), "m");
 }
 
-TEST(CameraExr, AttributesAreCheckedByName) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "passes.exr";
+TEST_F(CameraExr, AttributesAreCheckedByName) {
   const ExrAttributes good{{"cameraMatrix", ExrMatrix3{1, 0, 1, 0, 1, 1, 0, 0, 1}},
                            {"worldFromCamera", ExrMatrix4{0, 0, 1, 10, -1, 0, 0, 20, 0, -1, 0, 30, 0, 0, 0, 1}}};
   const std::vector<float> depth(4, 5.0f);
@@ -83,7 +78,7 @@ TEST(CameraExr, AttributesAreCheckedByName) {
     changed[name] = value;
     return changed;
   };
-  EXPECT_EQ(read(good).name, "passes");
+  EXPECT_EQ(read(good).name, "file");
   EXPECT_EQ(read(with("camera", "left")).name, "left");
   for (const char* name : {"cameraMatrix", "worldFromCamera"}) {
     ExrAttributes without = good;

@@ -7,27 +7,25 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
-#include <gtest/gtest.h>
 
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "passes/exr/exr_file.h"
 #include "passes/exr/pass_exr.h"
-#include "tests/support/message_of.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/core/passes/exr/one_file.h"
 
 namespace scanmill {
 
 // An image of 8 x 6 pixels whose camera looks along x from (10, 20, 30).
-class ForeignFile : public testing::Test {
+class ForeignFile : public OneFile {
  protected:
   static constexpr int kWidth = 8;
   static constexpr int kHeight = 6;
 
   ForeignFile() : header(kWidth, kHeight) {
+    path = folder.path() / "foreign.exr";
     header.insert("cameraMatrix", Imf::M33dAttribute({4, 0, 4, 0, 4, 3, 0, 0, 1}));
     setPose({0, 0, 1, 10, -1, 0, 0, 20, 0, -1, 0, 30, 0, 0, 0, 1});
   }
@@ -79,8 +77,6 @@ class ForeignFile : public testing::Test {
     expectInputError([&] { read(asked); }, all);
   }
 
-  TemporaryFolder folder;
-  std::filesystem::path path = folder.path() / "foreign.exr";
   Imf::Header header;
   Imf::FrameBuffer frame;
 

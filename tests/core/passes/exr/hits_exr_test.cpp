@@ -1,16 +1,11 @@
 #include "passes/exr/hits_exr.h"
 
-#include <gtest/gtest.h>
-
 #include <bit>
 #include <cmath>
 
-#include "base/file.h"
-#include "base/random.h"
 #include "passes/exr/exr_file.h"
-#include "tests/support/message_of.h"
+#include "tests/core/passes/exr/one_file.h"
 #include "tests/support/same_hits.h"
-#include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
@@ -46,58 +41,56 @@ Hits someHits(std::uint32_t rings, std::uint32_t columns, Channels channels, boo
   return hits;
 }
 
-TEST(HitsExr, EveryBitComesBack) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+class HitsExr : public OneFile {
+ protected:
+  Hits readHitsOf(Channels channels) const {
+    Hits hits;
+    readHits(path, channels, hits);
+    return hits;
+  }
+};
+
+TEST_F(HitsExr, EveryBitComesBack) {
   for (const auto& [rings, columns] : {std::pair{1u, 1u}, {64u, 512u}, {3u, 2001u}, {512u, 1u}}) {
     for (const bool surfaceParameters : {false, true}) {
       const Hits hits = someHits(rings, columns, Channels::all(), surfaceParameters);
       writeHits(path, hits);
-      Hits back;
-      readHits(path, Channels::all(), back);
+      const Hits back = readHitsOf(Channels::all());
       expectSameHits(hits, back);
     }
   }
 }
 
-TEST(HitsExr, UnresolvedBeamsComeBackAndCostNothingWhereThereAreNone) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, UnresolvedBeamsComeBackAndCostNothingWhereThereAreNone) {
   Hits hits = someHits(3, 50, Channels::all(), true);
   writeHits(path, hits);
   const ExrReader without(path);
   for (const ExrChannel& channel : without.channels()) EXPECT_NE(channel.name, "unresolved");
   hits.unresolved = {0, 3, 99, 147};
   writeHits(path, hits);
-  Hits back;
-  readHits(path, Channels::all(), back);
+  Hits back = readHitsOf(Channels::all());
   expectSameHits(hits, back);
   readHits(path, Channel::Range, back);
   EXPECT_EQ(back.unresolved, hits.unresolved);
 }
 
-TEST(HitsExr, UnresolvedBeamsThatHitAreRefused) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, UnresolvedBeamsThatHitAreRefused) {
   const std::vector<float> ranges{kMiss, kMiss, 5, kMiss};
-  Hits hits;
   const auto write = [&](ExrType type, const void* marks) {
     const ExrPlane planes[] = {{"range", ExrType::Float32, ranges.data()}, {"unresolved", type, marks}};
     writeExr(path, 2, 2, {}, planes, ExrCompression::Zip);
   };
   const std::vector<std::uint32_t> atHit{0, 0, 1, 0};
   write(ExrType::Uint32, atHit.data());
-  expectInputError([&] { readHits(path, Channel::Range, hits); }, {path.string(), "'unresolved'", "ring 1, column 0"});
+  expectInputError([&] { readHitsOf(Channel::Range); }, {path.string(), "'unresolved'", "ring 1, column 0"});
   const std::vector<std::uint32_t> no{0, 7, 0, 0};
   write(ExrType::Uint32, no.data());
-  expectInputError([&] { readHits(path, Channel::Range, hits); }, {path.string(), "'unresolved'", "is 7"});
+  expectInputError([&] { readHitsOf(Channel::Range); }, {path.string(), "'unresolved'", "is 7"});
   write(ExrType::Float32, ranges.data());
-  expectInputError([&] { readHits(path, Channel::Range, hits); }, {path.string(), "'unresolved'", "FLOAT"});
+  expectInputError([&] { readHitsOf(Channel::Range); }, {path.string(), "'unresolved'", "FLOAT"});
 }
 
-TEST(HitsExr, OnlyWhatIsAskedForIsRead) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, OnlyWhatIsAskedForIsRead) {
   const Hits hits = someHits(8, 100, Channels::all(), false);
   writeHits(path, hits);
   Hits back = someHits(2, 2, Channels::all(), true);
@@ -106,16 +99,13 @@ TEST(HitsExr, OnlyWhatIsAskedForIsRead) {
   expectSameHits(expected, back);
 }
 
-TEST(HitsExr, NegativeZeroAndTheSmallestNumbersStay) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, NegativeZeroAndTheSmallestNumbersStay) {
   Hits hits;
   hits.reset(1, 4, Channel::Range | Channel::Normal);
   hits.range = {1e-45f, 3.4e38f, kMiss, 0.1f};
   hits.normal = {{-0.0f, 0, 1}, {1e-45f, -0.0f, -1}, {}, {0, 0, -0.0f}};
   writeHits(path, hits);
-  Hits back;
-  readHits(path, hits.channels, back);
+  const Hits back = readHitsOf(hits.channels);
   for (std::size_t i = 0; i < hits.size(); ++i) {
     EXPECT_EQ(std::bit_cast<std::uint32_t>(hits.range[i]), std::bit_cast<std::uint32_t>(back.range[i]));
     EXPECT_EQ(std::signbit(hits.normal[i].x), std::signbit(back.normal[i].x));
@@ -124,8 +114,7 @@ TEST(HitsExr, NegativeZeroAndTheSmallestNumbersStay) {
   }
 }
 
-TEST(HitsExr, TheSameHitsGiveTheSameBytes) {
-  const TemporaryFolder folder;
+TEST_F(HitsExr, TheSameHitsGiveTheSameBytes) {
   const Hits hits = someHits(16, 300, Channels::all(), true);
   writeHits(folder.path() / "a.exr", hits);
   writeHits(folder.path() / "b.exr", hits);
@@ -133,79 +122,47 @@ TEST(HitsExr, TheSameHitsGiveTheSameBytes) {
 }
 
 // Whoever stores recordings may compress them.
-TEST(HitsExr, CompressedHitsAreReadToo) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, CompressedHitsAreReadToo) {
   const Hits hits = someHits(33, 65, Channel::Range | Channel::Instance, false);
   const ExrPlane planes[] = {{"range", ExrType::Float32, hits.range.data()},
                              {"instance", ExrType::Uint32, hits.instance.data()}};
   writeExr(path, 65, 33, {}, planes, ExrCompression::Zip);
-  Hits back;
-  readHits(path, hits.channels, back);
+  const Hits back = readHitsOf(hits.channels);
   expectSameHits(hits, back);
 }
 
-TEST(HitsExr, AnAbsentChannelIsNamed) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, AnAbsentChannelIsNamed) {
   writeHits(path, someHits(4, 4, Channel::Range | Channel::Semantic, false));
-  Hits hits;
-  expectInputError([&] { readHits(path, Channel::Instance, hits); }, {path.string(), "'instance'", "absent"});
-  expectInputError([&] { readHits(path, Channel::Normal, hits); }, {path.string(), "'N.X'", "absent"});
+  expectInputError([&] { readHitsOf(Channel::Instance); }, {path.string(), "'instance'", "absent"});
+  expectInputError([&] { readHitsOf(Channel::Normal); }, {path.string(), "'N.X'", "absent"});
 }
 
-TEST(HitsExr, WrongTypesAndValuesAreRefused) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, WrongTypesAndValuesAreRefused) {
   std::vector<float> reals{1, 2, 3, 4};
   const std::vector<std::uint32_t> ids{1, 2, 70000, 4};
-  Hits hits;
   const auto write = [&](const char* name, ExrType type, const void* pixels) {
     const ExrPlane planes[] = {{"range", ExrType::Float32, reals.data()}, {name, type, pixels}};
     writeExr(path, 2, 2, {}, planes, ExrCompression::Zip);
   };
   write("instance", ExrType::Float32, reals.data());
-  expectInputError([&] { readHits(path, Channel::Instance, hits); }, {"'instance'", "FLOAT", "UINT"});
+  expectInputError([&] { readHitsOf(Channel::Instance); }, {"'instance'", "FLOAT", "UINT"});
   write("incidence", ExrType::Uint32, ids.data());
-  expectInputError([&] { readHits(path, Channel::Incidence, hits); }, {"'incidence'", "UINT", "FLOAT"});
+  expectInputError([&] { readHitsOf(Channel::Incidence); }, {"'incidence'", "UINT", "FLOAT"});
   write("semantic", ExrType::Uint32, ids.data());
-  expectInputError([&] { readHits(path, Channel::Semantic, hits); }, {path.string(), "'semantic'", "70000"});
+  expectInputError([&] { readHitsOf(Channel::Semantic); }, {path.string(), "'semantic'", "70000"});
   for (const float bad : {-1.0f, std::nanf(""), -INFINITY}) {
     reals[3] = bad;
     write("semantic", ExrType::Uint32, ids.data());
-    expectInputError([&] { readHits(path, Channel::Range, hits); }, {"'range'", "ring 1, column 1"});
+    expectInputError([&] { readHitsOf(Channel::Range); }, {"'range'", "ring 1, column 1"});
   }
 }
 
-TEST(HitsExr, DamageIsAnErrorAndNeverACrash) {
-  const TemporaryFolder folder;
-  const auto whole = folder.path() / "hits.exr";
-  writeHits(whole, someHits(40, 50, Channels::all(), true));
-  const std::string bytes = readFile(whole);
-  const auto path = folder.path() / "bad.exr";
-  Hits hits;
-  for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 17) {
-    folder.write("bad.exr", bytes.substr(0, size));
-    expectInputError([&] { readHits(path, Channels::all(), hits); }, {path.string()});
-  }
-  for (std::uint32_t i = 0; i < 400; ++i) {
-    std::string flipped = bytes;
-    const RandomBlock random = randomBlock({.seed = 9, .beam = i});
-    // Half of the flips hit the header.
-    const std::size_t place = random[0] % (i % 2 == 0 ? 700 : bytes.size());
-    flipped[place] = static_cast<char>(flipped[place] ^ (1 << random[1] % 8));
-    folder.write("bad.exr", flipped);
-    try {
-      readHits(path, Channels::all(), hits);
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(path.string()));
-    }
-  }
+TEST_F(HitsExr, DamageIsAnErrorAndNeverACrash) {
+  writeHits(path, someHits(40, 50, Channels::all(), true));
+  expectDamageIsRefused([&] { readHitsOf(Channels::all()); });
 }
 
-TEST(HitsExr, ColumnsThatDoNotFitAreNotWritten) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "hits.exr";
+TEST_F(HitsExr, ColumnsThatDoNotFitAreNotWritten) {
   Hits hits = someHits(4, 4, Channels::all(), false);
   hits.material.pop_back();
   EXPECT_THAT(messageOf<Error>([&] { writeHits(path, hits); }), testing::HasSubstr("material"));

@@ -60,10 +60,7 @@ TEST_F(SensorEffectsOf, CanBeChangedOneByOne) {
   const std::string own = "effects: [range_noise: {sigma_m: 0.1, sigma_per_m: 0.01}, quantize: {step_m: 0.5}]\n";
   const auto scanned = [&](const std::string& effects, const std::string& list) {
     const TemporaryFolder out;
-    GenerateOptions options;
-    options.folder = out.path() / "out";
-    options.quiet = true;
-    generate(makePlan(pipeline(effects, list, list)), options);
+    generate(makePlan(pipeline(effects, list, list)), {.folder = out.path() / "out", .quiet = true});
     return readFile(out.path() / "out/train/train-000000.tar");
   };
   const auto same = [&](const std::string& effects, const std::string& list) {
@@ -108,10 +105,7 @@ TEST_F(SensorEffectsOf, EachScanHasItsOwn) {
       pipeline("effects: sensor\n", "effects: [quantize: {step_m: 0.5}]\n", "effects: [dropout: {probability: 1}]\n"));
   EXPECT_THAT(modelled(plan, {}),
               AllOf(Contains(HasSubstr("effect quantize of 'a'")), Contains(HasSubstr("effect dropout of 'b'"))));
-  GenerateOptions options;
-  options.folder = out.path() / "out";
-  options.quiet = true;
-  const GenerateSummary summary = generate(plan, options);
+  const GenerateSummary summary = generate(plan, {.folder = out.path() / "out", .quiet = true});
   const std::vector<ScanRecord>& scans = summary.manifest.samples.front().scans;
   EXPECT_GT(scans[0].points, 100u);
   EXPECT_EQ(scans[1].points, 0u);

@@ -93,18 +93,11 @@ TEST_F(Drawn, EffectsMayBeDrawn) {
 // Recorded hits are sensed as traced ones are, but for the rays that a recording does not hold.
 TEST_F(Drawn, RecordedHitsHaveDrawnEffects) {
   const std::string lit = "effects=[intensity, {range_noise: {sigma_m: {uniform: [0.01, 0.2], per: frame}}}]";
-  GenerateOptions options;
-  options.folder = out("traced");
-  options.keepHits = out("hits");
-  options.quiet = true;
-  generate(makePlan(readPipeline(pipeline_, {kSeeds, lit})), options);
+  generate(makePlan(readPipeline(pipeline_, {kSeeds, lit})),
+           {.folder = out("traced"), .keepHits = out("hits"), .quiet = true});
   const auto fromHits = [&](const std::vector<std::string>& overrides, const std::string& name) {
-    GenerateOptions again;
-    again.folder = out(name);
-    again.quiet = true;
-    generate(makePlan(readPipeline(pipeline_, overrides,
-                                   std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)))),
-             again);
+    generate(makePlan(readPipeline(pipeline_, overrides, recordingIn(out("hits")))),
+             {.folder = out(name), .quiet = true});
   };
   fromHits({kSeeds, lit}, "sensed");
   EXPECT_EQ(members("sensed"), members("traced"));
@@ -170,11 +163,10 @@ TEST_F(Drawn, RefusesWhatMightNotWork) {
   EXPECT_THAT(refusal({"sensors.0.columns={choice: [64, 128]}"}), HasSubstr("cannot be random"));
   EXPECT_THAT(refusal({"effects=[{choice: [{speckle: {looks: 2}}, none]}, {quantise: {step_m: 1}}]"}),
               HasSubstr("quantize"));
-  GenerateOptions options;
-  options.folder = out("kept");
-  options.keepHits = out("hits");
-  options.quiet = true;
-  EXPECT_THAT(messageOf([&] { generate(makePlan(readPipeline(pipeline_, {kHeight})), options); }),
+  EXPECT_THAT(messageOf([&] {
+                generate(makePlan(readPipeline(pipeline_, {kHeight})),
+                         {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
+              }),
               HasSubstr("give each `mount` fixed values"));
 }
 

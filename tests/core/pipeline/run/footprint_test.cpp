@@ -36,22 +36,10 @@ TEST_F(FootprintRun, OfEveryMethodAgreesWithRayTracing) {
     sound(with(effects, method), name);
     const std::vector<Scan> others = scans(".pcd", name);
     ASSERT_EQ(others.size(), reference.size());
-    std::size_t alike = 0;
-    std::size_t all = 0;
-    for (std::size_t s = 0; s < others.size(); ++s) {
-      const auto rows = rowsByBeam(others[s]);
-      for (std::size_t i = 0; i < reference[s].size(); ++i) {
-        const auto other = rows.find({reference[s][kRing][i], reference[s][kColumn][i]});
-        ++all;
-        if (other == rows.end()) continue;
-        const std::size_t k = other->second;
-        alike += reference[s][kLabel][i] == others[s][kLabel][k] &&
-                         length(reference[s].position[i] - others[s].position[k]) < 0.01f
-                     ? 1
-                     : 0;
-      }
-    }
-    EXPECT_GT(static_cast<double>(alike), 0.99 * static_cast<double>(all)) << method;
+    const double alike = shareAlike(reference, others, [](const Scan& a, std::size_t i, const Scan& b, std::size_t k) {
+      return a[kLabel][i] == b[kLabel][k] && length(a.position[i] - b.position[k]) < 0.01f;
+    });
+    EXPECT_GT(alike, 0.99) << method;
   }
 }
 
@@ -146,20 +134,13 @@ TEST_F(FootprintRun, LooksThroughGlass) {
 
 // A recording of hits holds one ray a beam: sensors' own effects stay usable, and the plan says what is left out.
 TEST_F(FootprintRun, IsLeftOutOfRecordings) {
-  GenerateOptions options;
-  options.folder = out("kept");
-  options.keepHits = out("hits");
-  options.quiet = true;
-  generate(makePlan(readPipeline(pipeline_, with("[intensity]"))), options);
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  const Plan plan =
-      makePlan(readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recording));
+  generate(makePlan(readPipeline(pipeline_, with("[intensity]"))),
+           {.folder = out("kept"), .keepHits = out("hits"), .quiet = true});
+  const Plan plan = makePlan(
+      readPipeline(pipeline_, with("[intensity, footprint: {rays: 7}, light_paths: {}]"), recordingIn(out("hits"))));
   EXPECT_THAT(modelled(plan, {}), testing::Contains("effect footprint: left out: a recording holds one ray per beam"));
   EXPECT_EQ(plan.pipeline.raysPerFrame(), plan.pipeline.beamsPerFrame());
-  GenerateOptions again;
-  again.folder = out("again");
-  again.quiet = true;
-  generate(plan, again);
+  generate(plan, {.folder = out("again"), .quiet = true});
   EXPECT_EQ(scans(".pcd", "again").size(), scans(".pcd", "kept").size());
   EXPECT_EQ(scans(".pcd", "again")[0].position, scans(".pcd", "kept")[0].position);
 }

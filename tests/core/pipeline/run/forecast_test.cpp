@@ -81,21 +81,14 @@ TEST_F(ForecastTest, SaysTheSizeOfADataset) {
 }
 
 TEST_F(ForecastTest, OfARecordingIsThatOfItsOwnSamples) {
-  GenerateOptions options;
-  options.folder = out("first");
-  options.keepHits = out("hits");
-  options.quiet = true;
-  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()), options);
+  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()),
+           {.folder = out("first"), .keepHits = out("hits"), .quiet = true});
   const auto reread = [&](const std::vector<std::string>& more) {
-    return readPipeline(pipeline_, more,
-                        std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits)));
+    return readPipeline(pipeline_, more, recordingIn(out("hits")));
   };
   const Plan plan = makePlan(reread({}));
   const SampleCosts costs = measureSampleCosts(plan, reread);
-  options = {};
-  options.folder = out("again");
-  options.quiet = true;
-  const GenerateSummary made = generate(plan, options);
+  const GenerateSummary made = generate(plan, {.folder = out("again"), .quiet = true});
   const Forecast told = forecast(costs, made.samples, scenesOf(plan.pipeline));
   EXPECT_GT(static_cast<double>(made.bytes), told.bytes.least);
   EXPECT_LT(static_cast<double>(made.bytes), told.bytes.most);

@@ -445,10 +445,7 @@ TEST_F(GenerateTest, ResumedRunsGiveTheSameBytes) {
     for (const bool damaged : {false, true}) {
       const std::string name = fmt::format("cut{}", run++);
       SCOPED_TRACE(name);
-      GenerateOptions options;
-      options.folder = out(name);
-      options.quiet = true;
-      options.resume = true;
+      const GenerateOptions options{.folder = out(name), .resume = true, .quiet = true};
       interrupt(options.folder, plan, out("whole"), made);
       if (damaged) {
         const std::filesystem::path file = options.folder / ".scanmill" / whole.shards[made[0]].file;
@@ -472,10 +469,7 @@ TEST_F(GenerateTest, ResumingRefusesOtherPipelines) {
   sound(overrides, "whole");
   const Plan plan = makePlan(readPipeline(pipeline_, overrides));
   interrupt(out(), plan, out("whole"), {1});
-  GenerateOptions options;
-  options.folder = out();
-  options.quiet = true;
-  options.resume = true;
+  const GenerateOptions options{.folder = out(), .resume = true, .quiet = true};
   const Plan other = makePlan(readPipeline(pipeline_, {"output.shard_samples=1", "trajectories.0.frames=4"}));
   EXPECT_THAT(messageOf<InputError>([&] { generate(other, options); }), HasSubstr("another pipeline"));
   const std::filesystem::path scene = plan.pipeline.sequences[0].sceneFile;

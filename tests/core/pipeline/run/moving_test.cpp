@@ -98,14 +98,7 @@ TEST_F(MovingRun, StandsWhereTheDriveBeginsIfThePipelineSaysSo) {
 }
 
 TEST_F(MovingRun, ThreadsDoNotChangeAByte) {
-  Bytes first;
-  for (const int threads : {1, 2}) {
-    const ThreadLimit limit(threads);
-    const std::string name = "out" + std::to_string(threads);
-    sound({kColumns, "motion=per_column"}, name);
-    if (first.empty()) first = shards(name);
-    EXPECT_EQ(shards(name), first);
-  }
+  expectSameOnAnyThreads({kColumns, "motion=per_column"});
 }
 
 }  // namespace

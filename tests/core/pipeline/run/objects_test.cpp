@@ -170,14 +170,7 @@ TEST_F(ObjectsRun, EveryMethodCountsTheSame) {
 }
 
 TEST_F(ObjectsRun, ThreadsDoNotChangeAByte) {
-  Bytes first;
-  for (const int threads : {1, 2}) {
-    const ThreadLimit limit(threads);
-    const std::string name = "out" + std::to_string(threads);
-    sound({kAsked, "motion=per_column"}, name);
-    if (first.empty()) first = shards(name);
-    EXPECT_EQ(shards(name), first);
-  }
+  expectSameOnAnyThreads({kAsked, "motion=per_column"});
 }
 
 TEST_F(ObjectsRun, CostNothingWhereNobodyAsks) {

@@ -59,15 +59,8 @@ TEST_F(ReasonsRun, CostNothingWhereNobodyAsks) {
 }
 
 TEST_F(ReasonsRun, ThreadsAndTheOrderOfFramesDoNotChangeWeather) {
-  const std::vector<std::string> wet =
-      with("[intensity, reflectance_variation: {}, speckle: {looks: 4}, weather: {kind: rain, severity: heavy}]");
-  std::vector<Bytes> bytes;
-  for (const int threads : {1, 4}) {
-    const ThreadLimit limit(threads);
-    sound(wet, fmt::format("t{}", threads));
-    bytes.push_back(shards(fmt::format("t{}", threads)));
-  }
-  EXPECT_TRUE(bytes[0] == bytes[1]);
+  expectSameOnAnyThreads(
+      with("[intensity, reflectance_variation: {}, speckle: {looks: 4}, weather: {kind: rain, severity: heavy}]"));
 }
 
 // The same patches and the same drops, whatever finds the surfaces.
@@ -78,24 +71,12 @@ TEST_F(ReasonsRun, ParticlesMeetTheSameWeather) {
   std::vector<std::string> other = wet;
   other.emplace_back("method=particle");
   sound(other, "particle");
-  const std::vector<Scan> a = scans(".pcd", "ray_tracing");
-  const std::vector<Scan> b = scans(".pcd", "particle");
-  std::size_t same = 0;
-  std::size_t all = 0;
-  for (std::size_t s = 0; s < a.size(); ++s) {
-    const auto rows = rowsByBeam(b[s]);
-    for (std::size_t i = 0; i < a[s].size(); ++i) {
-      const auto row = rows.find({a[s][kRing][i], a[s][kColumn][i]});
-      ++all;
-      if (row == rows.end()) continue;
-      const std::size_t k = row->second;
-      same += a[s][kCauseColumn][i] == b[s][kCauseColumn][k] &&
-                      std::abs(a[s][kIntensity][i] - b[s][kIntensity][k]) < 0.02f * a[s][kIntensity][i]
-                  ? 1
-                  : 0;
-    }
-  }
-  EXPECT_GT(static_cast<double>(same), 0.98 * static_cast<double>(all));
+  const double same = shareAlike(scans(".pcd", "ray_tracing"), scans(".pcd", "particle"),
+                                 [](const Scan& a, std::size_t i, const Scan& b, std::size_t k) {
+                                   return a[kCauseColumn][i] == b[kCauseColumn][k] &&
+                                          std::abs(a[kIntensity][i] - b[kIntensity][k]) < 0.02f * a[kIntensity][i];
+                                 });
+  EXPECT_GT(same, 0.98);
 }
 
 TEST_F(ReasonsRun, WeatherAloneReportsTheStrongest) {

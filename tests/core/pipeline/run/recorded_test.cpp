@@ -30,21 +30,14 @@ class RecordedTest : public Yard {
  protected:
   void keep(const std::vector<std::string>& overrides, const std::string& name, const fs::path& hits,
             const fs::path& passes = {}) const {
-    GenerateOptions options;
-    options.folder = out(name);
-    options.keepHits = hits;
-    options.keepPasses = passes;
-    options.quiet = true;
-    generate(makePlan(readPipeline(pipeline_, overrides), recordedChannels()), options);
+    generate(makePlan(readPipeline(pipeline_, overrides), recordedChannels()),
+             {.folder = out(name), .keepHits = hits, .keepPasses = passes, .quiet = true});
   }
 
   void remake(const std::vector<std::string>& overrides, const std::string& name, const fs::path& recording,
               RecordingKind kind = RecordingKind::Hits) const {
-    const auto read = std::make_shared<const Recording>(readRecording(recording, kind));
-    GenerateOptions options;
-    options.folder = out(name);
-    options.quiet = true;
-    generate(makePlan(readPipeline(pipeline_, overrides, read)), options);
+    generate(makePlan(readPipeline(pipeline_, overrides, recordingIn(recording, kind))),
+             {.folder = out(name), .quiet = true});
     EXPECT_THAT(verifyDataset(out(name)).problems, IsEmpty());
   }
 };
@@ -101,11 +94,7 @@ TEST_F(RecordedTest, TheMethodOfAPipelineIsNotNeeded) {
   erase("scenes:", "sensors:");
   erase("method:", "output:");
   const fs::path bare = folder_.write("bare.yaml", text);
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  GenerateOptions options;
-  options.folder = out("bare");
-  options.quiet = true;
-  generate(makePlan(readPipeline(bare, {}, recording)), options);
+  generate(makePlan(readPipeline(bare, {}, recordingIn(out("hits")))), {.folder = out("bare"), .quiet = true});
   EXPECT_TRUE(shards("kept") == shards("bare"));
 }
 
@@ -128,12 +117,12 @@ TEST_F(RecordedTest, WhatDoesNotFitIsRefused) {
   EXPECT_FALSE(fs::exists(out("second") / "manifest.json"));
   expectInputError([&] { keep({}, "third", {}, out("passes")); }, {"ray_tracing", "depth_camera"});
   EXPECT_FALSE(fs::exists(out("passes"))) << "nothing is begun";
-  GenerateOptions redrawn;
-  redrawn.folder = out("fourth");
-  redrawn.keepPasses = out("passes");
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  expectInputError([&] { generate(makePlan(readPipeline(pipeline_, {}, recording)), redrawn); },
-                   {"made from the hits in", "no passes are drawn"});
+  expectInputError(
+      [&] {
+        generate(makePlan(readPipeline(pipeline_, {}, recordingIn(out("hits")))),
+                 {.folder = out("fourth"), .keepPasses = out("passes")});
+      },
+      {"made from the hits in", "no passes are drawn"});
 }
 
 TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
@@ -150,11 +139,9 @@ TEST_F(RecordedTest, WhatWasMetCannotBeTurnedOrMoved) {
   std::string text = kYardPipeline;  // without a mount: the recording's
   text.erase(text.find("    mount:"), text.find("method:") - text.find("    mount:"));
   const fs::path bare = folder_.write("bare.yaml", text);
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  GenerateOptions options;
-  options.folder = out("bare");
-  options.quiet = true;
-  const Manifest manifest = generate(makePlan(readPipeline(bare, {}, recording)), options).manifest;
+  const Manifest manifest =
+      generate(makePlan(readPipeline(bare, {}, recordingIn(out("hits")))), {.folder = out("bare"), .quiet = true})
+          .manifest;
   EXPECT_EQ(manifest.sensors.front().vehicleFromSensor.translation.z, 1.8);
   EXPECT_THAT(manifest.modelled, testing::Contains("ego motion: as in the recording"));
 }
@@ -228,10 +215,7 @@ TEST_F(RecordedTest, UnresolvedBeamsAreCounted) {
 }
 
 TEST_F(RecordedTest, AStoppedRunIsNoRecording) {
-  GenerateOptions options;
-  options.folder = out("stopped");
-  options.keepHits = out("hits");
-  options.quiet = true;
+  GenerateOptions options{.folder = out("stopped"), .keepHits = out("hits"), .quiet = true};
   const std::atomic<bool> stop = true;
   options.stop = &stop;
   EXPECT_THROW(generate(makePlan(readPipeline(pipeline_, {})), options), Error);
@@ -240,11 +224,7 @@ TEST_F(RecordedTest, AStoppedRunIsNoRecording) {
 
 TEST_F(RecordedTest, OverwriteReplacesRecordingsOnly) {
   keep({}, "kept", out("hits"));
-  GenerateOptions options;
-  options.folder = out("kept");
-  options.keepHits = out("hits");
-  options.overwrite = true;
-  options.quiet = true;
+  GenerateOptions options{.folder = out("kept"), .keepHits = out("hits"), .overwrite = true, .quiet = true};
   generate(makePlan(readPipeline(pipeline_, {"trajectories.0.frames=2"})), options);
   EXPECT_FALSE(fs::exists(out("hits") / "yard-s1-drive-000003.top.json"));
   writeFile(out("hits") / "thesis.txt", "years of work");
@@ -297,10 +277,7 @@ TEST_F(RecordedPassesTest, HitsOfTheDepthCameraAreKeptToo) {
 TEST_F(RecordedPassesTest, RenderedPassesMakeTheSameBytes) {
   SKIP_WITHOUT_GL();
   const std::vector<std::string> overrides = with(kNoisy, {kCamera});
-  RenderOptions options;
-  options.folder = out("passes");
-  options.passes = {Channels::all(), true};
-  options.quiet = true;
+  const RenderOptions options{.folder = out("passes"), .passes = {Channels::all(), true}, .quiet = true};
   const RenderSummary summary = render(makePlan(readPipeline(pipeline_, overrides), options.passes.channels), options);
   EXPECT_EQ(summary.shots, 8u);
   EXPECT_GE(summary.images, 8u);
@@ -319,10 +296,9 @@ TEST_F(RecordedPassesTest, PassesOfOthersMakeTheSamePoints) {
   SKIP_WITHOUT_GL();
   const std::vector<std::string> overrides = {kCamera,
                                               "effects=[intensity: {output: u8}, range_noise: {sigma_m: 0.02}]"};
-  RenderOptions options;
-  options.folder = out("passes");
-  options.passes = {Channels::all().without(Channel::Material | Channel::Primitive), true};
-  options.quiet = true;
+  const RenderOptions options{.folder = out("passes"),
+                              .passes = {Channels::all().without(Channel::Material | Channel::Primitive), true},
+                              .quiet = true};
   render(makePlan(readPipeline(pipeline_, overrides), options.passes.channels), options);
   writeFile(out("passes") / "recording.json", R"({"what": "scanmill recording", "schema_version": 1, "kind": "passes",
     "sensors": [{"name": "top", "rings": 8, "columns": 64}],
@@ -337,10 +313,7 @@ TEST_F(RecordedPassesTest, PassesOfOthersMakeTheSamePoints) {
 
 TEST_F(RecordedPassesTest, MaterialsThatNobodyListsAreNamed) {
   SKIP_WITHOUT_GL();
-  RenderOptions options;
-  options.folder = out("passes");
-  options.passes = {Channels::all(), false};
-  options.quiet = true;
+  const RenderOptions options{.folder = out("passes"), .passes = {Channels::all(), false}, .quiet = true};
   render(makePlan(readPipeline(pipeline_, {kCamera}), options.passes.channels), options);
   std::string index = readFile(out("passes") / "recording.json");
   const std::size_t first = index.find("\"materials\": [");
@@ -355,10 +328,7 @@ TEST_F(RecordedPassesTest, MaterialsThatNobodyListsAreNamed) {
 
 TEST_F(RecordedPassesTest, WhatIsNotThereIsNamed) {
   SKIP_WITHOUT_GL();
-  RenderOptions options;
-  options.folder = out("passes");
-  options.passes = {Channel::Range, false};
-  options.quiet = true;
+  RenderOptions options{.folder = out("passes"), .passes = {Channel::Range, false}, .quiet = true};
   render(makePlan(readPipeline(pipeline_, {kCamera})), options);
   expectInputError([&] { remake({kCamera}, "again", out("passes"), RecordingKind::Passes); },
                    {".exr", "channel", "normal"});

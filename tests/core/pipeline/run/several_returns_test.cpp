@@ -249,13 +249,10 @@ TEST_F(SeveralReturns, FitTheSizeThatThePlanSays) {
 }
 
 TEST_F(SeveralReturns, AreNoImagesOfHits) {
-  GenerateOptions options;
-  options.folder = out();
-  options.keepHits = out("hits");
-  options.quiet = true;
-  EXPECT_THAT(messageOf<InputError>([&] { generate(planned({}), options); }),
-              AllOf(HasSubstr("yard.yaml: the method two_returns traces several rays per beam"),
-                    HasSubstr("take `method: ray_tracing`")));
+  EXPECT_THAT(
+      messageOf<InputError>([&] { generate(planned({}), {.folder = out(), .keepHits = out("hits"), .quiet = true}); }),
+      AllOf(HasSubstr("yard.yaml: the method two_returns traces several rays per beam"),
+            HasSubstr("take `method: ray_tracing`")));
   EXPECT_FALSE(std::filesystem::exists(out()));
 }
 

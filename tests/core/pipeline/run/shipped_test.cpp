@@ -18,9 +18,7 @@ namespace {
 Manifest generateLabelled(const std::string& pipeline, const std::vector<std::string>& overrides,
                           std::size_t leastClasses) {
   const TemporaryFolder folder;
-  GenerateOptions options;
-  options.folder = folder.path() / "out";
-  options.quiet = true;
+  const GenerateOptions options{.folder = folder.path() / "out", .quiet = true};
   const Plan plan =
       makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
   const GenerateSummary summary = generate(plan, options);
@@ -47,9 +45,7 @@ TEST(Shipped, Street) {
 // As a real sensor sees it, whatever it takes for a return. What comes from nothing has no class.
 TEST(Shipped, Quickstart) {
   const TemporaryFolder folder;
-  GenerateOptions options;
-  options.folder = folder.path() / "out";
-  options.quiet = true;
+  const GenerateOptions options{.folder = folder.path() / "out", .quiet = true};
   const Plan plan = makePlan(
       readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines/quickstart.yaml",
                    {"scenes.0.seeds=[1, 3]", "splits=", "trajectories.0.frames=2", "trajectories.1.frames=1"}));
@@ -123,11 +119,9 @@ std::map<std::string, std::string> shardsOf(const std::string& pipeline, std::ve
   overrides.emplace_back("output.shard_samples=1000");
   const Plan plan =
       makePlan(readPipeline(std::filesystem::path(SCANMILL_SOURCE_DIR) / "pipelines" / pipeline, overrides));
-  GenerateOptions options;
-  options.folder = folder.path() / "out";
-  options.quiet = true;
   std::map<std::string, std::string> hashes;
-  for (const ShardRecord& shard : generate(plan, options).manifest.shards) hashes[shard.file] = shard.sha256;
+  for (const ShardRecord& shard : generate(plan, {.folder = folder.path() / "out", .quiet = true}).manifest.shards)
+    hashes[shard.file] = shard.sha256;
   return hashes;
 }
 
@@ -171,8 +165,13 @@ TEST(Shipped, BytesOfATownStayTheSame) {
                 {"train/train-000000.tar", "c932eafb1644bb8fe84dd257d2e1ae4664892514d524ba4b75fc825b3f28e839"}}));
 }
 
-// The same class has nearly the same number of points, whatever the method: where it has many.
-void expectAlike(const Manifest& traced, const Manifest& seen) {
+// The same class has nearly the same number of points as by ray tracing: where it has many. Returns what the method's
+// first scan has.
+ScanRecord expectAlike(const std::string& method, const std::string& file, std::vector<std::string> overrides,
+                       std::size_t classes) {
+  const Manifest traced = generateLabelled(file, overrides, classes);
+  overrides.push_back("method=" + method);
+  const Manifest seen = generateLabelled(file, overrides, classes);
   std::map<std::uint16_t, std::array<double, 2>> points;
   for (std::size_t m = 0; m < 2; ++m) {
     for (const SampleRecord& sample : (m == 0 ? traced : seen).samples) {
@@ -188,51 +187,43 @@ void expectAlike(const Manifest& traced, const Manifest& seen) {
     ++compared;
   }
   EXPECT_GE(compared, 3);
+  const ScanRecord& first = seen.samples.front().scans.front();
+  EXPECT_THAT(method, testing::HasSubstr(first.method));
+  return first;
 }
+
+const std::vector<std::string> kOneStreet{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1"};
 
 TEST(Shipped, StreetByTheDepthCamera) {
   SKIP_WITHOUT_GL();
-  const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1"};
-  std::vector<std::string> camera = overrides;
-  camera.emplace_back("method=depth_camera");
-  const Manifest seen = generateLabelled("street.yaml", camera, 10);
-  EXPECT_EQ(seen.samples.front().scans.front().method, "depth_camera");
-  EXPECT_GT(seen.samples.front().scans.front().instances, 5u);
-  expectAlike(generateLabelled("street.yaml", overrides, 10), seen);
+  EXPECT_GT(expectAlike("depth_camera", "street.yaml", kOneStreet, 10).instances, 5u);
 }
 
 TEST(Shipped, TruckTownByTheDepthCamera) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
   SKIP_WITHOUT_GL();
   ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
-  expectAlike(generateLabelled("truck_town.yaml", {"trajectories.0.frames=1"}, 4),
-              generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method=depth_camera"}, 4));
+  expectAlike("depth_camera", "truck_town.yaml", {"trajectories.0.frames=1"}, 4);
 }
 
 // With the same noise, intensity and motion as by ray tracing.
 TEST(Shipped, StreetByParticles) {
-  const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=2"};
-  std::vector<std::string> particles = overrides;
-  particles.emplace_back("method=particle");
-  const Manifest flown = generateLabelled("street.yaml", particles, 10);
-  EXPECT_EQ(flown.samples.front().scans.front().method, "particle");
-  EXPECT_GT(flown.samples.front().scans.front().instances, 5u);
-  expectAlike(generateLabelled("street.yaml", overrides, 10), flown);
+  std::vector<std::string> twoFrames = kOneStreet;
+  twoFrames.back() = "trajectories.0.frames=2";
+  EXPECT_GT(expectAlike("particle", "street.yaml", twoFrames, 10).instances, 5u);
 }
 
 TEST(Shipped, TruckTownByParticles) {
   SKIP_WITHOUT_SHARED_DATA("scenes/truck_town");
   ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
-  expectAlike(generateLabelled("truck_town.yaml", {"trajectories.0.frames=1"}, 4),
-              generateLabelled("truck_town.yaml", {"trajectories.0.frames=1", "method=particle"}, 4));
+  expectAlike("particle", "truck_town.yaml", {"trajectories.0.frames=1"}, 4);
 }
 
 TEST(Shipped, StreetByBlender) {
   SKIP_WITHOUT_BLENDER();
-  const std::vector<std::string> overrides{"scenes.0.seeds=[1]", "splits=", "trajectories.0.frames=1", "motion=none"};
-  std::vector<std::string> camera = overrides;
-  camera.emplace_back("method={depth_camera: {renderer: blender, resolution: 512}}");
-  expectAlike(generateLabelled("street.yaml", overrides, 10), generateLabelled("street.yaml", camera, 10));
+  std::vector<std::string> still = kOneStreet;
+  still.emplace_back("motion=none");
+  expectAlike("{depth_camera: {renderer: blender, resolution: 512}}", "street.yaml", still, 10);
 }
 
 }  // namespace

@@ -79,10 +79,7 @@ output:
   formats: [pcd]
 )");
   const auto made = [&](const char* name, const std::string& without) {
-    GenerateOptions options;
-    options.folder = out(name);
-    options.quiet = true;
-    generate(makePlan(readPipeline(pipeline, {"scenes.0.without=" + without})), options);
+    generate(makePlan(readPipeline(pipeline, {"scenes.0.without=" + without})), {.folder = out(name), .quiet = true});
     return scans(".pcd", name);
   };
   const std::vector<Scan> all = made("all", "[]");
@@ -106,12 +103,9 @@ output:
 
 TEST_F(WithoutRun, KeptHitsAreOfWhatTheSceneWas) {
   const auto kept = [&](const std::string& without, const std::string& hits) {
-    GenerateOptions options;
-    options.folder = out("of" + hits);
-    options.quiet = true;
-    options.keepHits = out(hits);
-    generate(makePlan(readPipeline(pipeline_, {"scenes.0.without=" + without})), options);
-    return std::make_shared<const Recording>(readRecording(out(hits), RecordingKind::Hits));
+    generate(makePlan(readPipeline(pipeline_, {"scenes.0.without=" + without})),
+             {.folder = out("of" + hits), .keepHits = out(hits), .quiet = true});
+    return recordingIn(out(hits));
   };
   const auto all = kept("[]", "all"), rest = kept("[car]", "rest");
   EXPECT_EQ(rest->sequences[0].without, (std::vector<std::string>{"car"}));

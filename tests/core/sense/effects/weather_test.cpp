@@ -8,21 +8,13 @@ namespace {
 
 using testing::HasSubstr;
 
-// Beams of 3 mrad into the open.
-World sky(std::uint32_t columns = 1000) {
-  World world = makeWorld(64, columns);
-  world.beams().minRange = 1;
-  world.beams().maxRange = 100;
-  world.beams().divergence = {3e-3, 3e-3};
-  world.beams().pulse = 5e-9;
-  for (std::size_t beam = 0; beam < world.hits.size(); ++beam) miss(world, beam);
-  return world;
+World wallAt(float range) {
+  return makeWideWorld(64, 1000, range);
 }
 
-World wallAt(float range) {
-  World world = sky();
-  const World wall = makeWorld(64, 1000, range);
-  world.hits = wall.hits;
+World sky(std::uint32_t columns = 1000) {
+  World world = makeWideWorld(64, columns, kMiss);
+  for (std::size_t beam = 0; beam < world.hits.size(); ++beam) miss(world, beam);
   return world;
 }
 

@@ -11,6 +11,7 @@
 #include "base/random.h"
 #include "tests/core/methods/trace.h"
 #include "tests/support/directions.h"
+#include "tests/support/ray_scenes.h"
 #include "tests/support/same_hits.h"
 #include "tests/support/sanitizers.h"
 #include "tests/support/street.h"
@@ -93,28 +94,16 @@ Nearest bruteForce(const Scene& scene, const Vec3d& origin, const Vec3d& directi
 
 TEST(Exact, PlaneFollowsItsClosedForm) {
   for (const Vec3d& offset : kOffsets) {
-    SceneBuilder builder = testBuilder();
-    Mesh ground = meshOf(builder, "ground");
-    appendPlane(ground, 0, {}, 400, 400, 7);
-    builder.place(builder.addMesh(ground), at(offset.x, offset.y, offset.z - 1.75), "ground");
-    const Scene scene = builder.finish();
-    std::vector<Vec3d> directions;
-    std::vector<double> incidences;
-    for (const double incidence : {0.0, 10.0, 45.0, 80.0, 89.0}) {
-      for (int k = 0; k < 50; ++k) {
-        const double azimuth = 0.1 + 0.125 * k;
-        const double i = radians(incidence);
-        directions.push_back({std::sin(i) * std::cos(azimuth), std::sin(i) * std::sin(azimuth), -std::cos(i)});
-        incidences.push_back(i);
-      }
-    }
-    const auto beams = beamsOf(directions);
+    const Scene scene = flatGround(offset - Vec3d{0, 0, 1.75}, 400, 7);
+    const std::vector<double> incidences{0, 10, 45, 80, 89};
+    const auto beams = beamsOf(fan(incidences));
     const ExactHits hits = exactly(scene, shotAt(beams, {{}, offset + Vec3d{0.25, -0.5, 0}}));
     for (std::size_t b = 0; b < beams->size(); ++b) {
       const double expected = 1.75 / -beams->direction[b].z;
-      EXPECT_NEAR(hits.range[b], expected, 1e-12 * expected) << degrees(incidences[b]);
+      const double incidence = incidences[b / kFanWidth];
+      EXPECT_NEAR(hits.range[b], expected, 1e-12 * expected) << incidence;
       EXPECT_EQ(hits.hits.range[b], static_cast<float>(hits.range[b]));
-      EXPECT_NEAR(hits.hits.incidence[b], std::cos(incidences[b]), 1e-7);
+      EXPECT_NEAR(hits.hits.incidence[b], std::cos(radians(incidence)), 1e-7);
       EXPECT_EQ(hits.hits.normal[b], (Vec3f{0, 0, 1}));
     }
   }
@@ -122,11 +111,8 @@ TEST(Exact, PlaneFollowsItsClosedForm) {
 
 TEST(Exact, BoxFollowsItsClosedForm) {
   for (const Vec3d& offset : kOffsets) {
-    SceneBuilder builder = testBuilder();
-    Mesh box = meshOf(builder, "thing");
-    appendBox(box, 0, {}, {8, 6, 4});
-    builder.place(builder.addMesh(box), at(offset.x, offset.y, offset.z), "room");
-    const Scene scene = builder.finish();
+    const auto fill = [](Mesh& box) { appendBox(box, 0, {}, {8, 6, 4}); };
+    const Scene scene = oneMeshScene("thing", fill, {{}, offset});
     const Vec3d sensor{0.5, -1.25, 0.75};
     const auto beams = beamsOf(randomDirections(5000));
     const ExactHits hits = exactly(scene, shotAt(beams, {{}, offset + sensor}));
@@ -224,11 +210,7 @@ TEST(Exact, ClosedMeshesHaveNoEscapes) {
 }
 
 TEST(Exact, RandomBeamsStayInsideToo) {
-  SceneBuilder builder = testBuilder();
-  Mesh room = meshOf(builder, "ground");
-  appendSphere(room, 0, {}, 30.0, 96);
-  builder.place(builder.addMesh(room), {toMatrix(fromYawPitchRoll(0.7, 0.4, 0.2)), {3, 2, 1}}, "room");
-  const Scene scene = builder.finish();
+  const Scene scene = ballRoom();
   const ExactTracer tracer(scene);
   const std::uint32_t shots = kSanitized ? 2 : 40;
   for (std::uint32_t shot = 0; shot < shots; ++shot) {
@@ -240,11 +222,7 @@ TEST(Exact, RandomBeamsStayInsideToo) {
 
 // Along axes, and an ulp off them.
 TEST(Exact, ComponentsThatAreNearlyZeroLoseNothing) {
-  SceneBuilder builder = testBuilder();
-  Mesh box = meshOf(builder, "thing");
-  appendBox(box, 0, {}, {2, 2, 2});
-  builder.place(builder.addMesh(box), {}, "room");
-  const Scene scene = builder.finish();
+  const Scene scene = oneMeshScene("thing", [](Mesh& box) { appendBox(box, 0, {}, {2, 2, 2}); });
   const ExactTracer tracer(scene);
   std::vector<Vec3d> directions;
   for (const double tiny : {0.0, -0.0, 4e-19, -4e-19, -1e-17, 1e-13, -1e-300}) {
@@ -263,11 +241,7 @@ TEST(Exact, ComponentsThatAreNearlyZeroLoseNothing) {
 }
 
 TEST(Exact, RangeLimits) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {10, -50, -50}, {10, 50, -50}, {10, 50, 50}, {10, -50, 50});
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
+  const Scene scene = wallAhead();
   const ExactTracer tracer(scene);
   const auto range = [&](double minimum, double maximum, double x = 0) {
     return exactly(tracer, shotAt(beamsOf({{1, 0, 0}}, minimum, maximum), {{}, {x, 0, 0}})).range[0];
@@ -282,13 +256,7 @@ TEST(Exact, RangeLimits) {
 }
 
 TEST(Exact, NearSurfaceBlocksWhatLiesBehind) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {0, -5, -5}, {0, 5, -5}, {0, 5, 5}, {0, -5, 5});
-  const std::uint32_t mesh = builder.addMesh(wall);
-  builder.place(mesh, at(1, 0, 0), "near");
-  builder.place(mesh, at(10, 0, 0), "far");
-  const ExactHits hits = exactly(builder.finish(), shotAt(beamsOf({{1, 0, 0}}, 2, 100)));
+  const ExactHits hits = exactly(wallsAhead({1, 10}), shotAt(beamsOf({{1, 0, 0}}, 2, 100)));
   EXPECT_EQ(hits.range[0], INFINITY);
   EXPECT_EQ(hits.hits.range[0], kMiss);
 }
@@ -296,12 +264,7 @@ TEST(Exact, NearSurfaceBlocksWhatLiesBehind) {
 TEST(Exact, MissesAreZeroed) {
   const ExactHits hits = exactly(heap(1), shotAt(beamsOf({{0, 0, 1}})));
   EXPECT_EQ(hits.range[0], INFINITY);
-  EXPECT_EQ(hits.hits.range[0], kMiss);
-  EXPECT_EQ(hits.hits.instance[0], 0u);
-  EXPECT_EQ(hits.hits.semantic[0], 0u);
-  EXPECT_EQ(hits.hits.reflectance[0], 0.0f);
-  EXPECT_EQ(hits.hits.incidence[0], 0.0f);
-  EXPECT_EQ(hits.hits.normal[0], Vec3f{});
+  expectZeroedMiss(hits.hits);
 }
 
 TEST(Exact, EmptySceneIsAllMisses) {
@@ -329,28 +292,9 @@ TEST(Exact, OnlyAskedChannelsAreFilled) {
 TEST(Exact, CoplanarSurfacesGiveTheLowestInstance) {
   const auto beams = spinning(64, 512, -40, 40);
   for (const bool coarseFirst : {true, false}) {
-    SceneBuilder builder = testBuilder();
-    Mesh coarse = meshOf(builder, "thing");
-    appendPlane(coarse, 0, {}, 30, 30, 1);
-    Mesh fine = meshOf(builder, "other", "dark");
-    appendPlane(fine, 0, {toMatrix(fromYawPitchRoll(0.3, 0, 0)), {}}, 60, 60, 13);
-    const std::uint32_t a = builder.addMesh(coarse);
-    const std::uint32_t b = builder.addMesh(fine);
-    const Affine place{toMatrix(fromYawPitchRoll(0.4, 0.9, 0.2)), {3, 1, -4}};
-    builder.place(coarseFirst ? a : b, place, "first");
-    builder.place(coarseFirst ? b : a, place, "second");
-    const ExactHits hits = exactly(builder.finish(), shotAt(beams));
-    const Affine planeFromWorld = inverse(place);
-    std::size_t both = 0;
-    for (std::size_t i = 0; i < hits.range.size(); ++i) {
-      if (!hits.hits.hit(i)) continue;
-      const Vec3d p = planeFromWorld * (beams->direction[i] * hits.range[i]);
-      EXPECT_NEAR(p.z, 0, 1e-11);
-      if (!(std::abs(p.x) < 14.999 && std::abs(p.y) < 14.999)) continue;
-      ++both;
-      EXPECT_EQ(hits.hits.instance[i], 1u) << "beam " << i << " range " << hits.range[i];
-    }
-    EXPECT_GT(both, 5000u);
+    const CoplanarWalls walls(coarseFirst);
+    const ExactHits hits = exactly(walls.scene, shotAt(beams));
+    walls.expectTheFirst(*beams, hits.hits, hits.range, 1e-11);
   }
 }
 
@@ -360,12 +304,9 @@ TEST(Exact, TiesAreAskedOfTheNearest) {
   const double step = 12e-6;
   for (const auto& order :
        std::vector<std::vector<int>>{{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}) {
-    SceneBuilder builder = testBuilder();
-    Mesh wall = meshOf(builder, "thing");
-    appendQuad(wall, 0, {0, -5, -5}, {0, 5, -5}, {0, 5, 5}, {0, -5, 5});
-    const std::uint32_t mesh = builder.addMesh(wall);
-    for (const int place : order) builder.place(mesh, at(1 + step * place, 0, 0), "wall");
-    const ExactHits hits = exactly(builder.finish(), shotAt(beamsOf({{1, 0.01, 0.02}})));
+    std::vector<double> distances;
+    for (const int place : order) distances.push_back(1 + step * place);
+    const ExactHits hits = exactly(wallsAhead(distances), shotAt(beamsOf({{1, 0.01, 0.02}})));
     // Ids count from 1 in the order of placement: the winner is the earlier of walls 0 and 1.
     const auto first = std::find_if(order.begin(), order.end(), [](int place) { return place < 2; });
     EXPECT_EQ(hits.hits.instance[0], static_cast<std::uint32_t>(first - order.begin()) + 1);
@@ -386,33 +327,9 @@ TEST(Exact, LayersThatLieApartKeepTheirOwnLabels) {
 }
 
 TEST(Exact, AlphaLetsBeamsThrough) {
-  SceneBuilder builder = testBuilder();
-  Material leaf;
-  leaf.name = "leaf";
-  leaf.alphaTested = true;
-  auto texture = std::make_shared<Texture>();
-  texture->width = 2;
-  texture->height = 1;
-  texture->hasAlpha = true;
-  texture->rgba = {255, 255, 255, 255, 255, 255, 255, 0};  // the left half is there, the right half is not
-  leaf.texture = texture;
-  Mesh curtain;
-  curtain.surfaces.push_back({builder.addMaterial(leaf), 2, 1, "", "", {}});
-  curtain.surfaces.push_back(builder.surface("other", "grey"));
-  appendQuad(curtain, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
-  appendQuad(curtain, 1, {5, 5, 5}, {5, -5, 5}, {5, -5, 6}, {5, 5, 6});  // opaque: after the alpha-tested in the mesh
-  curtain.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}, {0, 0}, {0, 0}, {0, 0}};
-  builder.place(builder.addMesh(curtain), {}, "curtain");
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {10, 50, -50}, {10, -50, -50}, {10, -50, 50}, {10, 50, 50});
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
-  std::vector<Vec3d> directions;
-  for (int i = -40; i <= 40; ++i) {
-    if (i != 0) directions.push_back({1, i * 0.02, 0.013});
-  }
+  std::vector<Vec3d> directions = towardsTheCurtain();
   directions.push_back({1, 0.1, 1.1});
-  const ExactHits hits = exactly(scene, shotAt(beamsOf(directions)));
+  const ExactHits hits = exactly(curtain(), shotAt(beamsOf(directions)));
   for (std::size_t b = 0; b + 1 < directions.size(); ++b) {
     const bool there = directions[b].y > 0;
     EXPECT_EQ(hits.hits.semantic[b], there ? 2 : 1) << "y " << directions[b].y;
@@ -423,38 +340,13 @@ TEST(Exact, AlphaLetsBeamsThrough) {
 }
 
 TEST(Exact, TextureScalesReflectance) {
-  SceneBuilder builder = testBuilder();
-  Material paint;
-  paint.name = "paint";
-  paint.reflectance = 0.4f;
-  paint.textured = true;
-  auto texture = std::make_shared<Texture>();
-  texture->width = 2;
-  texture->height = 1;
-  texture->rgba = {255, 255, 255, 255, 0, 0, 0, 255};
-  paint.texture = texture;
-  paint.textureMean = 0.5f;
-  Mesh wall;
-  wall.surfaces.push_back({builder.addMaterial(paint), 1, 0, "", "", {}});
-  appendQuad(wall, 0, {5, 5, -5}, {5, -5, -5}, {5, -5, 5}, {5, 5, 5});
-  wall.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const ExactHits hits = exactly(builder.finish(), shotAt(beamsOf({{1, 0.3, 0.1}, {1, -0.3, 0.1}})));
+  const ExactHits hits = exactly(paintedWall(), shotAt(beamsOf({{1, 0.3, 0.1}, {1, -0.3, 0.1}})));
   EXPECT_FLOAT_EQ(hits.hits.reflectance[0], 0.8f);
   EXPECT_FLOAT_EQ(hits.hits.reflectance[1], 0.0f);
 }
 
 TEST(Exact, BeamOriginsAndPosesMove) {
-  SceneBuilder builder = testBuilder();
-  Mesh wall = meshOf(builder, "ground");
-  appendQuad(wall, 0, {10, -50, -50}, {10, 50, -50}, {10, 50, 50}, {10, -50, 50});
-  builder.place(builder.addMesh(wall), {}, "wall");
-  const Scene scene = builder.finish();
-  auto beams = beamsOf(std::vector<Vec3d>(40, {1, 0, 0}));
-  beams->origin.assign(40, {0.25f, 0, 0});
-  Shot shot = shotAt(beams);
-  for (int step = 1; step < 7; ++step) shot.worldFromSensor.push_back({{}, {0.5 * step, 0, 0}});
-  const ExactHits hits = exactly(scene, shot);
+  const ExactHits hits = exactly(wallAhead(), steppingAhead());
   for (std::uint32_t c = 0; c < 40; ++c) {
     EXPECT_EQ(hits.range[c], 9.75 - 0.5 * static_cast<double>(c * 7 / 40)) << c;
   }
@@ -497,11 +389,7 @@ TEST(Exact, SpecksAreFoundFromAfar) {
 }
 
 TEST(Exact, MirroredInstancesKeepTheirNormalsTowardsTheSensor) {
-  SceneBuilder builder = testBuilder();
-  Mesh box = meshOf(builder, "thing");
-  appendBox(box, 0, {}, {2, 2, 2});
-  builder.place(builder.addMesh(box), {Mat3::scale({-1, 1, 1}), {5, 0, 0}}, "mirrored");
-  const ExactHits hits = exactly(builder.finish(), shotAt(beamsOf({{1, 0.01, 0.02}})));
+  const ExactHits hits = exactly(mirroredBox(), shotAt(beamsOf({{1, 0.01, 0.02}})));
   EXPECT_NEAR(hits.hits.normal[0].x, -1, 1e-7);
   EXPECT_NEAR(hits.range[0], 4 / normalized(Vec3d{1, 0.01, 0.02}).x, 1e-12);
 }
