@@ -22,17 +22,18 @@
 namespace scanmill {
 namespace {
 
-FuzzTarget decoder(const char* suffix) {
-  return [suffix](std::string_view bytes) {
+FuzzTarget decoder(const FormatEntry& format) {
+  return [&format](std::string_view bytes) {
     const Value none = parseYaml("{}", "options");
     Fields options(none, "options");
-    formatBySuffix(suffix)->make(options)->decode(bytes, "input");
+    format.make(options)->decode(bytes, "input");
   };
 }
 
-const AddFuzzTarget kPcd("pcd", decoder("pcd"));
-const AddFuzzTarget kDraco("draco", decoder("drc"));
-const AddFuzzTarget kCsv("csv", decoder("csv"));
+[[maybe_unused]] const bool kEveryFormat = [] {
+  for (const FormatEntry& format : formats()) fuzzTargets()[std::string(format.name)] = decoder(format);
+  return true;
+}();
 const AddFuzzTarget kReasons("reasons", [](std::string_view bytes) { decodeReasons(bytes, "input.png"); });
 
 const AddFuzzTarget kTar("tar", [](std::string_view bytes) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <concepts>
 #include <cstdint>
 #include <vector>
 
@@ -23,19 +24,18 @@ inline std::vector<std::uint32_t> bitsOf(const std::vector<Vec3f>& values) {
   return bitsOf(numbers);
 }
 
+template <std::integral T>
+const std::vector<T>& bitsOf(const std::vector<T>& values) {
+  return values;
+}
+
 // To the bit.
 inline void expectSameHits(const Hits& a, const Hits& b) {
   EXPECT_EQ(a.rings, b.rings);
   EXPECT_EQ(a.columns, b.columns);
   EXPECT_EQ(a.channels, b.channels);
-  EXPECT_EQ(bitsOf(a.range), bitsOf(b.range));
-  EXPECT_EQ(bitsOf(a.normal), bitsOf(b.normal));
-  EXPECT_EQ(a.instance, b.instance);
-  EXPECT_EQ(a.semantic, b.semantic);
-  EXPECT_EQ(a.material, b.material);
-  EXPECT_EQ(a.primitive, b.primitive);
-  EXPECT_EQ(bitsOf(a.reflectance), bitsOf(b.reflectance));
-  EXPECT_EQ(bitsOf(a.incidence), bitsOf(b.incidence));
+  forEachChannel(
+      [&](const ChannelRow& row, auto member) { EXPECT_EQ(bitsOf(a.*member), bitsOf(b.*member)) << row.name; });
   EXPECT_EQ(bitsOf(a.roughness), bitsOf(b.roughness));
   EXPECT_EQ(bitsOf(a.metallic), bitsOf(b.metallic));
   EXPECT_EQ(bitsOf(a.retroreflectance), bitsOf(b.retroreflectance));

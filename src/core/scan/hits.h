@@ -76,7 +76,7 @@ struct Hits {
 
 // Calls visit(row, member) for each channel: its row of kChannels and the pointer to its member of Hits.
 template <class Visit>
-void forEachChannel(const Visit& visit) {
+constexpr void forEachChannel(const Visit& visit) {
   visit(rowOf(Channel::Range), &Hits::range);
   visit(rowOf(Channel::Normal), &Hits::normal);
   visit(rowOf(Channel::Instance), &Hits::instance);
@@ -86,5 +86,12 @@ void forEachChannel(const Visit& visit) {
   visit(rowOf(Channel::Reflectance), &Hits::reflectance);
   visit(rowOf(Channel::Incidence), &Hits::incidence);
 }
+static_assert(
+    [] {
+      std::size_t next = 0;
+      forEachChannel([&](const ChannelRow& row, auto) { next += next < kChannels.size() && &row == &kChannels[next]; });
+      return next == kChannels.size();
+    }(),
+    "visit every channel, in the order of the rows");
 
 }  // namespace scanmill

@@ -25,14 +25,9 @@ TEST(Channels, IsASet) {
 TEST(Channels, NamesFollowTheEnumeration) {
   EXPECT_THAT(channelNames({}), IsEmpty());
   EXPECT_THAT(channelNames(Channel::Incidence | Channel::Range), ElementsAre("range", "incidence"));
-  EXPECT_THAT(channelNames(Channels::all()), ElementsAre("range", "normal", "instance", "semantic", "material",
-                                                         "primitive", "reflectance", "incidence"));
-}
-
-TEST(Channels, AllIsTheUnionOfEach) {
-  Channels sum;
-  for (std::uint32_t bit = 0; bit < 8; ++bit) sum |= static_cast<Channel>(1u << bit);
-  EXPECT_EQ(sum, Channels::all());
+  const std::vector<std::string> all = channelNames(Channels::all());
+  ASSERT_EQ(all.size(), kChannels.size());
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(all[i], kChannels[i].name);
 }
 
 }  // namespace

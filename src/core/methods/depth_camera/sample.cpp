@@ -293,6 +293,7 @@ class Sampler {
         hits_.normal[to[k]] = !hit[k] ? Vec3f{} : met.along[from[k]] > 0 ? -n : n;
       }
     }
+    static_assert(kChannels.size() == 8, "fill the new channel here if no plane of the images has it");
     if (hits_.channels.has(Channel::Incidence)) {
       for (std::size_t k = 0; k < done; ++k) {
         hits_.incidence[to[k]] = hit[k] ? static_cast<float>(std::min(std::abs(met.along[from[k]]), 1.0)) : 0.0f;

@@ -21,9 +21,12 @@ constexpr std::size_t kResolverGrain = 16384;
 
 std::uint32_t bitsOf(Channels channels) {
   std::uint32_t set = 0;
-  for (std::uint32_t bit = 1; bit < 0x100u; bit <<= 1) set |= channels.has(static_cast<Channel>(bit)) ? bit : 0u;
+  for (const ChannelRow& row : kChannels)
+    set |= channels.has(row.channel) ? static_cast<std::uint32_t>(row.channel) : 0u;
   return set;
 }
+
+static_assert(kChannels.size() == 8, "say in ColumnPlaces and take() where the new channel is");
 
 // Where the requested columns begin, in words of 4 bytes. Class and material share a column.
 struct ColumnPlaces {

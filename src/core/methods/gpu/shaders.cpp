@@ -29,6 +29,8 @@ std::string fieldConstants() {
          glslConstant("kExhausted", static_cast<std::uint32_t>(Outcome::Exhausted)) + glslConstant("kGoOn", kGoOn);
 }
 
+static_assert(kChannels.size() == 8, "give the new channel a constant here, and fill it in shaders/resolver.glsl");
+
 std::string resolverConstants() {
   const auto channel = [](const char* name, Channel c) { return glslConstant(name, static_cast<std::uint32_t>(c)); };
   const auto verdict = [](const char* name, RayVerdict v) { return glslConstant(name, static_cast<std::uint32_t>(v)); };

@@ -221,6 +221,8 @@ void expectStore(const Tile& tile, Hits& hits) {
   for (std::size_t k = 0; k < 3; ++k) __builtin_prefetch(&hits.normal[last - k * (tile.width / 3)], 1);
 }
 
+static_assert(kChannels.size() == 8, "fill the new channel in store()");
+
 SCANMILL_BEST_INSTRUCTIONS void store(const std::vector<CompactMaterial>& materials, const Tile& tile, const Rays& rays,
                                       const Resolved& r, const HitTriangle* triangles, Hits& hits) {
   const Channels asked = hits.channels;
