@@ -69,8 +69,8 @@ class HouseMaker {
     downpipes();
     if (h_.forecourt) {
       addHouseDetails(s_, seed_, h_,
-                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kReveal, kFoundation, wall_, trim_,
-                       tile_, metal_, wood_, glass_});
+                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kFoundation, wall_, trim_, tile_,
+                       metal_, wood_, glass_});
     }
     return s_.finish();
   }

@@ -50,11 +50,7 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
         return;
       }
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                      corner & 4 ? box.high.z : box.low.z};
-        lowest = std::min(lowest, (place * p).z);
-      }
+      lowest = std::min(lowest, boxAround(place, box).low.z);
     };
     if (m.assetFromMesh.empty()) add(worldFromAsset);
     for (const Affine& place : m.assetFromMesh) add(worldFromAsset * place);
