@@ -8,10 +8,6 @@ namespace {
 
 constexpr double kCell = 32;  // m, side of a grid cell
 
-std::int64_t cellOf(double v) {
-  return static_cast<std::int64_t>(std::floor(v / kCell));
-}
-
 bool isHard(Land land) {
   return land == Land::Water || land == Land::Lot || land == Land::Paved;
 }
@@ -32,19 +28,17 @@ void Areas::add(MapArea area) {
   }
   extent.size = sizeOf(area.outline);
   const auto index = static_cast<std::uint32_t>(areas_.size());
-  // Coordinates are clamped to 2 km, which no town exceeds, to bound the loop below.
+  // Coordinates are clamped to 2 km, which no town exceeds, to bound the number of cells.
   const auto limited = [](double v) { return std::clamp(v, -2000.0, 2000.0); };
-  for (std::int64_t y = cellOf(limited(extent.low.y - kReach)); y <= cellOf(limited(extent.high.y + kReach)); ++y) {
-    for (std::int64_t x = cellOf(limited(extent.low.x - kReach)); x <= cellOf(limited(extent.high.x + kReach)); ++x) {
-      cells_[models::cellKey(x, y)].push_back(index);
-    }
-  }
+  models::forCells({limited(extent.low.x - kReach), limited(extent.low.y - kReach)},
+                   {limited(extent.high.x + kReach), limited(extent.high.y + kReach)}, 0, kCell,
+                   [&](std::uint64_t key) { cells_[key].push_back(index); });
   areas_.push_back(std::move(area));
   extents_.push_back(extent);
 }
 
 const std::vector<std::uint32_t>* Areas::near(const Point2& p) const {
-  const auto cell = cells_.find(models::cellKey(cellOf(p.x), cellOf(p.y)));
+  const auto cell = cells_.find(models::cellKeyAt(p, kCell));
   return cell == cells_.end() ? nullptr : &cell->second;
 }
 

@@ -129,11 +129,8 @@ void placeCrossing(Placer& placer, const Model& light) {
   for (const double lateral : models::steps(-half, half - 0.5, 1)) {
     constexpr int kPieces = 3;
     for (int piece = 0; piece < kPieces; ++piece) {
-      const auto corner = [&](int k, double side) {
-        const Point2 p = besideRoad(road, *at + kLength * k / kPieces, lateral + side).at;
-        return Vec3d{p.x, p.y, l.heightAt(p) + 0.004};
-      };
-      s.quad(paint, corner(piece, 0), corner(piece + 1, 0), corner(piece + 1, 0.5), corner(piece, 0.5));
+      const auto along = [&](int k) { return *at + kLength * k / kPieces; };
+      paintBar(s, paint, l, road, along(piece), along(piece + 1), lateral, lateral + 0.5);
     }
   }
   placer.builder.place(s.finish().mesh, placer.worldFromTown, "crossing");

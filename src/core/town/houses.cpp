@@ -45,7 +45,7 @@ class Boundaries {
       if (!placer_.isFree({p, width / 2 - 0.1, half, yaw}) || placer_.layout.areas().outsideHard(p) < half) continue;
       const Beside beside = placer_.layout.roads().at(p.x, p.y);
       if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
-      Affine place = models::at({p.x, p.y, placer_.layout.heightAt(p) - 0.05}, yaw);
+      Affine place = models::at(placer_.layout.onGround(p, -0.05), yaw);
       place.linear = place.linear * Mat3::scale({width / kPanel, 1, 1});
       placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
       taken_.push_back({p, width / 2 - 0.1, half, yaw});
@@ -58,19 +58,18 @@ class Boundaries {
  private:
   const Model& panel(Fencing what, int form) {
     const auto index = static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form);
-    if (!made_[index]) {
+    std::optional<Model>& made = panels_[index];
+    if (!made) {
       const std::uint64_t seed = placer_.layout.seed();
-      panels_[index] = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
-                                              : models::makeFencePanel(placer_.builder, seed + form * 104729u, what);
-      made_[index] = true;
+      made = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
+                                    : models::makeFencePanel(placer_.builder, seed + form * 104729u, what);
     }
-    return panels_[index];
+    return *made;
   }
 
   static constexpr std::size_t kForms = 4;
   Placer& placer_;
-  std::array<Model, 5 * kForms> panels_{};
-  std::array<bool, 5 * kForms> made_{};
+  std::array<std::optional<Model>, 5 * kForms> panels_{};
   std::vector<Footprint> taken_;
   int number_ = 0;
 };

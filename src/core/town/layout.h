@@ -103,6 +103,8 @@ class Layout {
   GroundKind kindAt(const Beside& beside, const Point2& p) const;
   double heightAt(GroundKind kind, const Beside& beside, const Point2& p) const;
   double heightAt(const Point2& p) const;
+  // Returns the point `above` metres above the ground.
+  Vec3d onGround(const Point2& p, double above = 0) const { return {p.x, p.y, heightAt(p) + above}; }
 
   // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
   // the curb, the verge and the sidewalk. A distance is zero on its line.

@@ -125,11 +125,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
     const double outer = road.section.half + road.section.outer();
     const Point2 heading = road.heading(middle);
     const double yaw = std::atan2(heading.y, heading.x) + (side > 0 ? 0 : kPi);
-    const auto spot = [&](double along, double lateral) {
-      const Point2 p = road.point(along);
-      const Point2 h = road.heading(along);
-      return Point2{p.x - h.y * side * lateral, p.y + h.x * side * lateral};
-    };
+    const auto spot = [&](double along, double lateral) { return besideRoad(road, along, side * lateral).at; };
     // If there is a driveway, the house is shifted to the other end of the plot.
     const double shift = hasDriveway ? -side * (gap / 2 - 0.2) : 0;
     const Footprint body{spot(middle + shift, outer + plot.setback + house.depth / 2), house.width / 2, house.depth / 2,

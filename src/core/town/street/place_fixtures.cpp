@@ -108,8 +108,8 @@ void placeSigns(Placer& placer) {
     Draw draw(l.seed, Kind::Sign, static_cast<std::uint32_t>(1000 + i));
     placer.search(forms[static_cast<std::size_t>(i) % forms.size()], fmt::format("sign {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, 0, 0.8);
-      const double side = s.y > 0 ? 1 : -1;
-      s.y = side * (placer.walkFrom(s.x) + 0.5);
+      const double side = s.at.y > 0 ? 1 : -1;
+      s.at.y = side * (placer.walkFrom(s.at.x) + 0.5);
       s.yaw = (side < 0 ? kPi : 0) + draw.in(-0.12, 0.12);  // the sign faces vehicles on this side
       return s;
     });
@@ -126,7 +126,7 @@ void placeShelters(Placer& placer) {
     const bool column = i % 2 == 1;
     placer.search(forms[column ? 1 : 0], fmt::format("shelter {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, -0.75, 3);
-      s.yaw = s.y > 0 ? 0 : kPi;
+      s.yaw = s.at.y > 0 ? 0 : kPi;
       return s;
     });
   }
@@ -149,7 +149,7 @@ void placeFurniture(Placer& placer) {
     const bool atCurb = what == Furnishing::Hydrant || what == Furnishing::Bollard || what == Furnishing::Bin;
     placer.search(forms[static_cast<std::size_t>(kind)], fmt::format("furniture {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, atCurb ? 0.35 : -0.4, 0.6);
-      s.yaw = s.y > 0 ? 0 : kPi;  // its back is towards the gardens
+      s.yaw = s.at.y > 0 ? 0 : kPi;  // its back is towards the gardens
       if (what == Furnishing::WheelieBin || what == Furnishing::LetterBox) s.yaw += -kPi / 2;
       s.yaw += draw.in(-0.08, 0.08);
       return s;

@@ -25,7 +25,7 @@ void placeTrees(Placer& placer) {
       // Conifers have branches down to the ground, so they are placed only behind the houses.
       const auto form = static_cast<std::size_t>(draw.below(inFront ? kBroadleafForms : kTreeForms));
       Spot s;
-      s.x = placer.alongStreet(draw, 2);
+      s.at.x = placer.alongStreet(draw, 2);
       s.yaw = draw.in(0, 2 * kPi);
       s.scale = draw.in(0.8, 1.2);
       const TreeModel& tree = forms[form];
@@ -34,16 +34,16 @@ void placeTrees(Placer& placer) {
         const double room = l.p.frontGarden - 1.2;
         s.scale = std::min(s.scale, room / tree.crownRadius);
         if (s.scale < 0.55) continue;
-        s.y = side * (l.front - 0.2 - tree.crownRadius * s.scale * 1.05);
-        if (placer.nearCrossing(s.x, 0)) continue;
+        s.at.y = side * (l.front - 0.2 - tree.crownRadius * s.scale * 1.05);
+        if (placer.nearCrossing(s.at.x, 0)) continue;
       } else {
-        s.y = side * draw.in(l.front + 14, l.halfY - 4);
-        if (l.cross && std::abs(s.x - l.crossX) < l.crossWalk + 2.5) continue;
+        s.at.y = side * draw.in(l.front + 14, l.halfY - 4);
+        if (l.cross && std::abs(s.at.x - l.crossX) < l.crossWalk + 2.5) continue;
       }
       const double reach = tree.crownRadius * s.scale * (inFront ? 0.35 : 0.75);
-      const Footprint around{{s.x, s.y}, reach, reach, 0};
+      const Footprint around{{s.at.x, s.at.y}, reach, reach, 0};
       if (!placer.occupancy.isFree(around)) continue;
-      placer.occupancy.add({{s.x, s.y}, 0.5, 0.5, 0});
+      placer.occupancy.add({{s.at.x, s.at.y}, 0.5, 0.5, 0});
       placer.put(tree.model, s, fmt::format("tree {}", i + 1), 0.05);
       break;
     }
@@ -66,8 +66,8 @@ void placeBushes(Placer& placer) {
           const double near = l.walkOuter + 0.4 + reach;
           const double far = l.front - reach;
           const bool back = draw.chance(0.35) || near > far;
-          s.y = draw.sign() * (back ? draw.in(l.front + 14, l.front + 30) : draw.in(near, far));
-          if (placer.nearCrossing(s.x, 1)) s.x += (s.x > l.crossX ? 1 : -1) * (l.cornerRadius + 4);
+          s.at.y = draw.sign() * (back ? draw.in(l.front + 14, l.front + 30) : draw.in(near, far));
+          if (placer.nearCrossing(s.at.x, 1)) s.at.x += (s.at.x > l.crossX ? 1 : -1) * (l.cornerRadius + 4);
           return s;
         },
         0.03);
@@ -87,11 +87,11 @@ void placePedestrians(Placer& placer) {
       Spot s;
       s.scale = draw.in(0.96, 1.04);
       if (onZebra) {  // the pedestrian crosses the cross street
-        s.x = l.crossX + draw.in(-0.7, 0.7) * l.crossEdge;
-        s.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
+        s.at.x = l.crossX + draw.in(-0.7, 0.7) * l.crossEdge;
+        s.at.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
       } else {
-        s.x = placer.alongStreet(draw, 1);
-        s.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
+        s.at.x = placer.alongStreet(draw, 1);
+        s.at.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
       }
       s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.25, 0.25);
       return s;

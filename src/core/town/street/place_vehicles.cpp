@@ -170,7 +170,7 @@ void placeCyclists(Placer& placer) {
     for (int k = 0; k < Placer::kTries; ++k) {
       const Spot s{placer.alongStreet(draw, 6), l.roadEdge - 0.6 + draw.in(-0.2, 0.1), kPi + draw.in(-0.06, 0.06), 1,
                    0};
-      if (!placer.occupancy.isFree(Placer::footprint(rider, s, Placer::kGap))) continue;
+      if (!placer.occupancy.isFree(footprint(rider, s, Placer::kGap))) continue;
       if (!placer.tryPut(bicycle, s, fmt::format("cyclist's bicycle {}", i + 1))) continue;
       placer.put(rider, s, fmt::format("cyclist {}", i + 1));
       break;

@@ -15,21 +15,8 @@ bool onWalkway(const Layout& layout, double x, int side, double margin) {
 
 }  // namespace
 
-Footprint Placer::footprint(const Model& m, const Spot& s, double grow) {
-  const Vec3d c = m.bounds.center() * s.scale;
-  const double cy = std::cos(s.yaw);
-  const double sy = std::sin(s.yaw);
-  return {{s.x + cy * c.x - sy * c.y, s.y + sy * c.x + cy * c.y},
-          (m.bounds.high.x - m.bounds.low.x) / 2 * s.scale + grow,
-          (m.bounds.high.y - m.bounds.low.y) / 2 * s.scale + grow,
-          s.yaw};
-}
-
 void Placer::put(const Model& m, const Spot& s, std::string name, double sink) {
-  const double z = layout.heightAt(s.x, s.y) - sink;
-  Affine place = at({s.x, s.y, z}, s.yaw);
-  place.linear = place.linear * toMatrix(fromYawPitchRoll(0, 0, s.lean)) * Mat3::scale(Vec3d{1, 1, 1} * s.scale);
-  builder.place(m.mesh, worldFromStreet * place, std::move(name));
+  builder.place(m.mesh, worldFromStreet * poseOf(s, layout.heightAt(s.at.x, s.at.y) - sink), std::move(name));
 }
 
 bool Placer::tryPut(const Model& m, const Spot& s, std::string name, double sink) {
@@ -56,11 +43,11 @@ double Placer::walkFrom(double x) const {
 Spot Placer::onSidewalk(Draw& draw, double from, double margin) const {
   Spot s;
   for (int k = 0; k < kTries; ++k) {
-    s.x = alongStreet(draw, 3);
+    s.at.x = alongStreet(draw, 3);
     const int side = draw.chance(0.5) ? 1 : -1;
-    s.y = side * (from >= 0 ? layout.walkInner + from : layout.walkOuter + from);
-    const bool blocked =
-        nearCrossing(s.x, margin) || layout.onDriveway(s.x, side, margin) || onWalkway(layout, s.x, side, margin);
+    s.at.y = side * (from >= 0 ? layout.walkInner + from : layout.walkOuter + from);
+    const bool blocked = nearCrossing(s.at.x, margin) || layout.onDriveway(s.at.x, side, margin) ||
+                         onWalkway(layout, s.at.x, side, margin);
     if (!blocked) break;
   }
   return s;
