@@ -307,6 +307,19 @@ class HouseMaker {
 
 }  // namespace
 
+House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) {
+  House house;
+  house.number = number;
+  house.width = width;
+  house.depth = depth;
+  house.floors = floors;
+  house.columns = std::max(2, static_cast<int>(width / draw.in(2.2, 3.1)));
+  house.doorColumn = draw.below(house.columns);
+  house.roof = draw.of(std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat});
+  if (floors >= 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
+  return house;
+}
+
 Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house) {
   return HouseMaker(builder, seed, house).make();
 }

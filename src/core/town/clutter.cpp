@@ -186,7 +186,7 @@ void placeGardenThings(Placer& placer, Store& store) {
   // Tries more often if no water has been placed: a town without water is rare.
   Draw draw(l.seed(), Kind::Clutter, 900000);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
-    const Plot& plot = l.plots()[static_cast<std::size_t>(draw.below(static_cast<int>(l.plots().size())))];
+    const Plot& plot = draw.of(l.plots());
     if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
   }
 }
@@ -270,7 +270,7 @@ void placeAnimals(Placer& placer) {
     const double lateral = (draw.chance(0.5) ? 1 : -1) * (curb + draw.in(7, 22));
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
-      put(forms[static_cast<std::size_t>(draw.below(3))], at + draw.in(-12, 12), lateral + draw.in(-6, 6));
+      put(draw.of(forms), at + draw.in(-12, 12), lateral + draw.in(-6, 6));
     }
   }
 }

@@ -121,7 +121,6 @@ class Layout {
   void drawLand();
   bool addLand(Land land, std::uint32_t road, int side, double along, double width, double depth);
   void addPlots(std::uint32_t road, int side, double from, double to);
-  models::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
   models::Fencing drawFencing(Draw& draw, double setback) const;
   // Adds a strip of ground from `inner`, a point at a house with this yaw, towards the road. `half` is half of its
   // width (m).

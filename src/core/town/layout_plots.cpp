@@ -64,21 +64,6 @@ bool Layout::fits(const Footprint& f, double gap) const {
   return taken_.isFree(f);
 }
 
-models::House Layout::drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const {
-  House house;
-  house.number = number;
-  house.width = width;
-  house.depth = depth;
-  house.floors = floors;
-  house.columns = std::max(2, static_cast<int>(width / draw.in(2.2, 3.1)));
-  house.doorColumn = draw.below(house.columns);
-  house.roof =
-      std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat}[static_cast<std::size_t>(
-          draw.below(6))];
-  if (floors >= 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
-  return house;
-}
-
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
   const Character& c = character_;
   Fencing fencing = Fencing::None;
@@ -86,7 +71,7 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
   if (pick < c.hedges) {
     fencing = Fencing::Hedge;
   } else if (pick < c.hedges + c.fences) {
-    fencing = std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick}[static_cast<std::size_t>(draw.below(3))];
+    fencing = draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick});
   }
   return setback < 1.5 ? Fencing::None : fencing;
 }

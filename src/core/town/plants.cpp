@@ -174,7 +174,7 @@ void placeWoods(Placer& placer) {
       const std::optional<Land> land = l.areas().at(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
-        const Model& bush = bushes[static_cast<std::size_t>(draw.below(static_cast<int>(bushes.size())))];
+        const Model& bush = draw.of(bushes);
         if (placer.isFree({spot.at, 1.1, 1.1, 0})) {
           placer.occupancy.add({spot.at, 0.8, 0.8, 0});
           placer.put(bush, spot, fmt::format("undergrowth {}", cell), 0.05);
@@ -207,7 +207,7 @@ void placeBushes(Placer& placer) {
       spot.yaw = draw.in(0, 2 * kPi);
       spot.scale = draw.in(0.6, 1.5);
       if (!onLawn(l, spot.at, 0.6 * spot.scale)) continue;
-      const Model& bush = forms[static_cast<std::size_t>(draw.below(kBushForms))];
+      const Model& bush = draw.of(forms);
       if (!placer.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
       placer.occupancy.add({spot.at, 0.5 * spot.scale, 0.5 * spot.scale, 0});
       placer.put(bush, spot, fmt::format("bush {}", ++number), 0.03);

@@ -100,10 +100,9 @@ void placeLamps(Placer& placer) {
 void placeSigns(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.signs);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 8); ++f) {
-    forms.push_back(makeSign(placer.builder, l.seed, static_cast<TrafficSign>(f % kSigns), f));
-  }
+  const auto forms = makeForms(std::min(count, 8), [&](int f) {
+    return makeSign(placer.builder, l.seed, static_cast<TrafficSign>(f % kSigns), f);
+  });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Sign, static_cast<std::uint32_t>(1000 + i));
     placer.search(forms[static_cast<std::size_t>(i) % forms.size()], fmt::format("sign {}", i + 1), [&] {
@@ -136,12 +135,9 @@ void placeFurniture(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.furniture);
   constexpr int kKinds = static_cast<int>(Furnishing::Count);
-  const int made = std::min(count, kKinds);
-  std::vector<Model> forms;
-  forms.reserve(static_cast<std::size_t>(made));
-  for (int f = 0; f < made; ++f) {
-    forms.push_back(makeFurnishing(placer.builder, l.seed, static_cast<Furnishing>(f)));
-  }
+  const auto forms = makeForms(std::min(count, kKinds), [&](int f) {
+    return makeFurnishing(placer.builder, l.seed, static_cast<Furnishing>(f));
+  });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Furniture, static_cast<std::uint32_t>(i));
     const int kind = i % kKinds;

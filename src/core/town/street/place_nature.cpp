@@ -13,10 +13,7 @@ namespace scanmill::street {
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.trees);
-  std::vector<TreeModel> forms;
-  if (count > 0) {
-    for (int f = 0; f < kTreeForms; ++f) forms.push_back(makeTree(placer.builder, l.seed, f));
-  }
+  const auto forms = makeForms(count > 0 ? kTreeForms : 0, [&](int f) { return makeTree(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Tree, static_cast<std::uint32_t>(1000 + i));
     const bool inFront = i % 2 == 0;
@@ -53,11 +50,10 @@ void placeTrees(Placer& placer) {
 void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.bushes);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 5); ++f) forms.push_back(makeBush(placer.builder, l.seed, f));
+  const auto forms = makeForms(std::min(count, 5), [&](int f) { return makeBush(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Bush, static_cast<std::uint32_t>(1000 + i));
-    const Model& m = forms[static_cast<std::size_t>(draw.below(static_cast<int>(forms.size())))];
+    const Model& m = draw.of(forms);
     placer.search(
         m, fmt::format("bush {}", i + 1),
         [&] {
@@ -77,8 +73,7 @@ void placeBushes(Placer& placer) {
 void placePedestrians(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.pedestrians);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 8); ++f) forms.push_back(makePedestrian(placer.builder, l.seed, f));
+  const auto forms = makeForms(std::min(count, 8), [&](int f) { return makePedestrian(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Person, static_cast<std::uint32_t>(1000 + i));
     const Model& m = forms[static_cast<std::size_t>(i) % forms.size()];
@@ -86,13 +81,9 @@ void placePedestrians(Placer& placer) {
     placer.search(m, fmt::format("pedestrian {}", i + 1), [&] {
       Spot s;
       s.scale = draw.in(0.96, 1.04);
-      if (onZebra) {  // the pedestrian crosses the cross street
-        s.at.x = l.crossX + draw.in(-0.7, 0.7) * l.crossEdge;
-        s.at.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
-      } else {
-        s.at.x = placer.alongStreet(draw, 1);
-        s.at.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
-      }
+      // On a zebra the pedestrian crosses the cross street.
+      s.at.x = onZebra ? l.crossX + draw.in(-0.7, 0.7) * l.crossEdge : placer.alongStreet(draw, 1);
+      s.at.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
       s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.25, 0.25);
       return s;
     });
