@@ -99,16 +99,13 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, copyNumber);
     const std::vector<PlacedMesh>& meshes = meshesOf(variant);
     for (const PlacedMesh& m : meshes) {
-      if (m.assetFromMesh.empty()) {
-        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation, thing).facing =
-            copies.facing;
-      }
+      const auto put = [&](const Affine& worldFromMesh, const std::string& called, const auto& animation) {
+        builder_.place(m.mesh, worldFromMesh, called, where, copies.movement, animation, thing).facing = copies.facing;
+      };
+      if (m.assetFromMesh.empty()) put(worldFromAsset, own, copies.animation);
       for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
         const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
-        builder_
-            .place(m.mesh, worldFromAsset * m.assetFromMesh[i],
-                   alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement, nullptr, thing)
-            .facing = copies.facing;
+        put(worldFromAsset * m.assetFromMesh[i], alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), nullptr);
       }
     }
   }
