@@ -3,7 +3,6 @@
 // Towns, drawn and on a map, for tests.
 
 #include <array>
-#include <filesystem>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -11,15 +10,13 @@
 
 #include "config/fields.h"
 #include "config/value.h"
+#include "tests/support/labels.h"
 #include "town/town.h"
 
 namespace scanmill {
 
-inline const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
-
 inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
-  SceneBuilder builder("town", seed, readOntology(kLabels / "scanmill.yaml"),
-                       readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder("town", seed);
   const Value value = parseYaml(yaml, "town.yaml");
   Fields fields(value, "town");
   addTown(builder, fields, seed, {1, 1, 1}, {});

@@ -5,11 +5,10 @@
 #include <numeric>
 
 #include "models/models.h"
+#include "tests/support/labels.h"
 
 namespace scanmill::models {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
 
 struct Built {
   Scene scene;
@@ -17,7 +16,7 @@ struct Built {
 };
 
 Built build(const Block& block) {
-  SceneBuilder builder("block", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder();
   const Model model = makeBlock(builder, 1, block);
   builder.place(model.mesh, {}, "block");
   Built built{builder.finish(), {}};

@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "models/models.h"
+#include "tests/support/labels.h"
 
 namespace scanmill::models {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
 
 struct Grown {
   double leafArea = 0;  // m^2
@@ -17,7 +16,7 @@ struct Grown {
 };
 
 Grown grow(std::uint64_t seed, int form, double detail, double ragged) {
-  SceneBuilder builder("tree", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder();
   const TreeModel tree = makeTree(builder, seed, form, detail, 1, ragged);
   builder.place(tree.model.mesh, {}, "tree");
   const Scene scene = builder.finish();

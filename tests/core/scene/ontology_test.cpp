@@ -6,13 +6,12 @@
 #include <cstdlib>
 #include <set>
 
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
 
 TEST(Ontology, idsOfOurClassesNeverChange) {
   const Ontology o = readOntology(kLabels / "scanmill.yaml");

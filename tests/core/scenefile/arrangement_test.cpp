@@ -11,6 +11,7 @@
 
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
@@ -24,15 +25,11 @@ using testing::HasSubstr;
 class Arrangements : public testing::Test {
  protected:
   Scene scene(const std::string& object, std::uint64_t seed = 1) const {
-    const std::string yaml = fmt::format(R"(ontology: {0}/labels/scanmill.yaml
-materials: {0}/labels/materials.yaml
-objects:
-  - {{name: lawn, primitive: plane, size: [100.49875621, 100], class: terrain, material: grass, pitch_deg: -5.710593137}}
-  - {{name: road, primitive: plane, size: [8, 100], class: road, material: asphalt, position: [30, 0, 3.5]}}
-  - {{name: house, primitive: box, size: [20, 10, 8], class: building, material: plaster, position: [-20, 10, 3]}}
-{1}
-)",
-                                         SCANMILL_SOURCE_DIR, object);
+    const std::string yaml = sceneYaml(
+        R"(  - {name: lawn, primitive: plane, size: [100.49875621, 100], class: terrain, material: grass, pitch_deg: -5.710593137}
+  - {name: road, primitive: plane, size: [8, 100], class: road, material: asphalt, position: [30, 0, 3.5]}
+  - {name: house, primitive: box, size: [20, 10, 8], class: building, material: plaster, position: [-20, 10, 3]}
+)" + object);
     SceneOptions options;
     options.seed = seed;
     return readScene(folder_.write("s.yaml", yaml), options);

@@ -12,6 +12,7 @@
 #include "scene/scene.h"
 #include "scenefile/placement.h"
 #include "tests/core/assets/triangle_files.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -44,9 +45,7 @@ class SceneReader : public testing::Test {
 
   // A scene with our labels; `objects` is the YAML of the list, `more` that of other top-level keys.
   std::filesystem::path write(const std::string& objects, const std::string& more = "") {
-    return folder_.write("scene.yaml", "ontology: " + (kSource / "labels/scanmill.yaml").string() +
-                                           "\nmaterials: " + (kSource / "labels/materials.yaml").string() + "\n" +
-                                           more + "objects:\n" + objects);
+    return folder_.write("scene.yaml", sceneYaml(objects, more));
   }
   Scene read(const std::string& objects, const std::string& more = "", const SceneOptions& options = {}) {
     return readScene(write(objects, more), options);
@@ -438,13 +437,7 @@ Scene* TruckTown::scene_ = nullptr;
 TEST_F(TruckTown, everyTriangleHasAClass) {
   SKIP_WITHOUT_SHARED_DATA(kFolder);
   EXPECT_TRUE(scene_->unlabeled.empty()) << scene_->unlabeled.begin()->first.node;
-  std::map<std::string, std::uint64_t> triangles;
-  for (const Instance& i : scene_->instances) {
-    const Mesh& mesh = scene_->meshes[i.mesh];
-    for (const std::uint16_t s : mesh.surfaceOf) {
-      ++triangles[scene_->ontology.find(mesh.surfaces[s].semantic)->name];
-    }
-  }
+  std::map<std::string, std::uint64_t> triangles = trianglesByClass(*scene_);
   EXPECT_EQ(triangles.count("unlabeled"), 0u);
   for (const char* name :
        {"road", "terrain", "building", "window", "structure", "object", "tree", "trunk", "street_lamp"}) {

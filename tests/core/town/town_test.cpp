@@ -13,12 +13,12 @@
 #include <string_view>
 #include <tuple>
 
-#include "base/hash.h"
 #include "base/path.h"
 #include "config/fields.h"
 #include "config/value.h"
 #include "models/occupancy.h"
 #include "scene/scene.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/town.h"
@@ -35,25 +35,10 @@ using testing::HasSubstr;
 using testing::IsSupersetOf;
 using testing::Not;
 
-std::string hash(const Scene& scene) {
-  Sha256 sha;
-  for (const Mesh& m : scene.meshes) {
-    sha.add({reinterpret_cast<const char*>(m.positions.data()), m.positions.size() * sizeof(m.positions[0])});
-    sha.add({reinterpret_cast<const char*>(m.triangles.data()), m.triangles.size() * sizeof(m.triangles[0])});
-  }
-  for (const Instance& i : scene.instances) {
-    sha.add(i.name);
-    sha.add({reinterpret_cast<const char*>(&i.worldFromMesh), sizeof(Affine)});
-  }
-  return sha.hex();
-}
-
-std::set<std::string> classesOf(const Scene& scene) {
-  std::set<std::string> names;
-  for (const Instance& i : scene.instances) {
-    for (const Surface& s : scene.meshes[i.mesh].surfaces) names.insert(scene.ontology.find(s.semantic)->name);
-  }
-  return names;
+town::Layout layoutOf(const std::string& yaml, std::uint64_t seed) {
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  return {town::readParameters(fields), seed};
 }
 
 // All that stands on the ground of a town, by the corners of its meshes, in the world's frame.
@@ -192,9 +177,7 @@ TEST(Town, RoadsAreWorn) {
   std::size_t holes = 0;
   std::size_t covers = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Value value = parseYaml("{length: 120}", "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf("{length: 120}", seed);
     for (const town::Pothole& h : layout.potholes()) {
       const auto kind = layout.kindAt(layout.roads().at(h.center.x, h.center.y), h.center);
       if (kind != town::GroundKind::Road) continue;  // another road's pavement
@@ -364,9 +347,7 @@ TEST(Town, GrassGrowsOnSoilAlone) {
   std::size_t tufts = 0;
   for (const std::uint64_t seed : {9, 11}) {
     const std::string yaml = "{district: rural, length: 120, detail: 0.05}";
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     for (const Instance& i : makeTown(yaml, seed).instances) {
       if (!i.name.starts_with("tuft")) continue;
       const Vec3d& at = i.worldFromMesh.translation;
@@ -388,9 +369,7 @@ TEST(Town, SignsToGiveWayFaceThoseWhoComeOutOfSideRoads) {
   int signs = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     const town::Road& main = layout.roads().roads().front();
     for (const Instance& i : makeTown(yaml, seed).instances) {
       if (!i.name.starts_with("sign at a mouth")) continue;
@@ -413,9 +392,7 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
   int lines = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     const Scene scene = makeTown(yaml, seed);
     const auto markings = std::find_if(scene.instances.begin(), scene.instances.end(),
                                        [](const Instance& i) { return i.name == "road markings"; });
@@ -445,9 +422,7 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
 TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
   int sides = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    const Value value = parseYaml("{district: suburban, length: 200, detail: 0.05}", "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf("{district: suburban, length: 200, detail: 0.05}", seed);
     const std::vector<town::Road>& roads = layout.roads().roads();
     for (std::uint32_t r = 1; r < roads.size(); ++r) {
       if (!roads[r].joins) continue;
@@ -484,9 +459,7 @@ TEST(Town, WiresHangClearOfTheRoads) {
     if (wires == scene.instances.end()) continue;
     EXPECT_GE(poles, 3);
     ++wired;
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     double lowest = 100;
     for (const Vec3f& p : scene.meshes[wires->mesh].positions) {
       const town::Beside beside = layout.roads().at(p.x, p.y);
