@@ -2,10 +2,16 @@
 
 // Towns, drawn and on a map, for tests.
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "config/fields.h"
@@ -39,6 +45,22 @@ inline const Mesh& groundOf(const Scene& scene) {
 // What the names of things on roads begin with.
 inline constexpr auto kOnRoads = std::to_array<std::string_view>(
     {"car", "traffic", "waiting", "delivering", "cone", "barrier", "excavator", "cyclist"});
+
+inline bool isOnRoad(const Instance& instance) {
+  return std::any_of(kOnRoads.begin(), kOnRoads.end(),
+                     [&](std::string_view name) { return instance.name.starts_with(name); });
+}
+
+// Whoever stands at `foot` stands on the ground, as near as its nearest corner tells.
+inline void expectOnGround(const Mesh& ground, const Vec3d& foot, const std::string& who) {
+  double nearest = 1e9;
+  double height = 0;
+  for (const Vec3f& p : ground.positions) {
+    const double d = std::hypot(p.x - foot.x, p.y - foot.y);
+    if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
+  }
+  EXPECT_NEAR(foot.z, height, 0.25) << who;
+}
 
 // A town on the map that comes with the program; `more` are further keys.
 inline std::string onMap(const std::string& more) {

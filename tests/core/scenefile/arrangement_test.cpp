@@ -35,11 +35,12 @@ class Arrangements : public testing::Test {
     return readScene(folder_.write("s.yaml", yaml), options);
   }
   // Where the copies of the object named `post` stand.
-  std::vector<Affine> posts(const std::string& keys, std::uint64_t seed = 1) const {
+  std::vector<Affine> posts(const std::string& keys, std::uint64_t seed = 1, const std::string& before = "") const {
+    return postsOf(scene(before + kPost + keys + "}", seed));
+  }
+  static std::vector<Affine> postsOf(const Scene& scene) {
     std::vector<Affine> found;
-    const Scene s =
-        scene("  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, " + keys + "}", seed);
-    for (const Instance& i : s.instances) {
+    for (const Instance& i : scene.instances) {
       if (i.name.starts_with("post")) found.push_back(i.worldFromMesh);
     }
     return found;
@@ -48,6 +49,8 @@ class Arrangements : public testing::Test {
     return messageOf([&] { posts(keys); });
   }
 
+  static constexpr const char* kPost =
+      "  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, ";
   TemporaryFolder folder_;
 };
 
@@ -117,13 +120,7 @@ TEST_F(Arrangements, FollowFromTheSeedAndTheObject) {
 // What else is in the scene, or is added before an object, does not move its copies; objects of one name differ.
 TEST_F(Arrangements, DoNotFollowFromOtherObjects) {
   const auto first = [&](const std::string& before) {
-    const Scene s =
-        scene(before +
-              "  - {name: post, primitive: box, size: [1, 1, 1], class: pole, material: wood, position: [9, "
-              "9, 9], vary: {position: 4, yaw_deg: [0, 90]}}");
-    const auto post =
-        std::find_if(s.instances.begin(), s.instances.end(), [](const auto& i) { return i.name == "post"; });
-    return post->worldFromMesh;
+    return posts("position: [9, 9, 9], vary: {position: 4, yaw_deg: [0, 90]}", 1, before).at(0);
   };
   const std::string other = ", primitive: box, size: [1, 1, 1], class: pole, material: wood, vary: {position: 4}}\n";
   EXPECT_EQ(first(""), first("  - {name: b" + other + "  - {name: c" + other));
@@ -172,18 +169,14 @@ TEST_F(Arrangements, FindPlacesInNarrowStrips) {
       "  - {name: plain, primitive: plane, size: [2000, 2000], class: sidewalk, material: paving, position: "
       "[0, 0, -90]}\n  - {name: lane, primitive: plane, size: [2, 400], class: parking, material: "
       "asphalt, position: [500, 0, -89.9]}\n";
-  const Scene s = scene(large +
-                        "  - {name: post, primitive: box, size: [1, 1, 1], class: pole, material: wood, copies: "
-                        "{scatter: {on: [sidewalk], count: 50, covered: true, distance_from: {parking: [1, 3]}}}}");
-  std::size_t posts = 0;
-  for (const Instance& i : s.instances) {
-    if (!i.name.starts_with("post")) continue;
-    ++posts;
-    const Vec3d p = i.worldFromMesh.translation;
+  const std::vector<Affine> found = posts(
+      "copies: {scatter: {on: [sidewalk], count: 50, covered: true, distance_from: {parking: [1, 3]}}}", 1, large);
+  EXPECT_EQ(found.size(), 50u);
+  for (const Affine& post : found) {
+    const Vec3d& p = post.translation;
     const double away = std::hypot(std::max(std::fabs(p.x - 500) - 1, 0.0), std::max(std::fabs(p.y) - 200, 0.0));
     EXPECT_TRUE(away >= 1 - 1e-3 && away <= 3 + 1e-3) << away;
   }
-  EXPECT_EQ(posts, 50u);
 }
 
 // Objects of one name of a thing are that one, copy by copy.
@@ -286,30 +279,21 @@ TEST_F(Arrangements, VaryTurnsWhatIsScaledAndTilted) {
 // The lowest point of what is tilted is that of its vertices: a sphere's, whichever way it is turned.
 TEST_F(Arrangements, WhatIsTiltedStandsOnItsLowestPoint) {
   const Scene s = scene(
-      "  - {name: ball, primitive: sphere, radius: 1, segments: 64, class: vegetation, material: grass, position: [5, "
-      "-20, "
-      "0], roll_deg: 45, stand_on: ground}");
+      "  - {name: ball, primitive: sphere, radius: 1, segments: 64, class: vegetation, material: grass, "
+      "position: [5, -20, 0], roll_deg: 45, stand_on: ground}");
   EXPECT_NEAR(s.instances.back().worldFromMesh.translation.z, lawn(5) + 1, 0.01);
 }
 
 // A marking as thin as paint does not cover the road that it lies on, whether copies keep within a box or not.
 TEST_F(Arrangements, ThinLayersDoNotCover) {
   const std::string marking =
-      "  - {name: marking, primitive: plane, size: [8, 100], class: road_marking, material: road_paint, position: "
-      "[30, 0, "
-      "3.51]}\n";
+      "  - {name: marking, primitive: plane, size: [8, 100], class: road_marking, material: road_paint, "
+      "position: [30, 0, 3.51]}\n";
   for (const char* within : {"", ", within: [[27, -40], [33, 40]]"}) {
-    const Scene s = scene(marking +
-                          "  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, "
-                          "copies: {scatter: {on: [road], count: 5" +
-                          within + "}}}");
-    int posts = 0;
-    for (const Instance& i : s.instances) {
-      if (!i.name.starts_with("post")) continue;
-      EXPECT_NEAR(i.worldFromMesh.translation.z, 3.5, 1e-6) << within;
-      ++posts;
-    }
-    EXPECT_EQ(posts, 5) << within;
+    const std::string keys = fmt::format("copies: {{scatter: {{on: [road], count: 5{}}}}}", within);
+    const std::vector<Affine> found = posts(keys, 1, marking);
+    EXPECT_EQ(found.size(), 5u) << within;
+    for (const Affine& post : found) EXPECT_NEAR(post.translation.z, 3.5, 1e-6) << within;
   }
 }
 
@@ -317,15 +301,9 @@ TEST_F(Arrangements, ThinLayersDoNotCover) {
 TEST_F(Arrangements, StandOnWhatFacesUp) {
   const std::string wall =
       "  - {name: sign, primitive: plane, size: [90, 90], class: terrain, material: grass, position: [0, 45, 0], "
-      "pitch_deg: "
-      "90}\n";
-  const Scene s = scene(wall +
-                        "  - {name: post, primitive: box, size: [0.2, 0.4, 2], class: pole, material: wood, "
-                        "copies: {scatter: {on: [terrain], count: 50}}}");
-  for (const Instance& i : s.instances) {
-    if (i.name.starts_with("post")) {
-      EXPECT_NEAR(i.worldFromMesh.translation.z, lawn(i.worldFromMesh.translation.x), 1e-5);
-    }
+      "pitch_deg: 90}\n";
+  for (const Affine& post : posts("copies: {scatter: {on: [terrain], count: 50}}", 1, wall)) {
+    EXPECT_NEAR(post.translation.z, lawn(post.translation.x), 1e-5);
   }
 }
 

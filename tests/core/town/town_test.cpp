@@ -135,14 +135,7 @@ TEST(Town, StandsOnItsGround) {
   const Mesh& ground = groundOf(scene);
   for (const Instance& i : scene.instances) {
     if (!i.name.starts_with("pedestrian") && !i.name.starts_with("car")) continue;
-    const Vec3d foot = i.worldFromMesh.translation;
-    double nearest = 1e9;
-    double height = 0;
-    for (const Vec3f& p : ground.positions) {
-      const double d = std::hypot(p.x - foot.x, p.y - foot.y);
-      if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
-    }
-    EXPECT_NEAR(foot.z, height, 0.25) << i.name;
+    expectOnGround(ground, i.worldFromMesh.translation, i.name);
   }
 }
 
