@@ -67,6 +67,7 @@ inline std::string hash(const Scene& scene) {
     sha.add(i.name);
     sha.add({reinterpret_cast<const char*>(&i.worldFromMesh), sizeof(Affine)});
     sha.add({reinterpret_cast<const char*>(&i.mesh), sizeof(i.mesh)});
+    sha.add({reinterpret_cast<const char*>(&i.firstInstanceId), sizeof(i.firstInstanceId)});
   }
   return sha.hex();
 }

@@ -42,13 +42,12 @@ inline const Mesh& groundOf(const Scene& scene) {
   throw Error("no ground");
 }
 
-// What the names of things on roads begin with.
-inline constexpr auto kOnRoads = std::to_array<std::string_view>(
-    {"car", "traffic", "waiting", "delivering", "cone", "barrier", "excavator", "cyclist"});
-
+// Whether a thing stands or drives on roads, by its name.
 inline bool isOnRoad(const Instance& instance) {
-  return std::any_of(kOnRoads.begin(), kOnRoads.end(),
-                     [&](std::string_view name) { return instance.name.starts_with(name); });
+  static constexpr std::array<std::string_view, 8> kStarts{"car",  "traffic", "waiting",   "delivering",
+                                                           "cone", "barrier", "excavator", "cyclist"};
+  return std::any_of(kStarts.begin(), kStarts.end(),
+                     [&](std::string_view start) { return instance.name.starts_with(start); });
 }
 
 // Whoever stands at `foot` stands on the ground, as near as its nearest corner tells.

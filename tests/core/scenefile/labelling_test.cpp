@@ -7,6 +7,7 @@
 
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
@@ -103,10 +104,7 @@ TEST(Labelling, APaletteComesApartByColour) {
   EXPECT_EQ(l.classes, (Classes{{"car", 6}, {"tree", 12}, {"unlabeled", 6}}));
   // Nothing is lost, and no corner moves.
   double area = 0;
-  for (const Triangle& t : l.scene.meshes[0].triangles) {
-    const auto v = [&](std::size_t k) { return Vec3d(l.scene.meshes[0].positions[t[k]]); };
-    area += length(cross(v(1) - v(0), v(2) - v(0))) / 2;
-  }
+  for (const Triangle& t : l.scene.meshes[0].triangles) area += length(normalIn(l.scene.meshes[0], t)) / 2;
   EXPECT_NEAR(area, 12, 1e-5);
 }
 

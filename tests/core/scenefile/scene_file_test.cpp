@@ -16,6 +16,7 @@
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
@@ -59,7 +60,7 @@ class SceneReader : public testing::Test {
   TemporaryFolder folder_;
 };
 
-const char* const kBox = "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint";
+const std::string kBox = "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint";
 
 TEST_F(SceneReader, primitivesStandWhereTheyAreSaidTo) {
   const Scene scene = read(
@@ -94,7 +95,7 @@ TEST_F(SceneReader, primitivesStandWhereTheyAreSaidTo) {
 }
 
 TEST_F(SceneReader, gridStartsAtTheObjectAndRunsXFirst) {
-  const Scene scene = read(std::string(kBox) +
+  const Scene scene = read(kBox +
                            ", position: [10, 0, 0], yaw_deg: 90, scale: 3, copies: {grid: {count: [2, 3, 1], "
                            "spacing: [5, 7, 0]}}}\n");
   ASSERT_EQ(scene.instances.size(), 6u);
@@ -111,7 +112,7 @@ TEST_F(SceneReader, gridStartsAtTheObjectAndRunsXFirst) {
 }
 
 TEST_F(SceneReader, listedCopiesStandInTheFrameOfTheObject) {
-  const Scene scene = read(std::string(kBox) +
+  const Scene scene = read(kBox +
                            ", position: [0, 0, 1], scale: 2, copies: {at: [{position: [1, 2, 3]}, "
                            "{position: [4, 0, 0], yaw_deg: 90, scale: [1, 1, 5]}], grid: {count: [1, 1, 2], spacing: "
                            "[0, 0, 100]}}}\n");
@@ -144,7 +145,7 @@ TEST_F(SceneReader, equalImportsShareAMeshAndOthersDoNot) {
       "  - {file: pair.obj, class: car, unit: 2}\n"
       "  - {file: pair.obj, class: car, up: y}\n"
       "  - {file: pair.obj, class: car, instances: node}\n" +
-      std::string(kBox) + "}\n" + kBox + ", name: other}\n");
+      kBox + "}\n" + kBox + ", name: other}\n");
   std::vector<std::uint32_t> meshes;
   for (const Instance& i : scene.instances) meshes.push_back(i.mesh);
   // Two spellings of a file are two names to `file` patterns.
@@ -210,18 +211,10 @@ TEST_F(SceneReader, instancesAreTheAssetOrItsNodes) {
 }
 
 TEST_F(SceneReader, readingTwiceGivesTheSameScene) {
-  const std::string objects = std::string(kBox) +
+  const std::string objects = kBox +
                               ", copies: {grid: {count: [3, 3, 3], spacing: [2, 2, 2]}}}\n  - {file: pair.obj, class: "
                               "building, instances: node}\n";
-  const Scene a = read(objects);
-  const Scene b = read(objects);
-  ASSERT_EQ(a.instances.size(), b.instances.size());
-  for (std::size_t i = 0; i < a.instances.size(); ++i) {
-    EXPECT_EQ(a.instances[i].firstInstanceId, b.instances[i].firstInstanceId);
-    EXPECT_EQ(a.instances[i].worldFromMesh, b.instances[i].worldFromMesh);
-    EXPECT_EQ(a.instances[i].name, b.instances[i].name);
-  }
-  for (std::size_t i = 0; i < a.meshes.size(); ++i) EXPECT_EQ(a.meshes[i].positions, b.meshes[i].positions);
+  EXPECT_EQ(hash(read(objects)), hash(read(objects)));
 }
 
 TEST_F(SceneReader, optionsOverrideOntologyAndWavelength) {
@@ -338,28 +331,26 @@ TEST_F(SceneReader, brokenTrianglesOfAnAssetAreCounted) {
 }
 
 TEST_F(SceneReader, badTransformsAreRefusedWithTheirPlace) {
-  const std::string box = kBox;
-  refuse(box + ", scale: 0}\n", {"scene.yaml:4:", "scale", "not 0"});
-  refuse(box + ", scale: [1, 0, 1]}\n", {"scene.yaml:4:", "scale"});
-  refuse(box + ", scale: .inf}\n", {"scene.yaml:4:", "scale"});
-  refuse(box + ", scale: 1e-40}\n", {"scene.yaml:4:", "scale"});
-  refuse(box + ", position: [0, .nan, 0]}\n", {"scene.yaml:4:", "position"});
-  refuse(box + ", position: [0, 1e300, 0]}\n", {"scene.yaml:4:", "position"});
-  refuse(box + ", position: [0, 1]}\n", {"scene.yaml:4:", "position"});
-  refuse(box + ", rotation: [0, 0, 0, 0]}\n", {"scene.yaml:4:", "rotation"});
-  refuse(box + ", copies: {at: [{scale: 0}]}}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", scale: 0}\n", {"scene.yaml:4:", "scale", "not 0"});
+  refuse(kBox + ", scale: [1, 0, 1]}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", scale: .inf}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", scale: 1e-40}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", position: [0, .nan, 0]}\n", {"scene.yaml:4:", "position"});
+  refuse(kBox + ", position: [0, 1e300, 0]}\n", {"scene.yaml:4:", "position"});
+  refuse(kBox + ", position: [0, 1]}\n", {"scene.yaml:4:", "position"});
+  refuse(kBox + ", rotation: [0, 0, 0, 0]}\n", {"scene.yaml:4:", "rotation"});
+  refuse(kBox + ", copies: {at: [{scale: 0}]}}\n", {"scene.yaml:4:", "scale"});
 }
 
 TEST_F(SceneReader, badCopiesAreRefusedWithTheArithmetic) {
-  const std::string box = kBox;
-  refuse(box + ", copies: {at: [{}, {}], grid: {count: [1000, 1000, 1000], spacing: [1, 1, 1]}}}\n",
+  refuse(kBox + ", copies: {at: [{}, {}], grid: {count: [1000, 1000, 1000], spacing: [1, 1, 1]}}}\n",
          {"scene.yaml:4:", "1000 x 1000 x 1000", "x 2", "2e+09", "10000000"});
-  refuse(box + ", copies: {grid: {count: [1000000000, 1000000000, 1000000000], spacing: [1, 1, 1]}}}\n",
+  refuse(kBox + ", copies: {grid: {count: [1000000000, 1000000000, 1000000000], spacing: [1, 1, 1]}}}\n",
          {"scene.yaml:4:", "1e+27"});
-  refuse(box + ", copies: {grid: {count: [0, 1, 1], spacing: [1, 1, 1]}}}\n", {"scene.yaml:4:", "count"});
-  refuse(box + ", copies: {grid: {count: [2, 1, 1]}}}\n", {"scene.yaml:4:", "spacing"});
-  refuse(box + ", copies: {at: []}}\n", {"scene.yaml:4:", "at"});
-  refuse(box + ", copies: {at: [{posiion: [0, 0, 0]}]}}\n", {"scene.yaml:4:", "posiion", "position"});
+  refuse(kBox + ", copies: {grid: {count: [0, 1, 1], spacing: [1, 1, 1]}}}\n", {"scene.yaml:4:", "count"});
+  refuse(kBox + ", copies: {grid: {count: [2, 1, 1]}}}\n", {"scene.yaml:4:", "spacing"});
+  refuse(kBox + ", copies: {at: []}}\n", {"scene.yaml:4:", "at"});
+  refuse(kBox + ", copies: {at: [{posiion: [0, 0, 0]}]}}\n", {"scene.yaml:4:", "posiion", "position"});
 }
 
 TEST_F(SceneReader, badNamesAreRefusedWithSuggestion) {
@@ -369,7 +360,7 @@ TEST_F(SceneReader, badNamesAreRefusedWithSuggestion) {
   // Also where the rule matches nothing.
   refuse("  - {file: pair.obj, rules: [{match: {node: absent}, class: terain}]}\n",
          {"scene.yaml:4:", "'terain'", "terrain"});
-  refuse(std::string(kBox) + "}\n", {"scene.yaml:3:", "'glas'", "glass"}, "rules: [{match: any, material: glas}]\n");
+  refuse(kBox + "}\n", {"scene.yaml:3:", "'glas'", "glass"}, "rules: [{match: any, material: glas}]\n");
   refuse("  - {file: pair.obj, rules: [{match: {node: '/(/'}, class: car}]}\n", {"scene.yaml:4:", "/(/"});
 }
 
@@ -385,10 +376,9 @@ TEST_F(SceneReader, badFilesAreRefusedWithBothPlaces) {
 }
 
 TEST_F(SceneReader, unknownKeysAndShapelessObjectsAreRefused) {
-  const std::string box = kBox;
-  refuse(box + ", colour: red}\n", {"scene.yaml:4:", "colour"});
-  refuse(box + ", radius: 3}\n", {"scene.yaml:4:", "radius"});
-  refuse(box + ", unit: 3}\n", {"scene.yaml:4:", "unit"});
+  refuse(kBox + ", colour: red}\n", {"scene.yaml:4:", "colour"});
+  refuse(kBox + ", radius: 3}\n", {"scene.yaml:4:", "radius"});
+  refuse(kBox + ", unit: 3}\n", {"scene.yaml:4:", "unit"});
   refuse("  - {file: pair.obj, instanses: node}\n", {"scene.yaml:4:", "instanses", "instances"});
   refuse("  - {file: pair.obj, instances: both}\n", {"scene.yaml:4:", "both"});
   refuse("  - {file: pair.obj, up: w}\n", {"scene.yaml:4:", "up"});
@@ -397,7 +387,7 @@ TEST_F(SceneReader, unknownKeysAndShapelessObjectsAreRefused) {
   refuse("  - {position: [0, 0, 0]}\n", {"scene.yaml:4:", "exactly one"});
   refuse("  - 3\n", {"scene.yaml:4:"});
   refuse("  []\n", {"scene.yaml", "objects"});
-  refuse(box + "}\n", {"scene.yaml:3:", "object", "objects"}, "object: 3\n");
+  refuse(kBox + "}\n", {"scene.yaml:3:", "object", "objects"}, "object: 3\n");
   refuse("  - {primitive: box, size: [1, 1], class: car, material: wood}\n", {"scene.yaml:4:", "size"});
   refuse("  - {primitive: box, size: [1, 1, -1], class: car, material: wood}\n", {"scene.yaml:4:", "size"});
   refuse("  - {primitive: sphere, radius: 0, class: car, material: wood}\n", {"scene.yaml:4:", "radius"});
@@ -472,9 +462,7 @@ TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
     double best = -INFINITY;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       if (scene_->ontology.find(mesh.surfaces[mesh.surfaceOf[i]].semantic)->name != "terrain") continue;
-      const Vec3d a = Vec3d(mesh.positions[mesh.triangles[i][0]]);
-      const Vec3d b = Vec3d(mesh.positions[mesh.triangles[i][1]]);
-      const Vec3d c = Vec3d(mesh.positions[mesh.triangles[i][2]]);
+      const auto [a, b, c] = cornersIn(mesh, mesh.triangles[i]);
       const double whole = cross(b - a, c - a).z;
       if (whole == 0) continue;
       const double u = cross(b - p, c - p).z / whole;
@@ -520,9 +508,9 @@ TEST_F(TruckTown, leavesAreCutOutByTheirTexture) {
 }
 
 TEST_F(SceneReader, objectsMoveWithTheirCopies) {
-  const Scene scene = read(
-      std::string(kBox) + ", moving: {velocity: [0, 3, 0]}, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" +
-      kBox + ", position: [0, 9, 0]}\n");
+  const Scene scene =
+      read(kBox + ", moving: {velocity: [0, 3, 0]}, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox +
+           ", position: [0, 9, 0]}\n");
   ASSERT_EQ(scene.instances.size(), 3u);
   EXPECT_TRUE(scene.moves());
   EXPECT_EQ(scene.instances[1].worldFromMeshAt(2).translation, (Vec3d{4, 6, 0}));
@@ -531,12 +519,12 @@ TEST_F(SceneReader, objectsMoveWithTheirCopies) {
 }
 
 TEST_F(SceneReader, objectsFaceAWay) {
-  const Scene scene = read(std::string(kBox) +
-                           ", facing: -y, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox + "}\n");
+  const Scene scene =
+      read(kBox + ", facing: -y, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox + "}\n");
   ASSERT_EQ(scene.instances.size(), 3u);
   EXPECT_EQ(scene.instances[1].facing, -kPi / 2);
   EXPECT_FALSE(scene.instances[2].facing.has_value());
-  EXPECT_THAT(messageOf([&] { read(std::string(kBox) + ", facing: north}\n"); }), testing::HasSubstr("-x"));
+  EXPECT_THAT(messageOf([&] { read(kBox + ", facing: north}\n"); }), testing::HasSubstr("-x"));
 }
 
 TEST_F(SceneReader, aTownStandsAlone) {

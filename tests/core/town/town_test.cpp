@@ -21,6 +21,7 @@
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_scene.h"
 #include "tests/support/town.h"
 #include "town/lanes.h"
 #include "town/layout.h"
@@ -90,9 +91,7 @@ TEST(Town, TheGroundHasRoadsCurbsAndLawns) {
   std::map<std::string, double> area;
   const Mesh& ground = groundOf(scene);
   for (std::size_t t = 0; t < ground.triangles.size(); ++t) {
-    const auto& c = ground.triangles[t];
-    const Vec3d a(ground.positions[c[0]]);
-    const Vec3d n = cross(Vec3d(ground.positions[c[1]]) - a, Vec3d(ground.positions[c[2]]) - a);
+    const Vec3d n = normalIn(ground, ground.triangles[t]);
     EXPECT_GE(n.z, -1e-9) << "it faces up";
     area[scene.ontology.find(ground.surfaces[ground.surfaceOf[t]].semantic)->name] += length(n) / 2;
   }

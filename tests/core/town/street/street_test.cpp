@@ -16,9 +16,13 @@
 #include "scenefile/scene_file.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
 
 Scene makeStreet(const std::string& yaml, std::uint64_t seed, const Affine& worldFromStreet = {}) {
   SceneBuilder builder = labelledBuilder("street", seed);
@@ -217,10 +221,7 @@ TEST(Street, VerticalRaysFindGroundEverywhere) {
     for (double y = box.low.y + 0.017; y < box.high.y; y += 3.91) {
       int found = 0;
       for (std::size_t k = 0; k < ground.triangles.size(); ++k) {
-        const Triangle& t = ground.triangles[k];
-        const Vec3d a(ground.positions[t[0]]);
-        const Vec3d b(ground.positions[t[1]]);
-        const Vec3d c(ground.positions[t[2]]);
+        const auto [a, b, c] = cornersIn(ground, ground.triangles[k]);
         const double ab = side(a, b, x, y);
         const double bc = side(b, c, x, y);
         const double ca = side(c, a, x, y);
@@ -259,9 +260,7 @@ TEST(Street, LeavesAreManyAndSmallAndDenserOutside) {
       const Surface& s = mesh.surfaces[mesh.surfaceOf[k]];
       trunk |= scene.ontology.find(s.semantic)->name == "trunk";
       if (!scene.materials[s.material].name.starts_with("leaf")) continue;
-      const Vec3d a(mesh.positions[mesh.triangles[k][0]]);
-      const Vec3d b(mesh.positions[mesh.triangles[k][1]]);
-      const Vec3d c(mesh.positions[mesh.triangles[k][2]]);
+      const auto [a, b, c] = cornersIn(mesh, mesh.triangles[k]);
       area += length(cross(b - a, c - a)) / 2;
       leaves.push_back((a + b + c) * (1.0 / 3));
     }
@@ -340,18 +339,16 @@ TEST(Street, MovesAsAWhole) {
 
 TEST(Street, RefusesBadParametersWithTheirPlace) {
   const auto message = [](const std::string& yaml) { return messageOf([&] { makeStreet(yaml, 1); }); };
-  EXPECT_THAT(message("{length: 10}"),
-              testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("length")));
-  EXPECT_THAT(message("length: 200\ntrees: -1\n"), testing::HasSubstr("street.yaml:2:"));
-  EXPECT_THAT(message("{trees: many}"), testing::HasSubstr("trees"));
-  EXPECT_THAT(message("{buildings: 1.5}"), testing::HasSubstr("buildings"));
-  EXPECT_THAT(message("{tree: 5}"), testing::HasSubstr("trees"));
-  EXPECT_THAT(message("{cross_street: perhaps}"), testing::HasSubstr("cross_street"));
-  EXPECT_THAT(message("{parking_width: 1}"),
-              testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("at least 2 m")));
+  EXPECT_THAT(message("{length: 10}"), AllOf(HasSubstr("street.yaml:1:"), HasSubstr("length")));
+  EXPECT_THAT(message("length: 200\ntrees: -1\n"), HasSubstr("street.yaml:2:"));
+  EXPECT_THAT(message("{trees: many}"), HasSubstr("trees"));
+  EXPECT_THAT(message("{buildings: 1.5}"), HasSubstr("buildings"));
+  EXPECT_THAT(message("{tree: 5}"), HasSubstr("trees"));
+  EXPECT_THAT(message("{cross_street: perhaps}"), HasSubstr("cross_street"));
+  EXPECT_THAT(message("{parking_width: 1}"), AllOf(HasSubstr("street.yaml:1:"), HasSubstr("at least 2 m")));
   EXPECT_THAT(message("{terrain: 50, front_garden: 20, sidewalk_width: 8}"),
-              testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("terrain")));
-  EXPECT_THAT(message("{length: .nan}"), testing::HasSubstr("length"));
+              AllOf(HasSubstr("street.yaml:1:"), HasSubstr("terrain")));
+  EXPECT_THAT(message("{length: .nan}"), HasSubstr("length"));
 }
 
 TEST(Street, SceneFileHoldsTheDefaults) {
