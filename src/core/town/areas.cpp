@@ -21,20 +21,20 @@ std::vector<const Polygon*> ringsOf(const MapArea& area) {
 }  // namespace
 
 void Areas::add(MapArea area) {
-  Extent extent{{1e9, 1e9}, {-1e9, -1e9}, 0};
+  Point2 low{1e9, 1e9};
+  Point2 high{-1e9, -1e9};
   for (const Point2& p : area.outline) {
-    extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y)};
-    extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y)};
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
-  extent.size = sizeOf(area.outline);
   const auto index = static_cast<std::uint32_t>(areas_.size());
   // Coordinates are clamped to 2 km, which no town exceeds, to bound the number of cells.
   const auto limited = [](double v) { return std::clamp(v, -2000.0, 2000.0); };
-  models::forCells({limited(extent.low.x - kReach), limited(extent.low.y - kReach)},
-                   {limited(extent.high.x + kReach), limited(extent.high.y + kReach)}, 0, kCell,
+  models::forCells({limited(low.x - kReach), limited(low.y - kReach)},
+                   {limited(high.x + kReach), limited(high.y + kReach)}, 0, kCell,
                    [&](std::uint64_t key) { cells_[key].push_back(index); });
+  sizes_.push_back(sizeOf(area.outline));
   areas_.push_back(std::move(area));
-  extents_.push_back(extent);
 }
 
 const std::vector<std::uint32_t>* Areas::near(const Point2& p) const {
@@ -52,8 +52,8 @@ std::optional<std::uint32_t> Areas::indexAt(const Point2& p) const {
   double smallest = 1e18;
   if (const auto* found = near(p)) {
     for (const std::uint32_t i : *found) {
-      if (extents_[i].size >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
-      smallest = extents_[i].size;
+      if (sizes_[i] >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
+      smallest = sizes_[i];
       index = i;
     }
   }

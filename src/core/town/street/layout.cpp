@@ -183,16 +183,15 @@ bool Layout::inCorner(double x, double y) const {
   return cross && u > 0 && u < cornerRadius && v > 0 && v < cornerRadius;
 }
 
-// True if x is within a parking lane, which is extended by `margin` (m) at both ends.
 bool Layout::besideParking(double x, double margin) const {
   return std::any_of(parking.begin(), parking.end(),
                      [&](const Span& s) { return x > s.low - margin && x < s.high + margin; });
 }
 
-bool Layout::onDriveway(double x, int side, double margin) const {
+bool Layout::onStrip(Span Lot::*strip, double x, int side, double margin) const {
   return std::any_of(lots.begin(), lots.end(), [&](const Lot& lot) {
-    return lot.side == side && lot.driveway.high > lot.driveway.low && x > lot.driveway.low - margin &&
-           x < lot.driveway.high + margin;
+    const Span& s = lot.*strip;
+    return lot.side == side && s.high > s.low && x > s.low - margin && x < s.high + margin;
   });
 }
 

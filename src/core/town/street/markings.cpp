@@ -70,7 +70,7 @@ class Painter {
         const double edge = side * (l_.roadEdge + 0.03);
         for (double x = s.low + 0.3; x + kBay < s.high; x += kBay) {
           const double far = side * (l_.parkingEdge - 0.25);
-          if (!l_.onDriveway(x, int(side), 0.3)) {
+          if (!l_.onStrip(&Lot::driveway, x, int(side), 0.3)) {
             bar(x - 0.05, x + 0.05, edge + side * 0.06, far);
           }
           bar(x + 0.06, x + kBay - 0.06, edge - 0.05, edge + 0.05);

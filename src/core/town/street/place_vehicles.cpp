@@ -45,7 +45,7 @@ std::vector<Bay> bays(const Placer& placer) {
     for (const int side : {-1, 1}) {
       for (double x = s.low + 0.3; x + kBay < s.high; x += kBay) {
         const double middle = x + kBay / 2;
-        if (l.onDriveway(middle, side, kBay / 2 - 0.6)) continue;
+        if (l.onStrip(&Lot::driveway, middle, side, kBay / 2 - 0.6)) continue;
         Draw draw(l.seed, Kind::Car, static_cast<std::uint32_t>(100000 + found.size()));
         found.push_back({middle, side, draw.next()});
       }
