@@ -109,6 +109,9 @@ struct Point2 {
 constexpr double lerp(double a, double b, double t) {
   return a + (b - a) * t;
 }
+constexpr Point2 lerp(const Point2& a, const Point2& b, double t) {
+  return {lerp(a.x, b.x, t), lerp(a.y, b.y, t)};
+}
 double smooth(double t);  // smoothstep of t, with t clamped to [0, 1]
 
 Affine at(const Vec3d& position);

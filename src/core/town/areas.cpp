@@ -1,7 +1,6 @@
 #include "town/areas.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace scanmill::town {
 namespace {

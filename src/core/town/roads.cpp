@@ -25,8 +25,7 @@ Point2 Road::point(double distance) const {
   const double d = std::clamp(distance, 0.0, length());
   const auto next = static_cast<std::size_t>(std::upper_bound(at.begin() + 1, at.end() - 1, d) - at.begin());
   const double part = (d - at[next - 1]) / (at[next] - at[next - 1]);
-  return {line[next - 1].x + (line[next].x - line[next - 1].x) * part,
-          line[next - 1].y + (line[next].y - line[next - 1].y) * part};
+  return models::lerp(line[next - 1], line[next], part);
 }
 
 Point2 Road::heading(double distance) const {

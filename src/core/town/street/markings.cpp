@@ -83,11 +83,8 @@ class Painter {
     const double shaft = tip - direction * 1.2;
     const double tail = tip - direction * 4.0;
     bar(shaft, tail, y - 0.08, y + 0.08);
-    if (direction > 0) {
-      patch({{shaft + 0.01, y - 0.35}, {tip, y}, {shaft + 0.01, y + 0.35}});
-    } else {
-      patch({{shaft - 0.01, y + 0.35}, {tip, y}, {shaft - 0.01, y - 0.35}});
-    }
+    const double base = shaft + direction * 0.01;
+    patch({{base, y - direction * 0.35}, {tip, y}, {base, y + direction * 0.35}});
   }
 
   void crossing() {

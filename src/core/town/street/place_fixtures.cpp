@@ -21,10 +21,8 @@ void placeRow(Placer& placer, int& panels, const Model& m, Point2 a, Point2 b) {
   const int count = std::max(1, static_cast<int>(std::lround(length / 2)));
   const double yaw = std::atan2(dy, dx);
   for (int k = 0; k < count; ++k) {
-    const double t = (k + 0.5) / count;
-    const double x = lerp(a.x, b.x, t);
-    const double y = lerp(a.y, b.y, t);
-    Affine place = at({x, y, l.heightAt(x, y)}, yaw);
+    const Point2 p = lerp(a, b, (k + 0.5) / count);
+    Affine place = at({p.x, p.y, l.heightAt(p.x, p.y)}, yaw);
     place.linear = place.linear * Mat3::scale({length / count / 2, 1, 1});
     placer.builder.place(m.mesh, placer.worldFromStreet * place, fmt::format("boundary {}", ++panels));
   }
