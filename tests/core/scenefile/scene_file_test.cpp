@@ -11,7 +11,7 @@
 
 #include "scene/scene.h"
 #include "scenefile/placement.h"
-#include "tests/core/assets/triangle_files.h"
+#include "tests/core/assets/gltf/gltf_builder.h"
 #include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
@@ -268,26 +268,19 @@ TEST_F(SceneReader, assetsKeyIsWhereFilesStart) {
   EXPECT_EQ(scene.instances[0].name, "tri");
 }
 
-// The triangle of the test rises by 2 m within half a second.
+// A triangle that rises by 2 m within half a second.
 std::string risingGltf() {
-  Gltf gltf;
-  const std::string motion = bytesOf<float>({0.0f, 0.5f}) + bytesOf<float>({0, 0, 0, 0, 2, 0});
-  gltf.extra = R"(,"animations":[{"name":"rise","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],)"
-               R"("samplers":[{"input":3,"output":4}]}])";
-  std::string text = gltf.text();
-  const auto replace = [&](const std::string& what, const std::string& by) {
-    text.replace(text.find(what), what.size(), by);
-  };
-  replace(R"("buffers":[{)",
-          R"("buffers":[{"byteLength":32,"uri":"data:application/octet-stream;base64,)" + base64(motion) + R"("},{)");
-  for (int view = 0; view < 3; ++view) replace(R"({"buffer":0)", R"({"buffer":1)");
-  replace(
-      R"("byteOffset":60,"byteLength":12})",
-      R"("byteOffset":60,"byteLength":12},{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":24})");
-  replace(R"("count":3,"type":"SCALAR"})",
-          R"("count":3,"type":"SCALAR"},{"bufferView":3,"componentType":5126,"count":2,"type":"SCALAR"},)"
-          R"({"bufferView":4,"componentType":5126,"count":2,"type":"VEC3"})");
-  return text;
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  const std::size_t times = b.numbers<float>({0, 0.5f}, "SCALAR", 1);
+  const std::size_t places = b.numbers<float>({0, 0, 0, 0, 2, 0}, "VEC3", 3);
+  b.json["scenes"] = {{{"nodes", {0}}}};
+  b.json["nodes"] = {{{"mesh", 0}}};
+  b.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", positions}}}}}}}};
+  b.json["animations"] = {{{"name", "rise"},
+                           {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+                           {"samplers", {{{"input", times}, {"output", places}}}}}};
+  return b.text();
 }
 
 TEST_F(SceneReader, AnAnimationPlaysOverAndOverOrStands) {
@@ -408,40 +401,36 @@ TEST(Scenes, primitivesExampleIsWhole) {
   EXPECT_GE(classes.size(), 7u);
 }
 
-class TruckTown : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    if (!std::filesystem::exists(sharedData() / kFolder)) return;
-    ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
-    scene_ = new Scene(readScene(kSource / "scenes/truck_town.yaml", {}));
-  }
-  static void TearDownTestSuite() {
-    delete scene_;
-    scene_ = nullptr;
-  }
-  static constexpr const char* kFolder = "scenes/truck_town";
-  static Scene* scene_;
-};
-Scene* TruckTown::scene_ = nullptr;
+constexpr const char* kTruckTown = "scenes/truck_town";
 
-TEST_F(TruckTown, everyTriangleHasAClass) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
-  EXPECT_TRUE(scene_->unlabeled.empty()) << scene_->unlabeled.begin()->first.node;
-  std::map<std::string, std::uint64_t> triangles = trianglesByClass(*scene_);
+const Scene& truckTown() {
+  static const Scene scene = [] {
+    ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+    return readScene(kSource / "scenes/truck_town.yaml", {});
+  }();
+  return scene;
+}
+
+TEST(TruckTown, everyTriangleHasAClass) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
+  EXPECT_TRUE(scene.unlabeled.empty()) << scene.unlabeled.begin()->first.node;
+  std::map<std::string, std::uint64_t> triangles = trianglesByClass(scene);
   EXPECT_EQ(triangles.count("unlabeled"), 0u);
   for (const char* name :
        {"road", "terrain", "building", "window", "structure", "object", "tree", "trunk", "street_lamp"}) {
     EXPECT_GT(triangles[name], 0u) << name;
   }
-  EXPECT_GT(scene_->triangles(), 30000u);
+  EXPECT_GT(scene.triangles(), 30000u);
 }
 
-TEST_F(TruckTown, thingsAreHousesTyreTreesAndLamps) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
+TEST(TruckTown, thingsAreHousesTyreTreesAndLamps) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
   std::map<std::string, std::set<std::uint32_t>> ids;
-  for (const Instance& i : scene_->instances) {
-    for (const Surface& s : scene_->meshes[i.mesh].surfaces) {
-      if (s.object > 0) ids[scene_->ontology.find(s.semantic)->name].insert(instanceId(i, s));
+  for (const Instance& i : scene.instances) {
+    for (const Surface& s : scene.meshes[i.mesh].surfaces) {
+      if (s.object > 0) ids[scene.ontology.find(s.semantic)->name].insert(instanceId(i, s));
     }
   }
   EXPECT_EQ(ids["building"].size(), 10u);
@@ -449,19 +438,20 @@ TEST_F(TruckTown, thingsAreHousesTyreTreesAndLamps) {
   EXPECT_EQ(ids["tree"].size(), 40u);
   EXPECT_EQ(ids["trunk"], ids["tree"]);  // leaves and trunk are one tree
   EXPECT_EQ(ids["street_lamp"].size(), 24u);
-  EXPECT_EQ(scene_->things(), 10u + 1u + 40u + 24u);
-  EXPECT_EQ(scene_->meshes.size(), 3u);
+  EXPECT_EQ(scene.things(), 10u + 1u + 40u + 24u);
+  EXPECT_EQ(scene.meshes.size(), 3u);
 }
 
 // A vertical line through each tree and lamp meets the ground within a few centimetres of its foot.
-TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
-  const Instance& town = scene_->instances[0];
-  const Mesh& mesh = scene_->meshes[town.mesh];
+TEST(TruckTown, treesAndLampsStandOnTheGround) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
+  const Instance& town = scene.instances[0];
+  const Mesh& mesh = scene.meshes[town.mesh];
   const auto groundBelow = [&](const Vec3d& p) {
     double best = -INFINITY;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (scene_->ontology.find(mesh.surfaces[mesh.surfaceOf[i]].semantic)->name != "terrain") continue;
+      if (scene.ontology.find(mesh.surfaces[mesh.surfaceOf[i]].semantic)->name != "terrain") continue;
       const auto [a, b, c] = cornersIn(mesh, mesh.triangles[i]);
       const double whole = cross(b - a, c - a).z;
       if (whole == 0) continue;
@@ -473,12 +463,12 @@ TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
     return best;
   };
   int checked = 0;
-  for (std::size_t i = 1; i < scene_->instances.size(); ++i) {
-    const Vec3d foot = scene_->instances[i].worldFromMesh.translation;
-    EXPECT_NEAR(groundBelow(foot), foot.z, 0.35) << scene_->instances[i].name;
-    const Mesh& own = scene_->meshes[scene_->instances[i].mesh];
+  for (std::size_t i = 1; i < scene.instances.size(); ++i) {
+    const Vec3d foot = scene.instances[i].worldFromMesh.translation;
+    EXPECT_NEAR(groundBelow(foot), foot.z, 0.35) << scene.instances[i].name;
+    const Mesh& own = scene.meshes[scene.instances[i].mesh];
     EXPECT_NEAR(own.bounds().low.z, 0, 0.05);
-    const double height = own.bounds().high.z * length(scene_->instances[i].worldFromMesh.linear.z);
+    const double height = own.bounds().high.z * length(scene.instances[i].worldFromMesh.linear.z);
     EXPECT_GT(height, 4);
     EXPECT_LT(height, 10);
     ++checked;
@@ -486,14 +476,15 @@ TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
   EXPECT_EQ(checked, 64);
 }
 
-TEST_F(TruckTown, leavesAreCutOutByTheirTexture) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
+TEST(TruckTown, leavesAreCutOutByTheirTexture) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
   int cutOut = 0;
-  for (const Mesh& mesh : scene_->meshes) {
+  for (const Mesh& mesh : scene.meshes) {
     for (const Surface& s : mesh.surfaces) {
-      const Material& m = scene_->materials[s.material];
+      const Material& m = scene.materials[s.material];
       if (m.alphaTested) {
-        EXPECT_EQ(scene_->ontology.find(s.semantic)->name, "tree");
+        EXPECT_EQ(scene.ontology.find(s.semantic)->name, "tree");
         ASSERT_NE(m.texture, nullptr);
         EXPECT_TRUE(m.texture->hasAlpha);
         EXPECT_EQ(mesh.uvs.size(), mesh.positions.size());
