@@ -2,6 +2,7 @@
 
 // Small scenes and beam tables made in code.
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -27,13 +28,11 @@ inline Ontology testOntology() {
 
 inline MaterialLibrary testMaterials() {
   MaterialLibrary library;
-  Material grey;
-  grey.name = "grey";
-  grey.reflectance = 0.5f;
-  Material dark;
-  dark.name = "dark";
-  dark.reflectance = 0.1f;
-  library.materials = {grey, dark};
+  for (const auto& [name, reflectance] : {std::pair{"grey", 0.5f}, {"dark", 0.1f}}) {
+    Material& material = library.materials.emplace_back();
+    material.name = name;
+    material.reflectance = reflectance;
+  }
   return library;
 }
 
@@ -46,6 +45,23 @@ inline Mesh meshOf(SceneBuilder& builder, const char* className, const char* mat
   mesh.name = className;
   mesh.surfaces.push_back(builder.surface(className, material));
   return mesh;
+}
+
+// The scene with this mesh alone.
+inline Scene sceneWith(SceneBuilder& builder, const Mesh& mesh, const Affine& place = {}) {
+  builder.place(builder.addMesh(mesh), place, mesh.name);
+  return builder.finish();
+}
+
+// The corners of a triangle in its mesh's frame.
+inline std::array<Vec3d, 3> cornersIn(const Mesh& mesh, const Triangle& t) {
+  return {Vec3d(mesh.positions[t[0]]), Vec3d(mesh.positions[t[1]]), Vec3d(mesh.positions[t[2]])};
+}
+
+// A vector of twice the triangle's area (m^2), to the side from which its corners go counter-clockwise.
+inline Vec3d normalIn(const Mesh& mesh, const Triangle& t) {
+  const auto [a, b, c] = cornersIn(mesh, t);
+  return cross(b - a, c - a);
 }
 
 inline Affine at(double x, double y, double z) {

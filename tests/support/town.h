@@ -2,24 +2,27 @@
 
 // Towns, drawn and on a map, for tests.
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <array>
-#include <filesystem>
+#include <cmath>
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "config/fields.h"
 #include "config/value.h"
+#include "tests/support/labels.h"
 #include "town/town.h"
 
 namespace scanmill {
 
-inline const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
-
 inline Scene makeTown(const std::string& yaml, std::uint64_t seed) {
-  SceneBuilder builder("town", seed, readOntology(kLabels / "scanmill.yaml"),
-                       readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder("town", seed);
   const Value value = parseYaml(yaml, "town.yaml");
   Fields fields(value, "town");
   addTown(builder, fields, seed, {1, 1, 1}, {});
@@ -39,9 +42,24 @@ inline const Mesh& groundOf(const Scene& scene) {
   throw Error("no ground");
 }
 
-// What the names of things on roads begin with.
-inline constexpr auto kOnRoads = std::to_array<std::string_view>(
-    {"car", "traffic", "waiting", "delivering", "cone", "barrier", "excavator", "cyclist"});
+// Whether a thing stands or drives on roads, by its name.
+inline bool isOnRoad(const Instance& instance) {
+  static constexpr std::array<std::string_view, 8> kStarts{"car",  "traffic", "waiting",   "delivering",
+                                                           "cone", "barrier", "excavator", "cyclist"};
+  return std::any_of(kStarts.begin(), kStarts.end(),
+                     [&](std::string_view start) { return instance.name.starts_with(start); });
+}
+
+// Whoever stands at `foot` stands on the ground, as near as its nearest corner tells.
+inline void expectOnGround(const Mesh& ground, const Vec3d& foot, const std::string& who) {
+  double nearest = 1e9;
+  double height = 0;
+  for (const Vec3f& p : ground.positions) {
+    const double d = std::hypot(p.x - foot.x, p.y - foot.y);
+    if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
+  }
+  EXPECT_NEAR(foot.z, height, 0.25) << who;
+}
 
 // A town on the map that comes with the program; `more` are further keys.
 inline std::string onMap(const std::string& more) {

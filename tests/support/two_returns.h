@@ -48,12 +48,9 @@ class TwoReturns : public Method {
   // order.
   TraceAccount trace(const Shot& shot, Channels channels, Hits& hits) const override {
     const BeamTable& beams = *shot.beams;
-    hits.reset(beams.rings, beams.columns, channels);
-    for (auto* column : {&hits.range, &hits.reflectance, &hits.incidence}) column->clear();
-    for (auto* column : {&hits.instance, &hits.primitive, &hits.beamOfRay}) column->clear();
-    for (auto* column : {&hits.semantic, &hits.material}) column->clear();
-    hits.normal.clear();
-    hits.weightOfRay.clear();
+    hits.reset(0, 0, channels);  // its columns get an item for each ray, not for each beam
+    hits.rings = beams.rings;
+    hits.columns = beams.columns;
     for (const std::uint32_t number : {1u, 0u}) {
       for (std::uint32_t beam = 0; beam < beams.size(); ++beam) {
         const auto count = std::min(returnsOfBeam(beam, shot.frame), static_cast<std::uint32_t>(options_.most));

@@ -69,8 +69,8 @@ class HouseMaker {
     downpipes();
     if (h_.forecourt) {
       addHouseDetails(s_, seed_, h_,
-                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kReveal, kFoundation, wall_, trim_,
-                       tile_, metal_, wood_, glass_});
+                      {base_, storey_, wallTop_, sill_, windowWidth_, windowHeight_, kFoundation, wall_, trim_, tile_,
+                       metal_, wood_, glass_});
     }
     return s_.finish();
   }
@@ -306,6 +306,19 @@ class HouseMaker {
 };
 
 }  // namespace
+
+House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) {
+  House house;
+  house.number = number;
+  house.width = width;
+  house.depth = depth;
+  house.floors = floors;
+  house.columns = std::max(2, static_cast<int>(width / draw.in(2.2, 3.1)));
+  house.doorColumn = draw.below(house.columns);
+  house.roof = draw.of(std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat});
+  if (floors >= 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
+  return house;
+}
 
 Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house) {
   return HouseMaker(builder, seed, house).make();

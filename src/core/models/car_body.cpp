@@ -16,8 +16,8 @@ std::vector<Point2> rounded(std::vector<Point2> line, int times) {
     for (std::size_t i = 0; i + 1 < line.size(); ++i) {
       const Point2 a = line[i];
       const Point2 b = line[i + 1];
-      if (i > 0) next.push_back({lerp(a.x, b.x, 0.2), lerp(a.y, b.y, 0.2)});
-      if (i + 2 < line.size()) next.push_back({lerp(a.x, b.x, 0.8), lerp(a.y, b.y, 0.8)});
+      if (i > 0) next.push_back(lerp(a, b, 0.2));
+      if (i + 2 < line.size()) next.push_back(lerp(a, b, 0.8));
     }
     next.push_back(line.back());
     line = std::move(next);

@@ -1,5 +1,6 @@
 // Objects of roadworks, gardens and squares.
 
+#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -26,7 +27,7 @@ void appendCone(Shape& s, Draw& draw) {
   ring(body, 0.85, 1);
 }
 
-void appendBarrier(Shape& s) {
+void appendBarrier(Shape& s, Draw&) {
   const SurfaceIndex post = s.surface("object", "metal_galvanised");
   const SurfaceIndex board = s.surface("object", "sign_retroreflective");
   for (const double x : {-0.9, 0.9}) {
@@ -49,7 +50,7 @@ void appendSkip(Shape& s, Draw& draw) {
   s.ball(rubble, {0, 0, height - 0.25}, {1.5, 0.75, 0.45}, 14);
 }
 
-void appendCart(Shape& s) {
+void appendCart(Shape& s, Draw&) {
   const SurfaceIndex wire = s.surface("object", "metal_bare");
   const SurfaceIndex rubber = s.surface("object", "rubber");
   for (int k = 0; k <= 8; ++k) {
@@ -115,11 +116,12 @@ void appendShed(Shape& s, Draw& draw) {
 }
 
 // Appends a pond, or a fountain with a column in its middle: a basin with a stone rim.
-void appendBasin(Shape& s, Draw& draw, bool fountain) {
-  const SurfaceIndex stone = s.surface(fountain ? "structure" : "object", "concrete");
+template <bool Fountain>
+void appendBasin(Shape& s, Draw& draw) {
+  const SurfaceIndex stone = s.surface(Fountain ? "structure" : "object", "concrete");
   const SurfaceIndex water = s.surface("water", "water");
-  const double radius = fountain ? draw.in(1.4, 2.2) : draw.in(0.9, 1.9);
-  const double rim = fountain ? draw.in(0.45, 0.65) : draw.in(0.12, 0.25);
+  const double radius = Fountain ? draw.in(1.4, 2.2) : draw.in(0.9, 1.9);
+  const double rim = Fountain ? draw.in(0.45, 0.65) : draw.in(0.12, 0.25);
   s.revolve(stone, {}, {{radius, -0.5}, {radius, rim}, {radius - 0.22, rim}, {radius - 0.22, -0.5}}, 28);
   const double level = rim - 0.07;
   std::vector<std::vector<Vec3d>> rows(2);
@@ -129,12 +131,12 @@ void appendBasin(Shape& s, Draw& draw, bool fountain) {
     rows[1].push_back({0, 0, level});
   }
   s.grid(rows, true, [&](int, int) { return water; });
-  if (!fountain) return;
+  if (!Fountain) return;
   s.revolve(stone, {},
             {{0.3, 0}, {0.22, 0.3}, {0.18, 1.1}, {0.6, 1.3}, {0.62, 1.38}, {0.1, 1.3}, {0.09, 1.8}, {0, 1.85}}, 18);
 }
 
-void appendSwing(Shape& s) {
+void appendSwing(Shape& s, Draw&) {
   const SurfaceIndex wood = s.surface("object", "wood");
   const SurfaceIndex metal = s.surface("object", "metal_galvanised");
   for (const double x : {-1.3, 1.3}) {
@@ -160,47 +162,17 @@ void appendWoodPile(Shape& s, Draw& draw) {
   }
 }
 
+// In the order of Clutter.
+constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppend{
+    appendCone, appendBarrier,      appendSkip,        appendCart,  appendPallets, appendHeap,
+    appendShed, appendBasin<false>, appendBasin<true>, appendSwing, appendWoodPile};
+
 }  // namespace
 
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number) {
   Draw draw(seed, Kind::Clutter, static_cast<std::uint32_t>(static_cast<int>(what) * 100 + number));
   Shape s(builder, "clutter");
-  switch (what) {
-    case Clutter::Cone:
-      appendCone(s, draw);
-      break;
-    case Clutter::Barrier:
-      appendBarrier(s);
-      break;
-    case Clutter::Skip:
-      appendSkip(s, draw);
-      break;
-    case Clutter::Cart:
-      appendCart(s);
-      break;
-    case Clutter::Pallets:
-      appendPallets(s, draw);
-      break;
-    case Clutter::Heap:
-      appendHeap(s, draw);
-      break;
-    case Clutter::Shed:
-      appendShed(s, draw);
-      break;
-    case Clutter::Pond:
-      appendBasin(s, draw, false);
-      break;
-    case Clutter::Fountain:
-      appendBasin(s, draw, true);
-      break;
-    case Clutter::Swing:
-      appendSwing(s);
-      break;
-    case Clutter::WoodPile:
-    case Clutter::Count:
-      appendWoodPile(s, draw);
-      break;
-  }
+  kAppend[static_cast<std::size_t>(what)](s, draw);
   return s.finish();
 }
 

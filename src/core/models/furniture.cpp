@@ -1,6 +1,7 @@
 // Builds street furniture, bus shelters, poster columns, fences and garden walls. Posts and bases extend a little below
 // the ground.
 
+#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -10,7 +11,7 @@ namespace {
 
 constexpr double kSunk = 0.06;  // m that posts and bases extend below the ground
 
-void appendBench(Shape& s) {
+void appendBench(Shape& s, Draw&) {
   const SurfaceIndex wood = s.surface("object", "wood");
   const SurfaceIndex metal = s.surface("object", "painted_metal");
   for (int k = 0; k < 4; ++k) s.box(wood, {0, -0.17 + 0.115 * k, 0.45}, {1.7, 0.095, 0.035});
@@ -23,7 +24,7 @@ void appendBench(Shape& s) {
   }
 }
 
-void appendHydrant(Shape& s) {
+void appendHydrant(Shape& s, Draw&) {
   const SurfaceIndex paint = s.surface("object", "painted_metal");
   s.revolve(paint, {},
             {{0.17, -kSunk},
@@ -46,7 +47,7 @@ void appendHydrant(Shape& s) {
   s.tube(paint, {0.08, 0, 0.36}, {0.19, 0, 0.36}, 0.065, 0.065, 10);
 }
 
-void appendWheelieBin(Shape& s) {
+void appendWheelieBin(Shape& s, Draw&) {
   const SurfaceIndex body = s.surface("object", "plastic_black");
   const SurfaceIndex rubber = s.surface("object", "rubber");
   const auto ring = [](double z, double halfX, double halfY, double shift) {
@@ -61,7 +62,7 @@ void appendWheelieBin(Shape& s) {
   s.tube(body, {-0.22, -0.22, 0.1}, {-0.22, 0.22, 0.1}, 0.015, 0.015, 6);
 }
 
-void appendBin(Shape& s) {
+void appendBin(Shape& s, Draw&) {
   const SurfaceIndex metal = s.surface("object", "painted_metal");
   const SurfaceIndex dark = s.surface("object", "plastic_black");
   s.tube(metal, {-0.16, 0, -kSunk}, {-0.16, 0, 1.15}, 0.03, 0.03, 8);
@@ -71,7 +72,7 @@ void appendBin(Shape& s) {
   for (const double y : {-0.12, 0.12}) s.tube(metal, {0.05, y, 0.93}, {0.05, y, 1.1}, 0.01, 0.01, 5);
 }
 
-void appendLetterBox(Shape& s) {
+void appendLetterBox(Shape& s, Draw&) {
   const SurfaceIndex paint = s.surface("object", "painted_metal");
   const SurfaceIndex dark = s.surface("object", "plastic_black");
   for (const double y : {-0.15, 0.15}) s.box(paint, {0, y, 0.3}, {0.06, 0.06, 0.6 + kSunk * 2});
@@ -99,53 +100,38 @@ void appendPowerBox(Shape& s, Draw& draw) {
   }
 }
 
+void appendBicycleRack(Shape& s, Draw&) {
+  const SurfaceIndex metal = s.surface("object", "metal_galvanised");
+  for (const double x : {-0.8, 0.0, 0.8}) {
+    s.pipe(metal,
+           {{x, -0.35, -kSunk}, {x, -0.35, 0.7}, {x, -0.25, 0.8}, {x, 0.25, 0.8}, {x, 0.35, 0.7}, {x, 0.35, -kSunk}},
+           {0.024, 0.024, 0.024, 0.024, 0.024, 0.024}, 10);
+  }
+}
+
+void appendBollard(Shape& s, Draw&) {
+  s.revolve(s.surface("object", "painted_metal"), {},
+            {{0.06, -kSunk}, {0.06, 0.8}, {0.075, 0.82}, {0.075, 0.88}, {0.06, 0.94}, {0, 0.97}}, 14);
+}
+
+void appendPlanter(Shape& s, Draw&) {
+  const SurfaceIndex concrete = s.surface("object", "concrete");
+  const SurfaceIndex soil = s.surface("object", "soil");
+  s.revolve(concrete, {}, {{0.32, -kSunk}, {0.35, 0.1}, {0.48, 0.5}, {0.5, 0.55}, {0.44, 0.55}, {0.43, 0.5}}, 20);
+  s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
+}
+
+// In the order of Furnishing.
+constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Furnishing::Count)> kAppend{
+    appendBin,      appendWheelieBin,  appendHydrant, appendBench,  appendLetterBox,
+    appendPowerBox, appendBicycleRack, appendBollard, appendPlanter};
+
 }  // namespace
 
 Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what) {
   Draw draw(seed, Kind::Furniture, 100000 + static_cast<std::uint32_t>(what));
   Shape s(builder, "furniture");
-  switch (what) {
-    case Furnishing::Bin:
-      appendBin(s);
-      break;
-    case Furnishing::WheelieBin:
-      appendWheelieBin(s);
-      break;
-    case Furnishing::Hydrant:
-      appendHydrant(s);
-      break;
-    case Furnishing::Bench:
-      appendBench(s);
-      break;
-    case Furnishing::LetterBox:
-      appendLetterBox(s);
-      break;
-    case Furnishing::PowerBox:
-      appendPowerBox(s, draw);
-      break;
-    case Furnishing::BicycleRack: {
-      const SurfaceIndex metal = s.surface("object", "metal_galvanised");
-      for (int k = 0; k < 3; ++k) {
-        const double x = 0.8 * (k - 1);
-        s.pipe(
-            metal,
-            {{x, -0.35, -kSunk}, {x, -0.35, 0.7}, {x, -0.25, 0.8}, {x, 0.25, 0.8}, {x, 0.35, 0.7}, {x, 0.35, -kSunk}},
-            {0.024, 0.024, 0.024, 0.024, 0.024, 0.024}, 10);
-      }
-      break;
-    }
-    case Furnishing::Planter: {
-      const SurfaceIndex concrete = s.surface("object", "concrete");
-      const SurfaceIndex soil = s.surface("object", "soil");
-      s.revolve(concrete, {}, {{0.32, -kSunk}, {0.35, 0.1}, {0.48, 0.5}, {0.5, 0.55}, {0.44, 0.55}, {0.43, 0.5}}, 20);
-      s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
-      break;
-    }
-    default:
-      s.revolve(s.surface("object", "painted_metal"), {},
-                {{0.06, -kSunk}, {0.06, 0.8}, {0.075, 0.82}, {0.075, 0.88}, {0.06, 0.94}, {0, 0.97}}, 14);
-      break;
-  }
+  kAppend[static_cast<std::size_t>(what)](s, draw);
   return s.finish();
 }
 

@@ -16,7 +16,6 @@ struct HouseMeasures {
   double wallTop = 6;
   double sill = 0.8;  // height of the windows' lower edge above the floor of their storey
   double windowWidth = 1.2, windowHeight = 1.4;
-  double reveal = 0.14;      // how far windows are set back
   double foundation = -0.4;  // height where walls begin
   SurfaceIndex wall = 0, trim = 0, tile = 0, metal = 0, wood = 0, glass = 0;
 };

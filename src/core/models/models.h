@@ -74,6 +74,11 @@ class Draw {
   int below(int count) { return static_cast<int>(next() * count); }
   bool chance(double probability) { return next() < probability; }
   double sign() { return chance(0.5) ? 1.0 : -1.0; }
+  // Returns one of the items of a list.
+  template <class List>
+  const auto& of(const List& items) {
+    return items[static_cast<std::size_t>(below(static_cast<int>(items.size())))];
+  }
   Vec3d direction();  // uniform on the unit sphere
 
  private:
@@ -103,6 +108,9 @@ struct Point2 {
 
 constexpr double lerp(double a, double b, double t) {
   return a + (b - a) * t;
+}
+constexpr Point2 lerp(const Point2& a, const Point2& b, double t) {
+  return {lerp(a.x, b.x, t), lerp(a.y, b.y, t)};
 }
 double smooth(double t);  // smoothstep of t, with t clamped to [0, 1]
 
@@ -207,6 +215,8 @@ struct Block {
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge };
 
+// Returns a house of this size with random windows and a random roof.
+House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors);
 Model makeHouse(SceneBuilder& builder, std::uint64_t seed, const House& house);
 Model makeBlock(SceneBuilder& builder, std::uint64_t seed, const Block& block);
 

@@ -22,22 +22,32 @@ bool overlapOnAxes(const Footprint& a, const Footprint& b) {
 
 // Calls visit(key) for all grid cells that the circumcircle of the rectangle may overlap.
 template <class Visit>
-void forCells(const Footprint& f, const Visit& visit) {
-  const double reach = std::hypot(f.halfX, f.halfY);
-  const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kCell)); };
-  for (std::int64_t y = cell(f.center.y - reach); y <= cell(f.center.y + reach); ++y) {
-    for (std::int64_t x = cell(f.center.x - reach); x <= cell(f.center.x + reach); ++x) {
-      visit(cellKey(x, y));
-    }
-  }
+void forCellsOf(const Footprint& f, const Visit& visit) {
+  forCells(f.center, f.center, std::hypot(f.halfX, f.halfY), kCell, visit);
 }
 
 }  // namespace
 
+Footprint footprint(const Model& m, const Spot& s, double grow) {
+  const Vec3d c = m.bounds.center() * s.scale;
+  const double cy = std::cos(s.yaw);
+  const double sy = std::sin(s.yaw);
+  return {{s.at.x + cy * c.x - sy * c.y, s.at.y + sy * c.x + cy * c.y},
+          (m.bounds.high.x - m.bounds.low.x) / 2 * s.scale + grow,
+          (m.bounds.high.y - m.bounds.low.y) / 2 * s.scale + grow,
+          s.yaw};
+}
+
+Affine poseOf(const Spot& s, double z) {
+  Affine pose = at({s.at.x, s.at.y, z}, s.yaw);
+  pose.linear = pose.linear * toMatrix(fromYawPitchRoll(0, 0, s.lean)) * Mat3::scale(Vec3d{1, 1, 1} * s.scale);
+  return pose;
+}
+
 // Two rectangles overlap if their projections overlap on all four axes (separating axis theorem).
 bool Occupancy::isFree(const Footprint& f) const {
   bool free = true;
-  forCells(f, [&](std::uint64_t key) {
+  forCellsOf(f, [&](std::uint64_t key) {
     const auto found = cells_.find(key);
     if (!free || found == cells_.end()) return;
     free = std::none_of(found->second.begin(), found->second.end(), [&](std::uint32_t index) {
@@ -51,7 +61,7 @@ bool Occupancy::isFree(const Footprint& f) const {
 void Occupancy::add(const Footprint& f) {
   const auto index = static_cast<std::uint32_t>(taken_.size());
   taken_.push_back(f);
-  forCells(f, [&](std::uint64_t key) { cells_[key].push_back(index); });
+  forCellsOf(f, [&](std::uint64_t key) { cells_[key].push_back(index); });
 }
 
 }  // namespace scanmill::models

@@ -25,9 +25,40 @@ struct Footprint {
   }
 };
 
-// Returns the key of a cell of a grid over the ground, from its column and row.
+// The place of an object on the ground.
+struct Spot {
+  Point2 at;
+  double yaw = 0, scale = 1;
+  double lean = 0;  // rad, roll about x
+};
+
+// Returns the rectangle that a model covers at a spot, enlarged by `grow` (m) on all sides.
+Footprint footprint(const Model& m, const Spot& s, double grow);
+
+// Returns the pose of a model at a spot, with its origin at the height `z` (m).
+Affine poseOf(const Spot& s, double z);
+
+// Returns the column or row of a coordinate in a grid over the ground with cells of `side` metres.
+inline std::int64_t cellOf(double v, double side) {
+  return static_cast<std::int64_t>(std::floor(v / side));
+}
+
+// Returns the key of a cell of a grid, from its column and row.
 constexpr std::uint64_t cellKey(std::int64_t column, std::int64_t row) {
   return static_cast<std::uint64_t>(column) << 32 ^ (static_cast<std::uint64_t>(row) & 0xFFFFFFFF);
+}
+
+// Returns the key of the cell that contains a point.
+inline std::uint64_t cellKeyAt(const Point2& p, double side) {
+  return cellKey(cellOf(p.x, side), cellOf(p.y, side));
+}
+
+// Calls visit(key) for all cells that the rectangle from `low` to `high`, enlarged by `reach` (m), may overlap.
+template <class Visit>
+void forCells(const Point2& low, const Point2& high, double reach, double side, const Visit& visit) {
+  for (std::int64_t y = cellOf(low.y - reach, side); y <= cellOf(high.y + reach, side); ++y) {
+    for (std::int64_t x = cellOf(low.x - reach, side); x <= cellOf(high.x + reach, side); ++x) visit(cellKey(x, y));
+  }
 }
 
 class Occupancy {

@@ -1,5 +1,6 @@
 // Builds trailers, caravans, tractors and excavators. x is forward; a hitch is in front.
 
+#include <array>
 #include <cmath>
 
 #include "models/models.h"
@@ -133,26 +134,16 @@ void appendExcavator(Shape& s, Draw& draw) {
   s.frame = {};
 }
 
+// In the order of WorkVehicle.
+constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(WorkVehicle::Count)> kAppend{
+    appendTrailer, appendCaravan, appendTractor, appendExcavator};
+
 }  // namespace
 
 Model makeWorkVehicle(SceneBuilder& builder, std::uint64_t seed, WorkVehicle what, int number) {
   Draw draw(seed, Kind::WorkVehicle, static_cast<std::uint32_t>(static_cast<int>(what) * 100 + number));
   Shape s(builder, "other vehicle");
-  switch (what) {
-    case WorkVehicle::Trailer:
-      appendTrailer(s, draw);
-      break;
-    case WorkVehicle::Caravan:
-      appendCaravan(s, draw);
-      break;
-    case WorkVehicle::Tractor:
-      appendTractor(s, draw);
-      break;
-    case WorkVehicle::Excavator:
-    case WorkVehicle::Count:
-      appendExcavator(s, draw);
-      break;
-  }
+  kAppend[static_cast<std::size_t>(what)](s, draw);
   return s.finish();
 }
 

@@ -11,6 +11,13 @@
 
 namespace scanmill {
 
+// Returns the corners of a triangle of an instance's mesh in the world's frame (m).
+inline std::array<Vec3d, 3> cornersOf(const Instance& instance, const Mesh& mesh, std::uint32_t triangle) {
+  const auto [a, b, c] = mesh.triangles[triangle];
+  const auto corner = [&](std::uint32_t vertex) { return instance.worldFromMesh * Vec3d(mesh.positions[vertex]); };
+  return {corner(a), corner(b), corner(c)};
+}
+
 // Calls use(instance, triangle, corners) for each triangle of the classes: with the index of its instance, its index in
 // the mesh, and its corners in the world's frame (m). Skips moving instances, and instances with an index of `before`
 // or more.
@@ -24,11 +31,7 @@ void forEachTriangleOf(const Scene& scene, const std::vector<std::uint16_t>& cla
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
       const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
       if (std::find(classes.begin(), classes.end(), semantic) == classes.end()) continue;
-      std::array<Vec3d, 3> corners;
-      for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = instance.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[t][k]]);
-      }
-      use(i, t, corners);
+      use(i, t, cornersOf(instance, mesh, t));
     }
   }
 }

@@ -56,16 +56,7 @@ bool canBeTraced(const Triangle& triangle, const std::vector<Vec3f>& positions, 
 
 Dropped clean(Mesh& mesh) {
   Dropped dropped;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const Triangle t = mesh.triangles[i];
-    if (!canBeTraced(t, mesh.positions, dropped)) continue;
-    mesh.triangles[kept] = t;
-    mesh.surfaceOf[kept] = mesh.surfaceOf[i];
-    ++kept;
-  }
-  mesh.triangles.resize(kept);
-  mesh.surfaceOf.resize(kept);
+  keepTriangles(mesh, [&](std::size_t t) { return canBeTraced(mesh.triangles[t], mesh.positions, dropped); });
   for (Vec3f& p : mesh.positions) {
     if (!isFinite(p)) p = {};
   }

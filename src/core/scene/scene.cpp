@@ -67,14 +67,19 @@ Box Scene::bounds() const {
   Box box;
   for (const Instance& instance : instances) {
     const Box& local = meshBounds[instance.mesh];
-    if (local.empty()) continue;
-    for (int corner = 0; corner < 8; ++corner) {
-      box.add(instance.worldFromMesh * Vec3d{corner & 1 ? local.high.x : local.low.x,
-                                             corner & 2 ? local.high.y : local.low.y,
-                                             corner & 4 ? local.high.z : local.low.z});
-    }
+    if (!local.empty()) box.add(boxAround(instance.worldFromMesh, local));
   }
   return box;
+}
+
+Box boxAround(const Affine& place, const Box& box) {
+  Box all;
+  for (const double z : {box.low.z, box.high.z}) {
+    for (const double y : {box.low.y, box.high.y}) {
+      for (const double x : {box.low.x, box.high.x}) all.add(place * Vec3d{x, y, z});
+    }
+  }
+  return all;
 }
 
 }  // namespace scanmill

@@ -40,10 +40,8 @@ ShareBound ofClasses(const std::string& name, const Ontology& ontology, const Lo
     if (name == row.name) return {name, idsOf(row, ontology, where), static_cast<Supply>(s)};
     all += fmt::format("{}{} ({})", s > 0 ? ", " : "", row.name, fmt::join(row.classes, ", "));
   }
-  const bool known = std::any_of(ontology.classes.begin(), ontology.classes.end(), [&](const SemanticClass& c) {
-    return c.name == name || std::find(c.aliases.begin(), c.aliases.end(), name) != c.aliases.end();
-  });
-  if (!known) {
+  const SemanticClass* const known = ontology.find(name);
+  if (known == nullptr) {
     std::vector<std::string> names;
     for (const SupplyRow& row : supplies()) {
       names.emplace_back(row.name);
@@ -52,10 +50,9 @@ ShareBound ofClasses(const std::string& name, const Ontology& ontology, const Lo
     throw InputError(where,
                      fmt::format("ontology '{}' has no class '{}'{}", ontology.name, name, suggestion(name, names)));
   }
-  const std::uint16_t id = ontology.require(name, where).id;
   for (std::size_t s = 0; s < kSupplies; ++s) {
     const std::vector<std::uint16_t> ids = idsOf(supplies()[s], ontology, where);
-    if (std::find(ids.begin(), ids.end(), id) != ids.end()) return {name, {id}, static_cast<Supply>(s)};
+    if (std::find(ids.begin(), ids.end(), known->id) != ids.end()) return {name, {known->id}, static_cast<Supply>(s)};
   }
   throw InputError(
       where, fmt::format("the share of {} follows from the place that the seed draws; bounds are for {}", name, all));

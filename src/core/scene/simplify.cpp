@@ -52,11 +52,6 @@ struct Welded {
   std::vector<std::uint32_t> corners;  // three per triangle
 };
 
-// Replaces minus zero by zero: equal positions must have equal bits.
-Vec3f withoutSigns(const Vec3f& p) {
-  return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
-}
-
 // Merges the vertices of the triangles whose indices are in `chosen`.
 Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_t>& chosen) {
   std::vector<bool> textured(mesh.surfaces.size());
@@ -70,7 +65,8 @@ Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_
   for (const std::uint32_t t : chosen) {
     const std::uint16_t surface = mesh.surfaceOf[t];
     for (const std::uint32_t vertex : mesh.triangles[t]) {
-      const Vec3f position = withoutSigns(mesh.positions[vertex]);
+      // Adding zero replaces minus zero by zero: equal positions must have equal bits.
+      const Vec3f position = mesh.positions[vertex] + Vec3f{};
       const auto next = static_cast<std::uint32_t>(welded.positions.size());
       const auto [entry, isNew] =
           known.try_emplace({position, textured[surface] ? mesh.uvs[vertex] : Vec2f{}, surface}, next);

@@ -13,14 +13,6 @@ namespace {
 
 constexpr double kMargin = 1;  // m; rays start this far above and end this far below all surfaces
 
-std::array<Vec3d, 3> cornersOf(const Scene& scene, std::uint32_t instance, std::uint32_t triangle) {
-  const Instance& placed = scene.instances[instance];
-  const Mesh& mesh = scene.meshes[placed.mesh];
-  std::array<Vec3d, 3> corners;
-  for (int k = 0; k < 3; ++k) corners[k] = placed.worldFromMesh * Vec3d(mesh.positions[mesh.triangles[triangle][k]]);
-  return corners;
-}
-
 // Returns the area of the triangle as seen from above (m^2); negative if it faces down.
 double areaFromAbove(const std::array<Vec3d, 3>& c) {
   return ((c[1].x - c[0].x) * (c[2].y - c[0].y) - (c[2].x - c[0].x) * (c[1].y - c[0].y)) / 2;
@@ -93,11 +85,7 @@ struct SurfaceHeights::Hierarchy {
     const Affine& a = instance.worldFromMesh;
     const Mesh& mesh = scene.meshes[instance.mesh];
     if (bounds.empty()) anchor = a.translation;
-    const Box box = mesh.bounds();
-    for (int corner = 0; corner < 8; ++corner) {
-      bounds.add(a * Vec3d{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                           corner & 4 ? box.high.z : box.low.z});
-    }
+    bounds.add(boxAround(a, mesh.bounds()));
     const Vec3d t = a.translation - anchor;
     std::array<float, 12> columns{};
     std::size_t k = 0;
@@ -148,10 +136,10 @@ std::vector<SurfaceHeights::Surface> SurfaceHeights::at(double x, double y) cons
   std::sort(found.begin(), found.end(), [&](const Facet& a, const Facet& b) { return key(a) < key(b); });
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (i > 0 && key(found[i]) == key(found[i - 1])) continue;
-    const auto [a, b, c] = cornersOf(scene_, found[i].instance, found[i].triangle);
+    const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
+    const auto [a, b, c] = cornersOf(scene_.instances[found[i].instance], mesh, found[i].triangle);
     const Vec3d normal = cross(b - a, c - a);
     if (!(std::fabs(normal.z) > 1e-6 * length(normal))) continue;  // skips vertical triangles
-    const Mesh& mesh = scene_.meshes[scene_.instances[found[i].instance].mesh];
     const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[found[i].triangle]].semantic;
     const SemanticClass* const own = scene_.ontology.find(semantic);
     surfaces.push_back({a.z - (normal.x * (x - a.x) + normal.y * (y - a.y)) / normal.z,
@@ -187,7 +175,8 @@ SurfaceHeights::Area SurfaceHeights::area(const std::vector<std::uint16_t>& clas
 Vec3d SurfaceHeights::Area::place(const std::array<double, 3>& u) const {
   const auto found = std::upper_bound(sums_.begin(), sums_.end() - 1, u[0] * sums_.back());
   const Facet& facet = facets_[static_cast<std::size_t>(found - sums_.begin())];
-  const std::array<Vec3d, 3> t = cornersOf(*scene_, facet.instance, facet.triangle);
+  const Instance& instance = scene_->instances[facet.instance];
+  const std::array<Vec3d, 3> t = cornersOf(instance, scene_->meshes[instance.mesh], facet.triangle);
   // Shirley's mapping of the unit square to a triangle, uniform by area.
   const double root = std::sqrt(u[1]);
   return t[0] * (1 - root) + t[1] * (root * (1 - u[2])) + t[2] * (root * u[2]);

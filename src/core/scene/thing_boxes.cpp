@@ -99,18 +99,6 @@ class ObjectTriangles {
   std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by their objects
 };
 
-// Caches the ObjectTriangles of meshes.
-class TrianglesOfMeshes {
- public:
-  explicit TrianglesOfMeshes(const Scene& scene) : scene_(scene) {}
-
-  const ObjectTriangles& of(std::uint32_t mesh) { return known_.try_emplace(mesh, scene_.meshes[mesh]).first->second; }
-
- private:
-  const Scene& scene_;
-  std::map<std::uint32_t, ObjectTriangles> known_;
-};
-
 // The triangles of one object of a mesh: their number, in all and by class, and their nodes.
 struct Share {
   std::uint64_t triangles = 0;
@@ -149,7 +137,10 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
   std::vector<std::vector<Share>> shares;
   shares.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) shares.push_back(sharesOf(mesh));
-  TrianglesOfMeshes triangles(scene);
+  std::map<std::uint32_t, ObjectTriangles> known;  // by mesh
+  const auto trianglesOf = [&](std::uint32_t mesh) -> const ObjectTriangles& {
+    return known.try_emplace(mesh, scene.meshes[mesh]).first->second;
+  };
   std::map<std::uint32_t, std::vector<Part>> partsOf;  // by instance id
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
@@ -191,7 +182,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
       const Pose thingFromWorld = inverse(worldFromThing);
       for (const Part& part : parts) {
         const Instance& instance = scene.instances[part.instance];
-        triangles.of(instance.mesh).forCorners(part.object, [&](const Vec3d& corner) {
+        trianglesOf(instance.mesh).forCorners(part.object, [&](const Vec3d& corner) {
           const Vec3d p = thingFromWorld * (instance.worldFromMesh * corner);
           ground.push_back({p.x, p.y});
         });
@@ -205,7 +196,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
       const Affine thingFromMesh = toAffine(thingFromWorld) * instance.worldFromMesh;
       const auto add = [&](std::uint32_t mesh) {
         Box box;
-        triangles.of(mesh).forCorners(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
+        trianglesOf(mesh).forCorners(part.object, [&](const Vec3d& corner) { box.add(thingFromMesh * corner); });
         part.ofShape.push_back(box);
       };
       if (instance.animation == nullptr) {

@@ -18,16 +18,6 @@ constexpr std::uint32_t kSlab = 8;   // number of layers of voxels along x that 
 constexpr double kTie = 1e-9;        // areas that differ by at most this fraction count as equal
 constexpr double kMargin = 1e-6;     // voxels; boxes are enlarged by this margin, which exceeds rounding errors
 
-// Returns an axis-aligned box around a transformed box.
-Box placed(const Affine& place, const Box& box) {
-  Box all;
-  for (int corner = 0; corner < 8; ++corner) {
-    all.add(place * Vec3d{(corner & 1) != 0 ? box.high.x : box.low.x, (corner & 2) != 0 ? box.high.y : box.low.y,
-                          (corner & 4) != 0 ? box.high.z : box.low.z});
-  }
-  return all;
-}
-
 bool meets(const Box& box, const VoxelRange& range) {
   const auto along = [&](double low, double high, std::size_t axis) {
     return high + kMargin >= static_cast<double>(range.low[axis]) &&
@@ -154,12 +144,12 @@ SceneVoxels::Near SceneVoxels::nearOf(const VoxelGrid& grid, const Pose& worldFr
     const std::uint32_t m = instance.meshAt(time);
     if (bounds_[m].empty()) continue;
     const Affine place = voxelsFromMesh(grid, worldFromGrid, instance.worldFromMeshAt(time));
-    if (!meets(placed(place, bounds_[m]), all)) continue;
+    if (!meets(boxAround(place, bounds_[m]), all)) continue;
     const Mesh& mesh = scene_.meshes[m];
     const auto number = static_cast<std::uint32_t>(near.instances.size());
     near.instances.push_back({mesh, place, classesOf(instance, mesh)});
     for (std::size_t b = 0; b < blocks_[m].size(); ++b) {
-      const Box box = placed(place, blocks_[m][b]);
+      const Box box = boxAround(place, blocks_[m][b]);
       if (!meets(box, all)) continue;
       const std::size_t last = std::min((b + 1) * kBlock, mesh.triangles.size());
       near.blocks.push_back({number, static_cast<std::uint32_t>(b * kBlock), static_cast<std::uint32_t>(last), box});

@@ -11,23 +11,16 @@
 #include "base/error.h"
 #include "config/fields.h"
 #include "config/text.h"
+#include "scene/triangle_faults.h"
 
 namespace scanmill {
 namespace {
 
-// Drops the triangles of a mesh whose surface satisfies `goes`. The remaining triangles keep their order.
+// Drops the triangles of a mesh whose surface satisfies `goes`.
 void drop(Mesh& mesh, const std::function<bool(const Surface&)>& goes) {
   std::vector<bool> leaves(mesh.surfaces.size());
   for (std::size_t s = 0; s < leaves.size(); ++s) leaves[s] = goes(mesh.surfaces[s]);
-  std::size_t kept = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (leaves[mesh.surfaceOf[t]]) continue;
-    mesh.triangles[kept] = mesh.triangles[t];
-    mesh.surfaceOf[kept] = mesh.surfaceOf[t];
-    ++kept;
-  }
-  mesh.triangles.resize(kept);
-  mesh.surfaceOf.resize(kept);
+  keepTriangles(mesh, [&](std::size_t t) { return !leaves[mesh.surfaceOf[t]]; });
 }
 
 bool holds(const Mesh& mesh, std::uint32_t object) {

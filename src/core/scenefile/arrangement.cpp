@@ -38,6 +38,13 @@ std::array<double, 2> readRange(Fields& f, const char* key, Range range, std::ar
   return {ends[0], ends[1]};
 }
 
+void refuseTooMany(double count, const Location& where) {
+  if (count > static_cast<double>(Placement::kMostCopies)) {
+    throw InputError(where,
+                     fmt::format("{:.4g} copies are too many: at most {} are possible", count, Placement::kMostCopies));
+  }
+}
+
 std::vector<std::uint16_t> readClasses(Fields& f, const char* key, const Ontology& ontology) {
   std::vector<std::uint16_t> ids;
   const Location where = f.require(key).where;
@@ -179,10 +186,7 @@ std::vector<Pose> Arrangement::scattered(const Scene& scene, const SurfaceHeight
   const double own =
       bounded ? (s.within->at(1).x - s.within->at(0).x) * (s.within->at(1).y - s.within->at(0).y) : area.squareMetres();
   const double wanted = s.count ? static_cast<double>(*s.count) : s.density * own;
-  if (wanted > static_cast<double>(Placement::kMostCopies)) {
-    throw InputError(
-        s.where, fmt::format("{:.4g} copies are too many: at most {} are possible", wanted, Placement::kMostCopies));
-  }
+  refuseTooMany(wanted, s.where);
   std::vector<Pose> places;
   Spaced spaced(s.spacing);
   const auto most = static_cast<std::uint64_t>(std::llround(wanted));
@@ -250,10 +254,7 @@ std::vector<Pose> Arrangement::alongPath() const {
   const Path path(along_->waypoints);
   std::vector<Pose> places;
   const double count = std::floor(path.length() / along_->every * (1 + 1e-12)) + 1;
-  if (count > static_cast<double>(Placement::kMostCopies)) {
-    throw InputError(along_->where,
-                     fmt::format("{:.4g} copies are too many: at most {} are possible", count, Placement::kMostCopies));
-  }
+  refuseTooMany(count, along_->where);
   for (std::uint64_t i = 0; i < static_cast<std::uint64_t>(count); ++i) {
     const Pose on = path.pose(static_cast<double>(i) * along_->every);
     const Quat level = fromYawPitchRoll(headingOf(on.rotation), 0, 0);

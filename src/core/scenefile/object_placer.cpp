@@ -50,11 +50,7 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
         return;
       }
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d p{corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                      corner & 4 ? box.high.z : box.low.z};
-        lowest = std::min(lowest, (place * p).z);
-      }
+      lowest = std::min(lowest, boxAround(place, box).low.z);
     };
     if (m.assetFromMesh.empty()) add(worldFromAsset);
     for (const Affine& place : m.assetFromMesh) add(worldFromAsset * place);
@@ -103,16 +99,13 @@ void ObjectPlacer::place(const Variants& variants, const std::string& name, cons
     const std::string thing = copies.thing.empty() ? "" : fmt::format("{}#{}", copies.thing, copyNumber);
     const std::vector<PlacedMesh>& meshes = meshesOf(variant);
     for (const PlacedMesh& m : meshes) {
-      if (m.assetFromMesh.empty()) {
-        builder_.place(m.mesh, worldFromAsset, own, where, copies.movement, copies.animation, thing).facing =
-            copies.facing;
-      }
+      const auto put = [&](const Affine& worldFromMesh, const std::string& called, const auto& animation) {
+        builder_.place(m.mesh, worldFromMesh, called, where, copies.movement, animation, thing).facing = copies.facing;
+      };
+      if (m.assetFromMesh.empty()) put(worldFromAsset, own, copies.animation);
       for (std::size_t i = 0; i < m.assetFromMesh.size(); ++i) {
         const bool alone = meshes.size() == 1 && m.assetFromMesh.size() == 1;
-        builder_
-            .place(m.mesh, worldFromAsset * m.assetFromMesh[i],
-                   alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), where, copies.movement, nullptr, thing)
-            .facing = copies.facing;
+        put(worldFromAsset * m.assetFromMesh[i], alone ? own : fmt::format("{}/{} {}", own, m.node, i + 1), nullptr);
       }
     }
   }

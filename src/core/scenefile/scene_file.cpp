@@ -104,8 +104,8 @@ class SceneReader {
       throw InputError(value.where, "a scene can have only one town, and no street beside it");
     }
     towns_ += street ? 0 : 1;
-    const Affine place = proceduralPlace(f, street ? "street" : "town");
-    Fields fields(f.require(street ? "street" : "town"), street ? "street" : "town");
+    const Affine place = proceduralPlace(f, kind);
+    Fields fields(f.require(kind), kind);
     const std::uint64_t seed = seedOfNext(options_.seed, procedural_++);
     if (street) {
       addStreet(builder_, fields, seed, place);

@@ -1,16 +1,11 @@
 #include "town/areas.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace scanmill::town {
 namespace {
 
 constexpr double kCell = 32;  // m, side of a grid cell
-
-std::int64_t cellOf(double v) {
-  return static_cast<std::int64_t>(std::floor(v / kCell));
-}
 
 bool isHard(Land land) {
   return land == Land::Water || land == Land::Lot || land == Land::Paved;
@@ -25,26 +20,24 @@ std::vector<const Polygon*> ringsOf(const MapArea& area) {
 }  // namespace
 
 void Areas::add(MapArea area) {
-  Extent extent{{1e9, 1e9}, {-1e9, -1e9}, 0};
+  Point2 low{1e9, 1e9};
+  Point2 high{-1e9, -1e9};
   for (const Point2& p : area.outline) {
-    extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y)};
-    extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y)};
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
-  extent.size = sizeOf(area.outline);
   const auto index = static_cast<std::uint32_t>(areas_.size());
-  // Coordinates are clamped to 2 km, which no town exceeds, to bound the loop below.
+  // Coordinates are clamped to 2 km, which no town exceeds, to bound the number of cells.
   const auto limited = [](double v) { return std::clamp(v, -2000.0, 2000.0); };
-  for (std::int64_t y = cellOf(limited(extent.low.y - kReach)); y <= cellOf(limited(extent.high.y + kReach)); ++y) {
-    for (std::int64_t x = cellOf(limited(extent.low.x - kReach)); x <= cellOf(limited(extent.high.x + kReach)); ++x) {
-      cells_[models::cellKey(x, y)].push_back(index);
-    }
-  }
+  models::forCells({limited(low.x - kReach), limited(low.y - kReach)},
+                   {limited(high.x + kReach), limited(high.y + kReach)}, 0, kCell,
+                   [&](std::uint64_t key) { cells_[key].push_back(index); });
+  sizes_.push_back(sizeOf(area.outline));
   areas_.push_back(std::move(area));
-  extents_.push_back(extent);
 }
 
 const std::vector<std::uint32_t>* Areas::near(const Point2& p) const {
-  const auto cell = cells_.find(models::cellKey(cellOf(p.x), cellOf(p.y)));
+  const auto cell = cells_.find(models::cellKeyAt(p, kCell));
   return cell == cells_.end() ? nullptr : &cell->second;
 }
 
@@ -58,8 +51,8 @@ std::optional<std::uint32_t> Areas::indexAt(const Point2& p) const {
   double smallest = 1e18;
   if (const auto* found = near(p)) {
     for (const std::uint32_t i : *found) {
-      if (extents_[i].size >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
-      smallest = extents_[i].size;
+      if (sizes_[i] >= smallest || !isInside(ringsOf(areas_[i]), p)) continue;
+      smallest = sizes_[i];
       index = i;
     }
   }

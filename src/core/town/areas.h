@@ -27,14 +27,10 @@ class Areas {
   double outsideHard(const Point2& p) const;
 
  private:
-  struct Extent {
-    Point2 low, high;
-    double size = 0;  // m^2, area
-  };
   const std::vector<std::uint32_t>* near(const Point2& p) const;
 
   std::vector<MapArea> areas_;
-  std::vector<Extent> extents_;
+  std::vector<double> sizes_;                                            // m^2, by area
   std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices of the areas within kReach of a cell
 };
 

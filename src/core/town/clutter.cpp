@@ -129,11 +129,8 @@ void placeCrossing(Placer& placer, const Model& light) {
   for (const double lateral : models::steps(-half, half - 0.5, 1)) {
     constexpr int kPieces = 3;
     for (int piece = 0; piece < kPieces; ++piece) {
-      const auto corner = [&](int k, double side) {
-        const Point2 p = besideRoad(road, *at + kLength * k / kPieces, lateral + side).at;
-        return Vec3d{p.x, p.y, l.heightAt(p) + 0.004};
-      };
-      s.quad(paint, corner(piece, 0), corner(piece + 1, 0), corner(piece + 1, 0.5), corner(piece, 0.5));
+      const auto along = [&](int k) { return *at + kLength * k / kPieces; };
+      paintBar(s, paint, l, road, along(piece), along(piece + 1), lateral, lateral + 0.5);
     }
   }
   placer.builder.place(s.finish().mesh, placer.worldFromTown, "crossing");
@@ -189,7 +186,7 @@ void placeGardenThings(Placer& placer, Store& store) {
   // If no water has been placed, tries to add a pond at the main road, so that few towns have no water.
   Draw draw(l.seed(), Kind::Clutter, 900000);
   for (int attempt = 0; attempt < 4 * Placer::kTries && water == 0 && !l.plots().empty(); ++attempt) {
-    const Plot& plot = l.plots()[static_cast<std::size_t>(draw.below(static_cast<int>(l.plots().size())))];
+    const Plot& plot = draw.of(l.plots());
     if (plot.road == 0) water += tryAt(plot, draw, Clutter::Pond, draw.in(2.2, 6)) ? 1 : 0;
   }
 }
@@ -273,7 +270,7 @@ void placeAnimals(Placer& placer) {
     const double lateral = (draw.chance(0.5) ? 1 : -1) * (curb + draw.in(7, 22));
     const int count = 3 + draw.below(8);
     for (int k = 0; k < count; ++k) {
-      put(forms[static_cast<std::size_t>(draw.below(3))], at + draw.in(-12, 12), lateral + draw.in(-6, 6));
+      put(draw.of(forms), at + draw.in(-12, 12), lateral + draw.in(-6, 6));
     }
   }
 }

@@ -86,7 +86,7 @@ void placeFixtures(Placer& placer) {
     Draw draw(seed, Kind::Lamp, 5000 + s.road);
     const double spacing = rural ? draw.in(60, 120) : draw.in(22, 40);
     const int side = draw.chance(0.5) ? 1 : -1;
-    const Model& lamp = lamps[static_cast<std::size_t>(draw.below(2))];
+    const Model& lamp = draw.of(lamps);
     int number = 0;
     for (const double at : models::steps(s.from + draw.in(3, spacing), s.to, spacing)) {
       Spot spot;
@@ -104,8 +104,7 @@ void placeFixtures(Placer& placer) {
     // The sign faces the vehicles on its side of the road. Vehicles at the right of the road's line drive in the
     // line's direction.
     spot.yaw += (side < 0 ? kPi : 0) + draw.in(-0.15, 0.15);
-    return placer.tryPut(sign(kOnTheWay[static_cast<std::size_t>(draw.below(4))]), spot,
-                         fmt::format("sign {}", number));
+    return placer.tryPut(sign(draw.of(kOnTheWay)), spot, fmt::format("sign {}", number));
   });
   for (std::uint32_t r = 0; r < l.roads().roads().size(); ++r) {
     const Road& road = l.roads().roads()[r];
@@ -133,7 +132,7 @@ void placeFixtures(Placer& placer) {
     const double out = inside ? road.section.curb + draw.in(0.3, 0.6) : road.section.outer() + draw.in(-0.5, 1.5);
     if (!beyondEdge(l, road, at, side, out, spot)) return false;
     spot.yaw += (side > 0 ? 0 : kPi) + draw.in(-0.3, 0.3);
-    const Model& m = furnishings[static_cast<std::size_t>(draw.below(static_cast<int>(furnishings.size())))];
+    const Model& m = draw.of(furnishings);
     return placer.tryPut(m, spot, fmt::format("furniture {}", number));
   });
 }

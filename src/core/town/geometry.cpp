@@ -18,10 +18,7 @@ double lengthOf(const Line& line) {
 Point2 pointAt(const Line& line, double along) {
   for (std::size_t i = 1; i < line.size(); ++i) {
     const double size = distance(line[i - 1], line[i]);
-    if (along <= size && size > 0) {
-      return {models::lerp(line[i - 1].x, line[i].x, along / size),
-              models::lerp(line[i - 1].y, line[i].y, along / size)};
-    }
+    if (along <= size && size > 0) return models::lerp(line[i - 1], line[i], along / size);
     along -= size;
   }
   return line.back();
@@ -55,8 +52,7 @@ Line evenLine(const Line& line, double step) {
     }
     const double size = distance(line[segment - 1], line[segment]);
     const double part = size > 0 ? std::clamp((at - before) / size, 0.0, 1.0) : 0;
-    points.push_back({models::lerp(line[segment - 1].x, line[segment].x, part),
-                      models::lerp(line[segment - 1].y, line[segment].y, part)});
+    points.push_back(models::lerp(line[segment - 1], line[segment], part));
   }
   return points;
 }
@@ -128,10 +124,7 @@ std::vector<Point2> pointsAlong(const Polygon& ring, double step) {
     const Point2& a = ring[i];
     const Point2& b = ring[(i + 1) % ring.size()];
     const auto count = std::max(1, static_cast<int>(std::ceil(distance(a, b) / step)));
-    for (int k = 0; k < count; ++k) {
-      const double t = static_cast<double>(k) / count;
-      points.push_back({a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t});
-    }
+    for (int k = 0; k < count; ++k) points.push_back(models::lerp(a, b, static_cast<double>(k) / count));
   }
   return points;
 }
@@ -186,8 +179,7 @@ Polygon clipped(Polygon ring, double half) {
       const double next = inside(b);
       if (of >= 0) cut.push_back(a);
       if ((of >= 0) != (next >= 0)) {
-        const double t = of / (of - next);
-        cut.push_back({models::lerp(a.x, b.x, t), models::lerp(a.y, b.y, t)});
+        cut.push_back(models::lerp(a, b, of / (of - next)));
       }
     }
     ring = std::move(cut);

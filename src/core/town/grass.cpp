@@ -72,7 +72,7 @@ void placeGrass(Placer& placer) {
         if (!placer.isFree({spot.at, 0.1, 0.1, 0})) continue;
         spot.yaw = draw.in(0, 2 * kPi);
         spot.scale = draw.in(0.6, 1.4);
-        placer.put(forms[static_cast<std::size_t>(draw.below(kForms))], spot, fmt::format("tuft {}", ++number));
+        placer.put(draw.of(forms), spot, fmt::format("tuft {}", ++number));
       }
     }
   }

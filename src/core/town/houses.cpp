@@ -38,40 +38,37 @@ class Boundaries {
     const double yaw = std::atan2(b.y - a.y, b.x - a.x);
     const Model& m = panel(what, form);
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
+    std::vector<Footprint> taken;
     for (int k = 0; k < count; ++k) {
-      const double t = (k + 0.5) / count;
-      const Point2 p{a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t};
+      const Point2 p = models::lerp(a, b, (k + 0.5) / count);
       const double width = length / count;
       if (!placer_.isFree({p, width / 2 - 0.1, half, yaw}) || placer_.layout.areas().outsideHard(p) < half) continue;
       const Beside beside = placer_.layout.roads().at(p.x, p.y);
       if (beside.known && beside.edge < beside.section.outer() + 0.05) continue;
-      Affine place = models::at({p.x, p.y, placer_.layout.heightAt(p) - 0.05}, yaw);
+      Affine place = models::at(placer_.layout.onGround(p, -0.05), yaw);
       place.linear = place.linear * Mat3::scale({width / kPanel, 1, 1});
       placer_.builder.place(m.mesh, placer_.worldFromTown * place, fmt::format("boundary {}", ++number_));
-      taken_.push_back({p, width / 2 - 0.1, half, yaw});
+      taken.push_back({p, width / 2 - 0.1, half, yaw});
     }
     // The ground is marked as occupied only after the row is complete, because the panels of a row touch each other.
-    for (const Footprint& f : taken_) placer_.occupancy.add(f);
-    taken_.clear();
+    for (const Footprint& f : taken) placer_.occupancy.add(f);
   }
 
  private:
   const Model& panel(Fencing what, int form) {
     const auto index = static_cast<std::size_t>(what) * kForms + static_cast<std::size_t>(form);
-    if (!made_[index]) {
+    std::optional<Model>& made = panels_[index];
+    if (!made) {
       const std::uint64_t seed = placer_.layout.seed();
-      panels_[index] = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
-                                              : models::makeFencePanel(placer_.builder, seed + form * 104729u, what);
-      made_[index] = true;
+      made = what == Fencing::Hedge ? models::makeHedgerow(placer_.builder, seed, form)
+                                    : models::makeFencePanel(placer_.builder, seed + form * 104729u, what);
     }
-    return panels_[index];
+    return *made;
   }
 
   static constexpr std::size_t kForms = 4;
   Placer& placer_;
-  std::array<Model, 5 * kForms> panels_{};
-  std::array<bool, 5 * kForms> made_{};
-  std::vector<Footprint> taken_;
+  std::array<std::optional<Model>, 5 * kForms> panels_{};
   int number_ = 0;
 };
 

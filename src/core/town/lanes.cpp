@@ -47,8 +47,7 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least) {
     const auto count = std::max(1, static_cast<int>(std::abs(s.to - s.from) / kPoints));
     for (int k = 0; k <= count; ++k) {
       const double along = s.from + (s.to - s.from) * k / count;
-      const Point2 p = besideRoad(road, along, -direction * lateral).at;
-      points.push_back({p.x, p.y, l.heightAt(p)});
+      points.push_back(l.onGround(besideRoad(road, along, -direction * lateral).at));
       laid.places.push_back({s.road, along});
     }
   }

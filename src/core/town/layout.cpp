@@ -14,9 +14,8 @@ using models::smooth;
 constexpr double kPatchCell = 8;   // m, side of a grid cell
 constexpr double kPatchReach = 4;  // m, largest distance from a patch at which the patch is still found
 
-std::uint64_t keyAt(double x, double y) {
-  const auto cell = [](double v) { return static_cast<std::int64_t>(std::floor(v / kPatchCell)); };
-  return models::cellKey(cell(x), cell(y));
+std::uint64_t keyAt(const Point2& p) {
+  return models::cellKeyAt(p, kPatchCell);
 }
 
 // Returns the distance of a point from a rectangle (m, negative inside): the larger of the distances along its two
@@ -47,7 +46,7 @@ double Layout::reachOf(const Parameters& parameters) {
 }
 
 bool Layout::nearPothole(const Point2& p, double reach) const {
-  const auto cell = potholeCells_.find(keyAt(p.x, p.y));
+  const auto cell = potholeCells_.find(keyAt(p));
   if (cell == potholeCells_.end()) return false;
   return std::any_of(cell->second.begin(), cell->second.end(), [&](std::uint32_t i) {
     const Pothole& hole = potholes_[i];
@@ -60,7 +59,7 @@ void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {
     for (const double x : models::steps(f.center.x - reach, f.center.x + reach + kPatchCell, kPatchCell)) {
-      std::vector<std::uint32_t>& cell = cells[keyAt(x, y)];
+      std::vector<std::uint32_t>& cell = cells[keyAt({x, y})];
       if (std::find(cell.begin(), cell.end(), index) == cell.end()) cell.push_back(index);
     }
   }
@@ -68,14 +67,14 @@ void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
 
 double Layout::outsidePatches(const Point2& p) const {
   double least = kPatchReach;
-  const auto cell = patchCells_.find(keyAt(p.x, p.y));
+  const auto cell = patchCells_.find(keyAt(p));
   if (cell == patchCells_.end()) return least;
   for (const std::uint32_t i : cell->second) least = std::min(least, outside(patches_[i].place, p));
   return least;
 }
 
 const Patch* Layout::patchAt(const Point2& p) const {
-  const auto cell = patchCells_.find(keyAt(p.x, p.y));
+  const auto cell = patchCells_.find(keyAt(p));
   if (cell == patchCells_.end()) return nullptr;
   for (const std::uint32_t i : cell->second) {
     if (outside(patches_[i].place, p) < 0) return &patches_[i];
@@ -125,7 +124,7 @@ double Layout::base(const Point2& p) const {
 double Layout::lowering(const Beside& b, const Point2& p) const {
   if (b.section.step <= 0 || b.edge > 3) return 1;
   double factor = 1;
-  const auto cell = patchCells_.find(keyAt(p.x, p.y));
+  const auto cell = patchCells_.find(keyAt(p));
   if (cell == patchCells_.end()) return 1;
   for (const std::uint32_t i : cell->second) {
     if (patches_[i].kind != GroundKind::Driveway) continue;
@@ -146,7 +145,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
     double hole = 0;
-    if (const auto cell = potholeCells_.find(keyAt(p.x, p.y)); cell != potholeCells_.end()) {
+    if (const auto cell = potholeCells_.find(keyAt(p)); cell != potholeCells_.end()) {
       for (const std::uint32_t i : cell->second) {
         const Pothole& h = potholes_[i];
         const double inwards = 1 - std::hypot(p.x - h.center.x, p.y - h.center.y) / h.radius;
@@ -212,7 +211,7 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
 // Returns the height (m) to add to the natural height at a point, so that the ground under and beside buildings is
 // level; beyond kPatchReach from all buildings it is 0.
 double Layout::levelling(const Point2& p, double natural) const {
-  const auto cell = terraceCells_.find(keyAt(p.x, p.y));
+  const auto cell = terraceCells_.find(keyAt(p));
   if (cell == terraceCells_.end()) return 0;
   double sum = 0;
   double weights = 0;

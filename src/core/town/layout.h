@@ -103,6 +103,8 @@ class Layout {
   GroundKind kindAt(const Beside& beside, const Point2& p) const;
   double heightAt(GroundKind kind, const Beside& beside, const Point2& p) const;
   double heightAt(const Point2& p) const;
+  // Returns the point `above` metres above the ground.
+  Vec3d onGround(const Point2& p, double above = 0) const { return {p.x, p.y, heightAt(p) + above}; }
 
   // Returns signed distances (m) to the lines between kinds of ground: the edges of the parking lane, the carriageway,
   // the curb, the verge and the sidewalk. A distance is zero on its line.
@@ -119,7 +121,6 @@ class Layout {
   void drawLand();
   bool addLand(Land land, std::uint32_t road, int side, double along, double width, double depth);
   void addPlots(std::uint32_t road, int side, double from, double to);
-  models::House drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const;
   models::Fencing drawFencing(Draw& draw, double setback) const;
   // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
   // half of the strip's width (m).

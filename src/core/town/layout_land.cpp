@@ -21,12 +21,11 @@ Polygon cornersOf(const Footprint& f) {
 // false if another road or other land is in the way.
 bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double width, double depth) {
   const Road& road = roads_.roads()[r];
-  const Point2 p = road.point(along);
-  const Point2 h = road.heading(along);
-  const double yaw = std::atan2(h.y, h.x) + (side > 0 ? 0 : kPi);
   constexpr double kBend = 1.5;  // m between the pavement and the land
-  const double out = side * (road.section.half + road.section.outer() + kBend + depth / 2);
-  const Footprint place{{p.x - h.y * out, p.y + h.x * out}, width / 2, depth / 2, yaw};
+  const models::Spot middle =
+      besideRoad(road, along, side * (road.section.half + road.section.outer() + kBend + depth / 2));
+  const double yaw = middle.yaw + (side > 0 ? 0 : kPi);
+  const Footprint place{middle.at, width / 2, depth / 2, yaw};
   for (const double u : models::steps(-1, 1.1, 0.25)) {
     for (const double v : models::steps(-1, 1.1, 0.25)) {
       const Point2 at = place.at(u * place.halfX, v * place.halfY);

@@ -182,11 +182,8 @@ void Layout::arrangePlots() {
   std::erase_if(plots_, [&](const Plot& plot) {
     // Removes plots on parking lots, squares and water, and plots on another road.
     const Road& road = roads_.roads()[plot.road];
-    const double middle = (plot.from + plot.to) / 2;
-    const Point2 p = road.point(middle);
-    const Point2 h = road.heading(middle);
     const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
-    const Point2 front{p.x - h.y * out, p.y + h.x * out};
+    const Point2 front = besideRoad(road, (plot.from + plot.to) / 2, out).at;
     const Beside b = roads_.at(front.x, front.y);
     return areas_.outsideHard(front) < 0.5 || (b.known && b.edge < b.section.outer());
   });

@@ -64,21 +64,6 @@ bool Layout::fits(const Footprint& f, double gap) const {
   return taken_.isFree(f);
 }
 
-models::House Layout::drawHouse(Draw& draw, std::uint32_t number, double width, double depth, int floors) const {
-  House house;
-  house.number = number;
-  house.width = width;
-  house.depth = depth;
-  house.floors = floors;
-  house.columns = std::max(2, static_cast<int>(width / draw.in(2.2, 3.1)));
-  house.doorColumn = draw.below(house.columns);
-  house.roof =
-      std::array{Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat}[static_cast<std::size_t>(
-          draw.below(6))];
-  if (floors >= 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
-  return house;
-}
-
 Fencing Layout::drawFencing(Draw& draw, double setback) const {
   const Character& c = character_;
   Fencing fencing = Fencing::None;
@@ -86,7 +71,7 @@ Fencing Layout::drawFencing(Draw& draw, double setback) const {
   if (pick < c.hedges) {
     fencing = Fencing::Hedge;
   } else if (pick < c.hedges + c.fences) {
-    fencing = std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick}[static_cast<std::size_t>(draw.below(3))];
+    fencing = draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick});
   }
   return setback < 1.5 ? Fencing::None : fencing;
 }
@@ -125,11 +110,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
     const double outer = road.section.half + road.section.outer();
     const Point2 heading = road.heading(middle);
     const double yaw = std::atan2(heading.y, heading.x) + (side > 0 ? 0 : kPi);
-    const auto spot = [&](double along, double lateral) {
-      const Point2 p = road.point(along);
-      const Point2 h = road.heading(along);
-      return Point2{p.x - h.y * side * lateral, p.y + h.x * side * lateral};
-    };
+    const auto spot = [&](double along, double lateral) { return besideRoad(road, along, side * lateral).at; };
     // If there is a driveway, the house is shifted to the other end of the plot.
     const double shift = hasDriveway ? -side * (gap / 2 - 0.2) : 0;
     const Footprint body{spot(middle + shift, outer + plot.setback + house.depth / 2), house.width / 2, house.depth / 2,

@@ -78,9 +78,7 @@ void Layout::drawPotholes() {
       const double along = draw.in(0, road.length());
       const double reach = road.section.half - road.section.parking - 0.7;
       const double lateral = draw.in(-reach, reach);
-      const Point2 p = road.point(along);
-      const Point2 h = road.heading(along);
-      potholes_.push_back({{p.x - h.y * lateral, p.y + h.x * lateral}, draw.in(0.2, 0.6), draw.in(0.02, 0.07)});
+      potholes_.push_back({besideRoad(road, along, lateral).at, draw.in(0.2, 0.6), draw.in(0.02, 0.07)});
     }
   }
   for (std::uint32_t i = 0; i < potholes_.size(); ++i) {

@@ -8,11 +8,50 @@
 #include <map>
 #include <string_view>
 
+#include "base/earth.h"
 #include "town/osm_interface.h"
-#include "town/tangent_plane.h"
 
 namespace scanmill::town {
 namespace {
+
+// The plane that touches the WGS 84 ellipsoid at a point (degrees). Coordinates are metres from that point: x east, y
+// north (south if mirrored). Conversion uses earth-centred coordinates; 25 km from the point, distances in the plane
+// are 0.1 m too short.
+class TangentPlane {
+ public:
+  TangentPlane(double latitude, double longitude, bool mirrored)
+      : latitude_(radians(latitude)),
+        longitude_(radians(longitude)),
+        north_(mirrored ? -1 : 1),
+        origin_(earthCentred(longitude_, latitude_, 0)) {}
+
+  Point2 operator()(const OsmNode& n) const {
+    const Vec3d d = earthCentred(radians(n.longitude), radians(n.latitude), 0) - origin_;
+    const double towards = d.x * std::cos(longitude_) + d.y * std::sin(longitude_);
+    return {d.y * std::cos(longitude_) - d.x * std::sin(longitude_),
+            north_ * (d.z * std::cos(latitude_) - towards * std::sin(latitude_))};
+  }
+  bool mirrored() const { return north_ < 0; }
+
+  // Returns the latitude and longitude (degrees) of a point in the plane: the inverse of operator(). Solves by Newton's
+  // method with an approximate derivative: anywhere in the plane, a metre to the north or east is about the same number
+  // of degrees.
+  OsmNode degreesAt(const Point2& p) const {
+    constexpr double kDegree = 111300;  // m, length of a degree of latitude
+    OsmNode node{0, degrees(latitude_), degrees(longitude_)};
+    for (int i = 0; i < 12; ++i) {
+      const Point2 now = (*this)(node);
+      node.latitude += north_ * (p.y - now.y) / kDegree;
+      node.longitude += (p.x - now.x) / (kDegree * std::max(0.01, std::cos(latitude_)));
+    }
+    return node;
+  }
+
+ private:
+  double latitude_, longitude_;  // rad
+  double north_;                 // sign of y towards the north: 1, or -1 if mirrored
+  Vec3d origin_;
+};
 
 bool isOneOf(std::string_view value, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), value) != words.end();
@@ -63,7 +102,7 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
   road.name = way.tags["name"];
   for (const OsmNode& n : way.nodes) {
     const Point2 p = plane(n);
-    if (!road.line.empty() && std::hypot(p.x - road.line.back().x, p.y - road.line.back().y) < 0.1) continue;
+    if (!road.line.empty() && distance(p, road.line.back()) < 0.1) continue;
     road.line.push_back(p);
     road.nodes.push_back(n.id);
   }
@@ -94,10 +133,10 @@ Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   Polygon ring;
   for (const OsmNode& n : nodes) {
     const Point2 p = plane(n);
-    if (!ring.empty() && std::hypot(p.x - ring.back().x, p.y - ring.back().y) < kShortest) continue;
+    if (!ring.empty() && distance(p, ring.back()) < kShortest) continue;
     ring.push_back(p);
   }
-  while (ring.size() > 1 && std::hypot(ring.front().x - ring.back().x, ring.front().y - ring.back().y) < kShortest) {
+  while (ring.size() > 1 && distance(ring.front(), ring.back()) < kShortest) {
     ring.pop_back();
   }
   // Leaves out points on straight walls.

@@ -67,7 +67,7 @@ struct MapBarrier {
 struct Map {
   std::filesystem::path file;
   double latitude = 0, longitude = 0;  // degrees; position of the frame's origin
-  bool mirrored = false;               // true: y points south (see TangentPlane)
+  bool mirrored = false;               // true: y points south
   std::vector<MapRoad> roads;          // joined by joinRoads()
   std::vector<std::vector<Point2>> paths;
   std::vector<MapBuilding> buildings;

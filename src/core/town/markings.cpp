@@ -12,8 +12,6 @@ using models::Kind;
 using models::Shape;
 using models::TrafficSign;
 
-constexpr double kPaint = 0.004;  // m, height of markings above the road
-
 // Paints a stop line at `along` (m) across the lane for vehicles that drive against the road's line: a solid line if
 // `whole`, else a dashed line. Returns the number of its pieces.
 std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, const Road& road, double along,
@@ -25,13 +23,8 @@ std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, co
   const double to = along - 0.1;
   const double piece = whole ? 0.7 : 0.5;  // m; pieces are short, to follow the road's camber
   std::uint32_t lines = 0;
-  const auto corner = [&](double at, double lateral) {
-    const Point2 p = besideRoad(road, at, lateral).at;
-    return Vec3d{p.x, p.y, l.heightAt(p) + kPaint};
-  };
   for (const double start : models::steps(right, left, whole ? piece : 2 * piece)) {
-    const double end = std::min(start + piece, left);
-    s.quad(paint, corner(from, start), corner(to, start), corner(to, end), corner(from, end));
+    paintBar(s, paint, l, road, from, to, start, std::min(start + piece, left));
     ++lines;
   }
   return lines;
@@ -54,15 +47,20 @@ std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex pai
 
 }  // namespace
 
+void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double to,
+              double right, double left) {
+  constexpr double kAbove = 0.004;  // m, height of markings above the road
+  const auto corner = [&](double along, double lateral) {
+    return l.onGround(besideRoad(road, along, lateral).at, kAbove);
+  };
+  s.quad(paint, corner(from, right), corner(to, right), corner(to, left), corner(from, left));
+}
+
 // Paints a dashed line in the middle of roads that are wide enough for two lanes; in rural towns also edge lines.
 void placeMarkings(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "road markings");
   const models::SurfaceIndex paint = s.surface("road_marking", "road_paint");
-  const auto corner = [&](const Road& road, double along, double lateral) {
-    const Point2 p = besideRoad(road, along, lateral).at;
-    return Vec3d{p.x, p.y, l.heightAt(p) + kPaint};
-  };
   std::uint32_t dashes = stopLines(placer, s, paint);
   for (const Road& road : l.roads().roads()) {
     const double lanes = road.section.half - road.section.parking;
@@ -79,17 +77,13 @@ void placeMarkings(Placer& placer) {
       if (b.edge < -road.section.half - 0.5) continue;
       const int pieces = 3;
       for (int k = 0; k < pieces; ++k) {
-        const double from = at + dash * k / pieces;
-        const double to = at + dash * (k + 1) / pieces;
-        s.quad(paint, corner(road, from, -0.06), corner(road, to, -0.06), corner(road, to, 0.06),
-               corner(road, from, 0.06));
+        paintBar(s, paint, l, road, at + dash * k / pieces, at + dash * (k + 1) / pieces, -0.06, 0.06);
       }
       ++dashes;
       if (!edges) continue;
       for (const double side : {-1.0, 1.0}) {
         const double out = side * (lanes - 0.25);
-        s.quad(paint, corner(road, at, out - 0.06), corner(road, at + dash, out - 0.06),
-               corner(road, at + dash, out + 0.06), corner(road, at, out + 0.06));
+        paintBar(s, paint, l, road, at, at + dash, out - 0.06, out + 0.06);
       }
     }
   }
@@ -103,8 +97,7 @@ void placeCovers(Placer& placer) {
   const models::SurfaceIndex iron = s.surface("road", "metal_bare");
   const models::SurfaceIndex fresh = s.surface("road", "asphalt_new");
   const auto corner = [&](const Road& road, double along, double lateral, double above) {
-    const Point2 p = besideRoad(road, along, lateral).at;
-    return Vec3d{p.x, p.y, l.heightAt(p) + above};
+    return l.onGround(besideRoad(road, along, lateral).at, above);
   };
   // Adds a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
   const auto cover = [&](const Road& road, double from, double to, double right, double left) {
@@ -136,8 +129,7 @@ void placeCovers(Placer& placer) {
       if (l.nearPothole({middle.x, middle.y}, kRadius)) continue;
       const auto rim = [&](int i) {
         const double angle = 2 * kPi * i / kCorners;
-        const Point2 p{middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)};
-        return Vec3d{p.x, p.y, l.heightAt(p) + 0.004};
+        return l.onGround({middle.x + kRadius * std::cos(angle), middle.y + kRadius * std::sin(angle)}, 0.004);
       };
       for (int i = 0; i < kCorners; ++i) s.triangle(iron, middle, rim(i), rim(i + 1));
       ++count;

@@ -91,10 +91,7 @@ void placeLots(Placer& placer, Fleet& fleet) {
              l.areas().at(p) == Land::Lot && (!b.known || b.edge > b.section.outer() + 1.2);
     };
     const auto addLine = [&](double u, double low, double high) {
-      const auto corner = [&](double side, double v) {
-        const Point2 p = about.at(u + side * kLine, v);
-        return Vec3d{p.x, p.y, l.heightAt(p) + 0.01};
-      };
+      const auto corner = [&](double side, double v) { return l.onGround(about.at(u + side * kLine, v), 0.01); };
       s.quad(paint, corner(-1, low), corner(1, low), corner(1, high), corner(-1, high));
       ++lines;
     };

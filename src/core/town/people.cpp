@@ -81,8 +81,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   };
   std::vector<Vec3d> points;
   const auto walk = [&](double done, double left) {
-    const Point2 p = at(done, left).at;
-    points.push_back(placer.worldFromTown * Vec3d{p.x, p.y, placer.layout.heightAt(p)});
+    points.push_back(placer.worldFromTown * placer.layout.onGround(at(done, left).at));
   };
   for (int k = 0; k < pieces; ++k) {
     const Spot middle = at(k + 0.5, 0);

@@ -13,13 +13,7 @@ namespace scanmill::town {
 
 using models::Footprint;
 using models::Model;
-
-struct Spot {
-  Point2 at;
-  double yaw = 0;
-  double scale = 1;
-  double lean = 0;  // rad, roll about x
-};
+using models::Spot;
 
 class Placer {
  public:
@@ -37,8 +31,6 @@ class Placer {
   bool tryPark(const Model& m, const Spot& s, const std::string& name);
   // Places a model on wheels even if the place is not free.
   void park(const Model& m, const Spot& s, const std::string& name);
-
-  static Footprint footprint(const Model& m, const Spot& s, double grow);
 
   SceneBuilder& builder;
   const Layout& layout;
@@ -62,14 +54,12 @@ class Placer {
     bool marked;                           // true: there is a stop line on the road
   };
   std::vector<Light> lights;
-
- private:
-  Vec3d onGround(const Point2& p, double sink) const;
 };
 
-// Returns the place at a distance `along` the road's line and `lateral` metres to the left of the line; its yaw is the
-// direction of the line.
-Spot besideRoad(const Road& road, double along, double lateral);
+// Appends paint on a road: a quad between the distances `from` and `to` along the road's line, and between `right` and
+// `left` metres to the left of the line.
+void paintBar(models::Shape& s, models::SurfaceIndex paint, const Layout& l, const Road& road, double from, double to,
+              double right, double left);
 
 // Returns the kind of sign for vehicles that come out of a side road; nullopt if there is no sign.
 std::optional<models::TrafficSign> signAtMouth(const Layout& l, std::uint32_t sideRoad);

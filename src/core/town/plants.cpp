@@ -26,28 +26,24 @@ constexpr std::size_t kMostTrees = 900;  // largest number of trees in all woods
 // The models of the town's trees; a model is built when it is first needed.
 class Nursery {
  public:
-  explicit Nursery(Placer& placer)
-      : placer_(placer), trees_(2 * kTreesOfAForm * models::kTreeForms), made_(trees_.size(), false) {}
+  explicit Nursery(Placer& placer) : placer_(placer), trees_(2 * kTreesOfAForm * models::kTreeForms) {}
 
   const TreeModel& tree(Draw& draw, bool broadleaf, bool far) {
     const int form = draw.below(broadleaf ? models::kBroadleafForms : models::kTreeForms);
     const int again = draw.below(kTreesOfAForm);
     const std::size_t near = static_cast<std::size_t>(form) * kTreesOfAForm + static_cast<std::size_t>(again);
-    const std::size_t index = 2 * near + (far ? 1 : 0);
-    if (!made_[index]) {
+    std::optional<TreeModel>& made = trees_[2 * near + (far ? 1 : 0)];
+    if (!made) {
       const double detail = placer_.layout.parameters().detail * (far ? kFarDetail : 1);
-      trees_[index] =
-          models::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
-                           detail, placer_.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
-      made_[index] = true;
+      made = models::makeTree(placer_.builder, placer_.layout.seed() + static_cast<std::uint64_t>(again) * 7919, form,
+                              detail, placer_.layout.character().foliage, kRagged[static_cast<std::size_t>(again)]);
     }
-    return trees_[index];
+    return *made;
   }
 
  private:
   Placer& placer_;
-  std::vector<TreeModel> trees_;
-  std::vector<bool> made_;
+  std::vector<std::optional<TreeModel>> trees_;
 };
 
 // Plants a tree. Only the trunk needs free ground; crowns may overlap. Returns false if the place is not free, or if
@@ -178,7 +174,7 @@ void placeWoods(Placer& placer) {
       const std::optional<Land> land = l.areas().at(spot.at);
       if (land ? *land != Land::Wood : density < threshold) continue;
       if (draw.chance(0.55)) {
-        const Model& bush = bushes[static_cast<std::size_t>(draw.below(static_cast<int>(bushes.size())))];
+        const Model& bush = draw.of(bushes);
         if (placer.isFree({spot.at, 1.1, 1.1, 0})) {
           placer.occupancy.add({spot.at, 0.8, 0.8, 0});
           placer.put(bush, spot, fmt::format("undergrowth {}", cell), 0.05);
@@ -211,7 +207,7 @@ void placeBushes(Placer& placer) {
       spot.yaw = draw.in(0, 2 * kPi);
       spot.scale = draw.in(0.6, 1.5);
       if (!onLawn(l, spot.at, 0.6 * spot.scale)) continue;
-      const Model& bush = forms[static_cast<std::size_t>(draw.below(kBushForms))];
+      const Model& bush = draw.of(forms);
       if (!placer.isFree({spot.at, 0.7 * spot.scale, 0.7 * spot.scale, 0})) continue;
       placer.occupancy.add({spot.at, 0.5 * spot.scale, 0.5 * spot.scale, 0});
       placer.put(bush, spot, fmt::format("bush {}", ++number), 0.03);

@@ -13,18 +13,10 @@ constexpr double kRingRounding = 4;
 constexpr double kFull = 28;  // m from a joint; nearer corners are fully rounded
 constexpr double kFade = 12;  // m beyond kFull, over which the rounding decreases to zero
 
-std::int64_t cellOf(double v) {
-  return static_cast<std::int64_t>(std::floor(v / kCell));
-}
-
-double mixedWidth(double a, double b, double part) {
-  return a + (b - a) * part;
-}
-
 CrossSection mixed(const CrossSection& a, const CrossSection& b, double part) {
-  return {mixedWidth(a.half, b.half, part),         mixedWidth(a.parking, b.parking, part),
-          mixedWidth(a.curb, b.curb, part),         mixedWidth(a.verge, b.verge, part),
-          mixedWidth(a.sidewalk, b.sidewalk, part), mixedWidth(a.step, b.step, part)};
+  return {models::lerp(a.half, b.half, part),         models::lerp(a.parking, b.parking, part),
+          models::lerp(a.curb, b.curb, part),         models::lerp(a.verge, b.verge, part),
+          models::lerp(a.sidewalk, b.sidewalk, part), models::lerp(a.step, b.step, part)};
 }
 
 }  // namespace
@@ -33,8 +25,7 @@ Point2 Road::point(double distance) const {
   const double d = std::clamp(distance, 0.0, length());
   const auto next = static_cast<std::size_t>(std::upper_bound(at.begin() + 1, at.end() - 1, d) - at.begin());
   const double part = (d - at[next - 1]) / (at[next] - at[next - 1]);
-  return {line[next - 1].x + (line[next].x - line[next - 1].x) * part,
-          line[next - 1].y + (line[next].y - line[next - 1].y) * part};
+  return models::lerp(line[next - 1], line[next], part);
 }
 
 Point2 Road::heading(double distance) const {
@@ -43,6 +34,12 @@ Point2 Road::heading(double distance) const {
   const Point2 b = point(d + kRoadStep);
   const double size = std::hypot(b.x - a.x, b.y - a.y);
   return {(b.x - a.x) / size, (b.y - a.y) / size};
+}
+
+models::Spot besideRoad(const Road& road, double along, double lateral) {
+  const Point2 p = road.point(along);
+  const Point2 h = road.heading(along);
+  return {{p.x - h.y * lateral, p.y + h.x * lateral}, std::atan2(h.y, h.x), 1, 0};
 }
 
 void RoadNetwork::add(Road road) {
@@ -61,26 +58,18 @@ void RoadNetwork::add(Road road) {
       run.low = {std::min(run.low.x, p.x), std::min(run.low.y, p.y)};
       run.high = {std::max(run.high.x, p.x), std::max(run.high.y, p.y)};
     }
-    for (std::int64_t y = cellOf(run.low.y - kReach); y <= cellOf(run.high.y + kReach); ++y) {
-      for (std::int64_t x = cellOf(run.low.x - kReach); x <= cellOf(run.high.x + kReach); ++x) {
-        cells_[models::cellKey(x, y)].push_back(run);
-      }
-    }
+    models::forCells(run.low, run.high, kReach, kCell, [&](std::uint64_t key) { cells_[key].push_back(run); });
   }
   roads_.push_back(std::move(road));
 }
 
 void RoadNetwork::addJoint(const Point2& joint) {
   constexpr double kAround = kFull + kFade;
-  for (std::int64_t y = cellOf(joint.y - kAround); y <= cellOf(joint.y + kAround); ++y) {
-    for (std::int64_t x = cellOf(joint.x - kAround); x <= cellOf(joint.x + kAround); ++x) {
-      joints_[models::cellKey(x, y)].push_back(joint);
-    }
-  }
+  models::forCells(joint, joint, kAround, kCell, [&](std::uint64_t key) { joints_[key].push_back(joint); });
 }
 
 double RoadNetwork::roundingAt(double x, double y) const {
-  const auto cell = joints_.find(models::cellKey(cellOf(x), cellOf(y)));
+  const auto cell = joints_.find(models::cellKeyAt({x, y}, kCell));
   if (cell == joints_.end()) return 0;
   double nearest = 1e9;
   for (const Point2& joint : cell->second) nearest = std::min(nearest, std::hypot(x - joint.x, y - joint.y));
@@ -89,7 +78,7 @@ double RoadNetwork::roundingAt(double x, double y) const {
 
 void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
   found.clear();
-  const auto cell = cells_.find(models::cellKey(cellOf(x), cellOf(y)));
+  const auto cell = cells_.find(models::cellKeyAt({x, y}, kCell));
   if (cell == cells_.end()) return;
   for (const Run& run : cell->second) {
     const bool known = !found.empty() && found.back().road == run.road;
@@ -145,7 +134,7 @@ Beside RoadNetwork::at(double x, double y) const {
     }
     const double part = std::clamp(0.5 + (beside.edge - edge) / (2 * rounding), 0.0, 1.0);
     beside.section = mixed(beside.section, own, part);
-    beside.edge = mixedWidth(beside.edge, edge, part) - rounding * part * (1 - part);
+    beside.edge = models::lerp(beside.edge, edge, part) - rounding * part * (1 - part);
     if (edge < least) {
       least = edge;
       beside.road = n.road;

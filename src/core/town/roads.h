@@ -52,6 +52,10 @@ struct Road {
 
 constexpr double kRoadStep = 2;  // m between the points of a road's line
 
+// Returns the place at a distance `along` the road's line and `lateral` metres to the left of the line; its yaw is the
+// direction of the line.
+models::Spot besideRoad(const Road& road, double along, double lateral);
+
 // The position of a point relative to the nearest road: beside that road or on it.
 struct Beside {
   bool known = false;  // false: no road is nearer than RoadNetwork::kReach

@@ -119,9 +119,7 @@ void cutAlong(Tiling& tiling, const std::function<double(std::uint32_t point)>& 
         middles.try_emplace(static_cast<std::uint64_t>(a) << 32 | b, static_cast<std::uint32_t>(tiling.points.size()));
     if (made) {
       const double part = value[a] / (value[a] - value[b]);
-      const Point2 p = tiling.points[a];
-      const Point2 q = tiling.points[b];
-      tiling.points.push_back({p.x + (q.x - p.x) * part, p.y + (q.y - p.y) * part});
+      tiling.points.push_back(models::lerp(tiling.points[a], tiling.points[b], part));
       value.push_back(0);
     }
     return found->second;

@@ -232,7 +232,7 @@ class Traffic {
         const Model& m = !heavy ? fleet_.anyCar(draw) : pick < 0.08 ? fleet_.bus() : fleet_.anyTruck(draw);
         const bool turns = !heavy && !turns_.empty() && draw.chance(0.25);
         std::uint32_t route = 0;
-        if (turns) route = turns_[static_cast<std::size_t>(draw.below(static_cast<int>(turns_.size())))];
+        if (turns) route = draw.of(turns_);
         const std::vector<Leg>& legs = routes_[route].legs;
         addDriver(at < legs.front().to - 30 ? route : 0, at, m, std::nullopt, speed, off, kAlways);
       }

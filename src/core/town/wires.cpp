@@ -67,7 +67,7 @@ std::vector<Standing> placePoles(Placer& placer, Draw& draw, const UtilityPole& 
       if (!placer.isFree({spot.at, 0.35, 0.35, spot.yaw})) continue;
       placer.occupancy.add({spot.at, 0.25, 0.25, spot.yaw});
       placer.put(pole.model, spot, fmt::format("utility pole {}", poles.size() + 1));
-      poles.push_back({models::at({spot.at.x, spot.at.y, l.heightAt(spot.at)}, spot.yaw), at});
+      poles.push_back({models::at(l.onGround(spot.at), spot.yaw), at});
       break;
     }
   }

@@ -5,11 +5,11 @@
 #include <numeric>
 
 #include "models/models.h"
+#include "tests/support/labels.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill::models {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
 
 struct Built {
   Scene scene;
@@ -17,7 +17,7 @@ struct Built {
 };
 
 Built build(const Block& block) {
-  SceneBuilder builder("block", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder();
   const Model model = makeBlock(builder, 1, block);
   builder.place(model.mesh, {}, "block");
   Built built{builder.finish(), {}};
@@ -29,10 +29,9 @@ Built build(const Block& block) {
 std::map<long, double> levels(const Mesh& mesh) {
   std::map<long, double> area;
   for (const auto& t : mesh.triangles) {
-    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
-    const Vec3d n = cross(b - a, c - a);
+    const Vec3d n = normalIn(mesh, t);
     if (std::abs(n.z) < 0.999 * length(n) || n.z < 0) continue;
-    area[std::lround(100 * a.z)] += length(n) / 2;
+    area[std::lround(100 * cornersIn(mesh, t)[0].z)] += length(n) / 2;
   }
   return area;
 }

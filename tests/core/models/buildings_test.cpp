@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "models/models.h"
-#include "tests/support/town.h"
+#include "tests/support/labels.h"
 
 namespace scanmill::models {
 namespace {
@@ -23,7 +23,7 @@ double highest(const Mesh& mesh, const Counts& counts) {
 }
 
 Scene sceneOf(const std::function<Model(SceneBuilder&)>& make) {
-  SceneBuilder builder("house", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder();
   builder.place(make(builder).mesh, {}, "house");
   return builder.finish();
 }

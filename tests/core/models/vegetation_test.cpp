@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "models/models.h"
+#include "tests/support/labels.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill::models {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
 
 struct Grown {
   double leafArea = 0;  // m^2
@@ -17,7 +17,7 @@ struct Grown {
 };
 
 Grown grow(std::uint64_t seed, int form, double detail, double ragged) {
-  SceneBuilder builder("tree", 1, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder();
   const TreeModel tree = makeTree(builder, seed, form, detail, 1, ragged);
   builder.place(tree.model.mesh, {}, "tree");
   const Scene scene = builder.finish();
@@ -26,8 +26,7 @@ Grown grow(std::uint64_t seed, int form, double detail, double ragged) {
   grown.crownRadius = tree.crownRadius;
   Vec3d sum;
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    const auto& t = mesh.triangles[k];
-    const Vec3d a(mesh.positions[t[0]]), b(mesh.positions[t[1]]), c(mesh.positions[t[2]]);
+    const auto [a, b, c] = cornersIn(mesh, mesh.triangles[k]);
     const std::string& material = scene.materials[mesh.surfaces[mesh.surfaceOf[k]].material].name;
     if (material != "leaf") continue;
     const double area = length(cross(b - a, c - a)) / 2;

@@ -5,16 +5,11 @@
 #include <limits>
 
 #include "scene/primitives.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 
 namespace scanmill {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
-
-SceneBuilder makeBuilder() {
-  return SceneBuilder("test", 5, readOntology(kLabels / "scanmill.yaml"), readMaterials(kLabels / "materials.yaml"));
-}
 
 Mesh box(const Surface& surface) {
   Mesh mesh;
@@ -25,7 +20,7 @@ Mesh box(const Surface& surface) {
 }
 
 TEST(SceneBuilder, materialsAreAddedOnce) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder();
   EXPECT_EQ(builder.material("default", {}), 0);
   const std::uint16_t glass = builder.material("glass", {});
   EXPECT_EQ(glass, 1);
@@ -44,7 +39,7 @@ TEST(SceneBuilder, materialsAreAddedOnce) {
 }
 
 TEST(SceneBuilder, surfacesOfThingsAreObjects) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder();
   const Surface car = builder.surface("car", "car_paint");
   EXPECT_EQ(car.semantic, 20);
   EXPECT_EQ(car.object, 1u);
@@ -56,7 +51,7 @@ TEST(SceneBuilder, surfacesOfThingsAreObjects) {
 }
 
 TEST(SceneBuilder, instanceIdsFollowTheOrderOfPlacement) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder("test", 5);
   const std::uint32_t road = builder.addMesh(box(builder.surface("road", "asphalt")));
   const std::uint32_t car = builder.addMesh(box(builder.surface("car", "car_paint")));
   Mesh pair = box(builder.surface("car", "car_paint"));
@@ -84,7 +79,7 @@ TEST(SceneBuilder, instanceIdsFollowTheOrderOfPlacement) {
 }
 
 TEST(SceneBuilder, brokenTrianglesAreDroppedAndCounted) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder();
   Mesh mesh = box(builder.surface("road", "asphalt"));
   mesh.positions[0].x = std::numeric_limits<float>::quiet_NaN();
   mesh.triangles[3] = {7, 8, 9};
@@ -98,7 +93,7 @@ TEST(SceneBuilder, brokenTrianglesAreDroppedAndCounted) {
 }
 
 TEST(SceneBuilder, transformsThatCannotBeUndoneAreRefused) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder();
   const std::uint32_t mesh = builder.addMesh(box(builder.surface("road", "asphalt")));
   const Location where{"s.yaml", 9, 3};
   const auto refuse = [&](const Affine& a) {
@@ -116,7 +111,7 @@ TEST(SceneBuilder, transformsThatCannotBeUndoneAreRefused) {
 }
 
 TEST(SceneBuilder, meshesThatContradictThemselvesAreErrors) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder();
   Mesh mesh = box(builder.surface("road", "asphalt"));
   mesh.surfaceOf[2] = 1;
   EXPECT_THROW(static_cast<void>(builder.addMesh(mesh)), Error);
@@ -125,7 +120,7 @@ TEST(SceneBuilder, meshesThatContradictThemselvesAreErrors) {
 }
 
 TEST(SceneBuilder, anEmptySceneIsRefused) {
-  SceneBuilder builder = makeBuilder();
+  SceneBuilder builder = labelledBuilder();
   static_cast<void>(builder.addMesh(box(builder.surface("road", "asphalt"))));  // never placed
   expectInputError([&] { static_cast<void>(builder.finish()); }, {"'test'", "no triangle"});
 }

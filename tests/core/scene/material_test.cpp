@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
@@ -13,7 +14,7 @@
 namespace scanmill {
 namespace {
 
-const std::filesystem::path kMaterials = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels" / "materials.yaml";
+const std::filesystem::path kMaterials = kLabels / "materials.yaml";
 
 TEST(Materials, theTableHasWhatScenesNeed) {
   const MaterialLibrary library = readMaterials(kMaterials);

@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "tests/support/test_scene.h"
+
 namespace scanmill {
 namespace {
 
@@ -15,25 +17,19 @@ Mesh make() {
   return mesh;
 }
 
-Vec3d corner(const Mesh& mesh, const Triangle& t, std::size_t i) {
-  return Vec3d(mesh.positions[t[i]]);
-}
-
 // Divergence theorem: the sum of the signed tetrahedra under the triangles. Positive where normals point outwards.
 double volume(const Mesh& mesh) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) {
-    sum += dot(corner(mesh, t, 0), cross(corner(mesh, t, 1), corner(mesh, t, 2))) / 6;
+    const auto [a, b, c] = cornersIn(mesh, t);
+    sum += dot(a, cross(b, c)) / 6;
   }
   return sum;
 }
 
 double area(const Mesh& mesh) {
   double sum = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = corner(mesh, t, 0);
-    sum += length(cross(corner(mesh, t, 1) - a, corner(mesh, t, 2) - a)) / 2;
-  }
+  for (const Triangle& t : mesh.triangles) sum += length(normalIn(mesh, t)) / 2;
   return sum;
 }
 
@@ -64,11 +60,7 @@ long eulerCharacteristic(const Mesh& mesh) {
 
 // For shapes that are convex and hold the origin.
 void expectOutward(const Mesh& mesh) {
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3d a = corner(mesh, t, 0);
-    const Vec3d normal = cross(corner(mesh, t, 1) - a, corner(mesh, t, 2) - a);
-    EXPECT_GT(dot(normal, a), 0);
-  }
+  for (const Triangle& t : mesh.triangles) EXPECT_GT(dot(normalIn(mesh, t), cornersIn(mesh, t)[0]), 0);
 }
 
 void expectClosedSolid(Mesh mesh, double expectedVolume, double expectedArea, double tolerance = 1e-6) {
@@ -175,10 +167,7 @@ TEST(Primitives, planeFacesUp) {
     EXPECT_EQ(mesh.triangles.size(), std::size_t(2 * cells * cells));
     EXPECT_EQ(eulerCharacteristic(mesh), 1);  // a disc
     EXPECT_NEAR(area(mesh), 24, 1e-5);
-    for (const Triangle& t : mesh.triangles) {
-      const Vec3d a = corner(mesh, t, 0);
-      EXPECT_GT(cross(corner(mesh, t, 1) - a, corner(mesh, t, 2) - a).z, 0);
-    }
+    for (const Triangle& t : mesh.triangles) EXPECT_GT(normalIn(mesh, t).z, 0);
     EXPECT_EQ(mesh.bounds().low, (Vec3d{-2, -3, 0}));
   }
 }

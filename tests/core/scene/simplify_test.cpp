@@ -19,16 +19,11 @@
 namespace scanmill {
 namespace {
 
-Scene sceneOf(SceneBuilder& builder, const Mesh& mesh) {
-  builder.place(builder.addMesh(mesh), {}, mesh.name);
-  return builder.finish();
-}
-
 Scene sphereScene(int segments) {
   SceneBuilder builder = testBuilder();
   Mesh sphere = meshOf(builder, "thing");
   appendSphere(sphere, 0, {}, 2.0, segments);
-  return sceneOf(builder, sphere);
+  return sceneWith(builder, sphere);
 }
 
 std::map<std::uint16_t, std::size_t> perSurface(const Mesh& mesh) {
@@ -79,9 +74,9 @@ bool closed(const Mesh& mesh) {
 
 // Ericson, "Real-Time Collision Detection", 2005, section 5.1.5.
 double distanceTo(const Mesh& mesh, const Triangle& t, const Vec3d& p) {
-  const Vec3d a(mesh.positions[t[0]]);
-  const Vec3d ab = Vec3d(mesh.positions[t[1]]) - a;
-  const Vec3d ac = Vec3d(mesh.positions[t[2]]) - a;
+  const auto [a, b, c] = cornersIn(mesh, t);
+  const Vec3d ab = b - a;
+  const Vec3d ac = c - a;
   const auto toSegment = [&](const Vec3d& from, const Vec3d& along) {
     const double s = std::clamp(dot(p - from, along) / dot(along, along), 0.0, 1.0);
     return length(p - (from + along * s));
@@ -99,7 +94,7 @@ double hausdorff(const Mesh& a, const Mesh& b) {
   const auto look = [&](const Mesh& from, const Mesh& to) {
     std::vector<Vec3d> points;
     for (const Triangle& t : from.triangles) {
-      const Vec3d p(from.positions[t[0]]), q(from.positions[t[1]]), r(from.positions[t[2]]);
+      const auto [p, q, r] = cornersIn(from, t);
       points.insert(points.end(), {p, (p + q + r) * (1.0 / 3)});
     }
     for (const Vec3d& p : points) {
@@ -149,7 +144,7 @@ TEST(Simplify, FlatGroundStaysFlatAndAsLarge) {
   SceneBuilder builder = testBuilder();
   Mesh ground = meshOf(builder, "ground");
   appendPlane(ground, 0, {}, 50, 30, 40);
-  const Scene fewer = simplified(sceneOf(builder, ground), 0.05);
+  const Scene fewer = simplified(sceneWith(builder, ground), 0.05);
   const Box box = fewer.bounds();
   EXPECT_EQ(box.low, (Vec3d{-25, -15, 0}));
   EXPECT_EQ(box.high, (Vec3d{25, 15, 0}));
@@ -157,10 +152,9 @@ TEST(Simplify, FlatGroundStaysFlatAndAsLarge) {
   const Mesh& mesh = fewer.meshes[0];
   EXPECT_LE(mesh.triangles.size(), 160u);
   for (const Triangle& t : mesh.triangles) {
-    const Vec3d a(mesh.positions[t[0]]);
-    const Vec3d n = cross(Vec3d(mesh.positions[t[1]]) - a, Vec3d(mesh.positions[t[2]]) - a);
-    EXPECT_GT(n.z, 0);
-    area += n.z / 2;
+    const double upwards = normalIn(mesh, t).z;
+    EXPECT_GT(upwards, 0);
+    area += upwards / 2;
   }
   EXPECT_NEAR(area, 1500, 1e-3) << "no hole, nothing twice";
 }
@@ -173,14 +167,12 @@ TEST(Simplify, SurfacesStayApartAndClosed) {
   sphere.surfaces.push_back(builder.surface("other", "grey"));
   sphere.surfaces[2].object = 2;
   appendSphere(sphere, 0, {}, 2.0, 96);
-  const auto middle = [](const Mesh& mesh, const Triangle& t) {
-    return (Vec3d(mesh.positions[t[0]]) + Vec3d(mesh.positions[t[1]]) + Vec3d(mesh.positions[t[2]])) * (1.0 / 3);
-  };
   const auto surfaceAt = [](const Vec3d& p) { return p.z > 0.7 ? 0 : p.x > 0 ? 1 : 2; };
   for (std::size_t t = 0; t < sphere.triangles.size(); ++t) {
-    sphere.surfaceOf[t] = static_cast<std::uint16_t>(surfaceAt(middle(sphere, sphere.triangles[t])));
+    const auto [a, b, c] = cornersIn(sphere, sphere.triangles[t]);
+    sphere.surfaceOf[t] = static_cast<std::uint16_t>(surfaceAt((a + b + c) * (1.0 / 3)));
   }
-  const Scene scene = sceneOf(builder, sphere);
+  const Scene scene = sceneWith(builder, sphere);
   for (const double keep : {0.5, 0.2, 0.05}) {
     const Scene fewer = simplified(scene, keep);
     const Mesh& mesh = fewer.meshes[0];
@@ -206,7 +198,7 @@ TEST(Simplify, FewTrianglesStay) {
   SceneBuilder builder = testBuilder();
   Mesh box = meshOf(builder, "thing");
   appendBox(box, 0, {}, {1, 2, 3});
-  const Scene scene = sceneOf(builder, box);
+  const Scene scene = sceneWith(builder, box);
   expectSameMesh(simplified(scene, 0.01).meshes[0], scene.meshes[0]);
 }
 
@@ -222,7 +214,7 @@ TEST(Simplify, SmallSurfacesDoNotVanish) {
   mesh.surfaces[2].object = 2;
   appendBox(mesh, 2, at(0, 0, 26), {0.01, 0.01, 0.01});
   ASSERT_GT(small, 2000u);
-  const Scene fewer = simplified(sceneOf(builder, mesh), 0.05);
+  const Scene fewer = simplified(sceneWith(builder, mesh), 0.05);
   const auto count = perSurface(fewer.meshes[0]);
   ASSERT_EQ(count.size(), 3u);
   EXPECT_LE(count.at(2), 12u);
@@ -239,7 +231,7 @@ TEST(Simplify, TexturesStayWhereTheyAre) {
   ground.surfaces.push_back({builder.addMaterial(paint), 1, 0, "", "", {}});
   appendPlane(ground, 0, {}, 8, 8, 32);
   for (const Vec3f& p : ground.positions) ground.uvs.push_back({p.x / 8, p.y / 8});
-  const Scene fewer = simplified(sceneOf(builder, ground), 0.1);
+  const Scene fewer = simplified(sceneWith(builder, ground), 0.1);
   const Mesh& mesh = fewer.meshes[0];
   ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
   for (std::size_t v = 0; v < mesh.uvs.size(); ++v) {

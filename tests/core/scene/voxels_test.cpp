@@ -49,8 +49,7 @@ Scene boxScene(const Vec3d& low, const Vec3d& high) {
   Mesh mesh = meshOf(builder, "thing");
   const Vec3d middle = (low + high) * 0.5;
   appendBox(mesh, 0, at(middle.x, middle.y, middle.z), high - low);
-  builder.place(builder.addMesh(mesh), {}, "box");
-  return builder.finish();
+  return sceneWith(builder, mesh);
 }
 
 // The same scene, carried elsewhere.
@@ -70,8 +69,7 @@ TEST(Voxels, OfAPlaneAreThoseThatItPassesThrough) {
     const auto height = [&](double x, double y) { return 0.13 + slopeX * x + slopeY * y; };
     const auto corner = [&](double x, double y) { return Vec3d{x, y, height(x, y)}; };
     appendQuad(mesh, 0, corner(-64, -64), corner(64, -64), corner(64, 64), corner(-64, 64));
-    builder.place(builder.addMesh(mesh), {}, "plane");
-    const std::vector<std::uint16_t> labels = labelsOf(builder.finish(), kSmall);
+    const std::vector<std::uint16_t> labels = labelsOf(sceneWith(builder, mesh), kSmall);
     std::size_t count = 0;
     forEachVoxel(kSmall, [&](std::size_t i, const Vec3d& low) {
       const double one = height(low.x, low.y);
@@ -107,9 +105,8 @@ TEST(Voxels, OfASphereAreThoseWithCornersOnBothSides) {
   SceneBuilder builder = testBuilder();
   Mesh mesh = meshOf(builder, "thing");
   appendSphere(mesh, 0, at(0.1, 0.2, -0.05), kRadius, 96);
-  builder.place(builder.addMesh(mesh), {}, "sphere");
   const VoxelGrid grid{0.1, {-2, -2, -2}, {40, 44, 40}};
-  const std::vector<std::uint16_t> labels = labelsOf(builder.finish(), grid);
+  const std::vector<std::uint16_t> labels = labelsOf(sceneWith(builder, mesh), grid);
   std::size_t full = 0;
   forEachVoxel(grid, [&](std::size_t i, const Vec3d& low) {
     const Vec3d p = low - Vec3d{0.1, 0.2, -0.05};
@@ -180,9 +177,8 @@ TEST(Voxels, OfNoClassAreNamed) {
   SceneBuilder builder = testBuilder();
   Mesh mesh = meshOf(builder, "unlabeled");
   appendBox(mesh, 0, at(0.3, 0.3, 0.3), {0.1, 0.1, 0.1});
-  builder.place(builder.addMesh(mesh), {}, "box");
   const VoxelGrid grid{0.5, {0, 0, 0}, {2, 2, 2}};
-  const VoxelLabels labels = SceneVoxels(builder.finish()).labels(grid, {}, 0);
+  const VoxelLabels labels = SceneVoxels(sceneWith(builder, mesh)).labels(grid, {}, 0);
   EXPECT_THAT(occupied(labels.label), testing::IsEmpty());
   EXPECT_THAT(labels.unlabeled, ElementsAre(0u));
 }
@@ -281,9 +277,9 @@ TEST(Voxels, OfPlacedMeshesAreThoseOfTheirTriangles) {
   SceneBuilder builder = testBuilder();
   Mesh mesh = meshOf(builder, "thing");
   appendBox(mesh, 0, {}, {1, 1, 1});
-  builder.place(builder.addMesh(mesh), {Mat3::scale({2, -1, 0.5}), {0.3, 0.3, 0.4}}, "flat and mirrored");
+  const Scene flatAndMirrored = sceneWith(builder, mesh, {Mat3::scale({2, -1, 0.5}), {0.3, 0.3, 0.4}});
   const Scene box = boxScene({-0.7, -0.2, 0.15}, {1.3, 0.8, 0.65});
-  EXPECT_EQ(labelsOf(builder.finish(), kSmall), labelsOf(box, kSmall));
+  EXPECT_EQ(labelsOf(flatAndMirrored, kSmall), labelsOf(box, kSmall));
 }
 
 }  // namespace

@@ -28,6 +28,15 @@ Mesh twoOnAPlate(SceneBuilder& builder) {
   return mesh;
 }
 
+// Two copies of such a mesh: the things 1 and 2, and, `away` metres beside them, 3 and 4.
+Scene twoCopies(const std::string& second, double away = 30) {
+  SceneBuilder builder = testBuilder();
+  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
+  builder.place(mesh, {}, "first");
+  builder.place(mesh, at(0, away, 0), second);
+  return builder.finish();
+}
+
 std::vector<std::uint32_t> idsOf(const Scene& scene) {
   std::vector<std::uint32_t> ids;
   const ThingBoxes boxes(scene);
@@ -37,11 +46,7 @@ std::vector<std::uint32_t> idsOf(const Scene& scene) {
 
 // Copies of a mesh share it; what one of them loses the others keep.
 TEST(Without, AThingOfASharedMesh) {
-  SceneBuilder builder = testBuilder();
-  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
-  builder.place(mesh, {}, "first");
-  builder.place(mesh, at(0, 30, 0), "second");
-  Scene scene = builder.finish();
+  Scene scene = twoCopies("second");
   ASSERT_EQ(idsOf(scene), (std::vector<std::uint32_t>{1, 2, 3, 4}));
   const std::uint64_t before = scene.placedTriangles();
   takeOut(scene, items("[3]"));
@@ -53,11 +58,7 @@ TEST(Without, AThingOfASharedMesh) {
 }
 
 TEST(Without, AClassInAllMeshes) {
-  SceneBuilder builder = testBuilder();
-  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
-  builder.place(mesh, {}, "first");
-  builder.place(mesh, at(0, 30, 0), "second");
-  Scene scene = builder.finish();
+  Scene scene = twoCopies("second");
   takeOut(scene, items("[thing]"));
   EXPECT_TRUE(idsOf(scene).empty());
   EXPECT_EQ(scene.placedTriangles(), 4u);
@@ -66,11 +67,7 @@ TEST(Without, AClassInAllMeshes) {
 }
 
 TEST(Without, ObjectsByTheirName) {
-  SceneBuilder builder = testBuilder();
-  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
-  builder.place(mesh, {}, "first");
-  builder.place(mesh, at(0, 30, 0), "17");
-  Scene scene = builder.finish();
+  Scene scene = twoCopies("17");
   takeOut(scene, items("[first]"));
   EXPECT_EQ(idsOf(scene), (std::vector<std::uint32_t>{3, 4}));
   takeOut(scene, items("['17']"));
@@ -109,11 +106,7 @@ TEST(Without, NothingThatIsNotThere) {
 
 // What decides how the rest is traced.
 TEST(Without, TheWholeSceneIsRemembered) {
-  SceneBuilder builder = testBuilder();
-  const std::uint32_t mesh = builder.addMesh(twoOnAPlate(builder));
-  builder.place(mesh, {}, "first");
-  builder.place(mesh, at(0, 900, 0), "second");
-  Scene scene = builder.finish();
+  Scene scene = twoCopies("second", 900);
   const Box before = scene.bounds();
   const std::uint64_t triangles = scene.placedTriangles();
   takeOut(scene, items("[3]"));

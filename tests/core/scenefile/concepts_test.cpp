@@ -6,13 +6,12 @@
 
 #include "scene/material.h"
 #include "scene/ontology.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill::draft {
 namespace {
-
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
 
 TEST(Words, NamesAreFolded) {
   EXPECT_EQ(foldedName("Haupt-Straße_01"), "haupt strasse");

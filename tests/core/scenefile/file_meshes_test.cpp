@@ -8,6 +8,7 @@
 #include "scene/scene.h"
 #include "scenefile/scene_file.h"
 #include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/support/labels.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -29,10 +30,7 @@ std::string fence() {
 
 Scene sceneOf(const TemporaryFolder& folder, const std::string& keys) {
   folder.write("fence.gltf", fence());
-  const std::string labels = SCANMILL_SOURCE_DIR "/labels/";
-  return readScene(folder.write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
-                                                  "materials.yaml\nobjects:\n  - {file: fence.gltf, " + keys + "}\n"),
-                   {});
+  return readScene(folder.write("scene.yaml", sceneYaml("  - {file: fence.gltf, " + keys + "}\n")), {});
 }
 
 TEST(FileMeshes, CopiesThatTheFileMakesShareTheirMesh) {
@@ -66,26 +64,17 @@ TEST(FileMeshes, WhereCopiesAreCounts) {
   TemporaryFolder folder;
   const Scene scene =
       sceneOf(folder, "up: z, rules: [{match: {box: [[2, 0, 0], [3, 1, 0]]}, class: car}, {match: any, class: fence}]");
-  std::map<std::string, int> classes;
-  for (const Instance& i : scene.instances) {
-    const Mesh& mesh = scene.meshes[i.mesh];
-    for (const std::uint16_t s : mesh.surfaceOf) ++classes[scene.ontology.find(mesh.surfaces[s].semantic)->name];
-  }
-  EXPECT_EQ(classes, (std::map<std::string, int>{{"car", 1}, {"fence", 3}}));
+  EXPECT_EQ(trianglesByClass(scene), (std::map<std::string, std::uint64_t>{{"car", 1}, {"fence", 3}}));
 }
 
 // Boxes that differ beyond the sixth digit are other boxes.
 TEST(FileMeshes, RulesThatDifferALittleAreNotShared) {
   TemporaryFolder folder;
   folder.write("far.obj", "o a\nv 400000 0 0\nv 400001 0 0\nv 400000 1 0\nf 1 2 3\n");
-  const std::string labels = SCANMILL_SOURCE_DIR "/labels/";
   const auto object = [](const std::string& x) {
     return "  - {file: far.obj, rules: [{match: {box: [[400000, -1, -1], [" + x + ", 9, 9]]}, class: car}]}\n";
   };
-  const Scene scene =
-      readScene(folder.write("scene.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +
-                                               "materials.yaml\nobjects:\n" + object("400000.2") + object("400000.4")),
-                {});
+  const Scene scene = readScene(folder.write("scene.yaml", sceneYaml(object("400000.2") + object("400000.4"))), {});
   EXPECT_EQ(scene.things(), 1u);
 }
 

@@ -5,17 +5,14 @@
 
 #include <cmath>
 
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
 
 using testing::ElementsAre;
-
-SceneBuilder builder() {
-  const std::filesystem::path labels = SCANMILL_SOURCE_DIR "/labels";
-  return {"test", 1, readOntology(labels / "scanmill.yaml"), readMaterials(labels / "materials.yaml", 905)};
-}
 
 // A square of two triangles, its corner at `at`, in the plane z.
 void addSquare(AssetPart& part, const Vec3f& at, float side, const Vec2f& uv = {0, 0}) {
@@ -42,7 +39,7 @@ struct Labelled {
 };
 
 Labelled labelled(std::vector<AssetPart> parts, const std::string& rules, const ThingBounds& things = {}) {
-  SceneBuilder b = builder();
+  SceneBuilder b = labelledBuilder();
   Labelling labelling;
   labelling.things = things;
   labelling.file = "asset.obj";
@@ -50,13 +47,8 @@ Labelled labelled(std::vector<AssetPart> parts, const std::string& rules, const 
   Asset asset;
   asset.parts = std::move(parts);
   for (const PlacedMesh& m : addAsset(b, std::move(asset), labelling, {"scene.yaml", 1, 1})) b.place(m.mesh, {}, "a");
-  Labelled out{b.finish(), {}};
-  for (const Mesh& mesh : out.scene.meshes) {
-    for (const std::uint16_t s : mesh.surfaceOf) {
-      ++out.classes[out.scene.ontology.find(mesh.surfaces[s].semantic)->name];
-    }
-  }
-  return out;
+  Scene scene = b.finish();
+  return {scene, trianglesByClass(scene)};
 }
 
 using Classes = std::map<std::string, std::uint64_t>;
@@ -112,10 +104,7 @@ TEST(Labelling, APaletteComesApartByColour) {
   EXPECT_EQ(l.classes, (Classes{{"car", 6}, {"tree", 12}, {"unlabeled", 6}}));
   // Nothing is lost, and no corner moves.
   double area = 0;
-  for (const Triangle& t : l.scene.meshes[0].triangles) {
-    const auto v = [&](std::size_t k) { return Vec3d(l.scene.meshes[0].positions[t[k]]); };
-    area += length(cross(v(1) - v(0), v(2) - v(0))) / 2;
-  }
+  for (const Triangle& t : l.scene.meshes[0].triangles) area += length(normalIn(l.scene.meshes[0], t)) / 2;
   EXPECT_NEAR(area, 12, 1e-5);
 }
 

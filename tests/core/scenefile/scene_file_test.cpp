@@ -11,10 +11,12 @@
 
 #include "scene/scene.h"
 #include "scenefile/placement.h"
-#include "tests/core/assets/triangle_files.h"
+#include "tests/core/assets/gltf/gltf_builder.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
@@ -44,9 +46,7 @@ class SceneReader : public testing::Test {
 
   // A scene with our labels; `objects` is the YAML of the list, `more` that of other top-level keys.
   std::filesystem::path write(const std::string& objects, const std::string& more = "") {
-    return folder_.write("scene.yaml", "ontology: " + (kSource / "labels/scanmill.yaml").string() +
-                                           "\nmaterials: " + (kSource / "labels/materials.yaml").string() + "\n" +
-                                           more + "objects:\n" + objects);
+    return folder_.write("scene.yaml", sceneYaml(objects, more));
   }
   Scene read(const std::string& objects, const std::string& more = "", const SceneOptions& options = {}) {
     return readScene(write(objects, more), options);
@@ -60,7 +60,7 @@ class SceneReader : public testing::Test {
   TemporaryFolder folder_;
 };
 
-const char* const kBox = "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint";
+const std::string kBox = "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint";
 
 TEST_F(SceneReader, primitivesStandWhereTheyAreSaidTo) {
   const Scene scene = read(
@@ -95,7 +95,7 @@ TEST_F(SceneReader, primitivesStandWhereTheyAreSaidTo) {
 }
 
 TEST_F(SceneReader, gridStartsAtTheObjectAndRunsXFirst) {
-  const Scene scene = read(std::string(kBox) +
+  const Scene scene = read(kBox +
                            ", position: [10, 0, 0], yaw_deg: 90, scale: 3, copies: {grid: {count: [2, 3, 1], "
                            "spacing: [5, 7, 0]}}}\n");
   ASSERT_EQ(scene.instances.size(), 6u);
@@ -112,7 +112,7 @@ TEST_F(SceneReader, gridStartsAtTheObjectAndRunsXFirst) {
 }
 
 TEST_F(SceneReader, listedCopiesStandInTheFrameOfTheObject) {
-  const Scene scene = read(std::string(kBox) +
+  const Scene scene = read(kBox +
                            ", position: [0, 0, 1], scale: 2, copies: {at: [{position: [1, 2, 3]}, "
                            "{position: [4, 0, 0], yaw_deg: 90, scale: [1, 1, 5]}], grid: {count: [1, 1, 2], spacing: "
                            "[0, 0, 100]}}}\n");
@@ -145,7 +145,7 @@ TEST_F(SceneReader, equalImportsShareAMeshAndOthersDoNot) {
       "  - {file: pair.obj, class: car, unit: 2}\n"
       "  - {file: pair.obj, class: car, up: y}\n"
       "  - {file: pair.obj, class: car, instances: node}\n" +
-      std::string(kBox) + "}\n" + kBox + ", name: other}\n");
+      kBox + "}\n" + kBox + ", name: other}\n");
   std::vector<std::uint32_t> meshes;
   for (const Instance& i : scene.instances) meshes.push_back(i.mesh);
   // Two spellings of a file are two names to `file` patterns.
@@ -211,18 +211,10 @@ TEST_F(SceneReader, instancesAreTheAssetOrItsNodes) {
 }
 
 TEST_F(SceneReader, readingTwiceGivesTheSameScene) {
-  const std::string objects = std::string(kBox) +
+  const std::string objects = kBox +
                               ", copies: {grid: {count: [3, 3, 3], spacing: [2, 2, 2]}}}\n  - {file: pair.obj, class: "
                               "building, instances: node}\n";
-  const Scene a = read(objects);
-  const Scene b = read(objects);
-  ASSERT_EQ(a.instances.size(), b.instances.size());
-  for (std::size_t i = 0; i < a.instances.size(); ++i) {
-    EXPECT_EQ(a.instances[i].firstInstanceId, b.instances[i].firstInstanceId);
-    EXPECT_EQ(a.instances[i].worldFromMesh, b.instances[i].worldFromMesh);
-    EXPECT_EQ(a.instances[i].name, b.instances[i].name);
-  }
-  for (std::size_t i = 0; i < a.meshes.size(); ++i) EXPECT_EQ(a.meshes[i].positions, b.meshes[i].positions);
+  EXPECT_EQ(hash(read(objects)), hash(read(objects)));
 }
 
 TEST_F(SceneReader, optionsOverrideOntologyAndWavelength) {
@@ -276,26 +268,19 @@ TEST_F(SceneReader, assetsKeyIsWhereFilesStart) {
   EXPECT_EQ(scene.instances[0].name, "tri");
 }
 
-// The triangle of the test rises by 2 m within half a second.
+// A triangle that rises by 2 m within half a second.
 std::string risingGltf() {
-  Gltf gltf;
-  const std::string motion = bytesOf<float>({0.0f, 0.5f}) + bytesOf<float>({0, 0, 0, 0, 2, 0});
-  gltf.extra = R"(,"animations":[{"name":"rise","channels":[{"sampler":0,"target":{"node":0,"path":"translation"}}],)"
-               R"("samplers":[{"input":3,"output":4}]}])";
-  std::string text = gltf.text();
-  const auto replace = [&](const std::string& what, const std::string& by) {
-    text.replace(text.find(what), what.size(), by);
-  };
-  replace(R"("buffers":[{)",
-          R"("buffers":[{"byteLength":32,"uri":"data:application/octet-stream;base64,)" + base64(motion) + R"("},{)");
-  for (int view = 0; view < 3; ++view) replace(R"({"buffer":0)", R"({"buffer":1)");
-  replace(
-      R"("byteOffset":60,"byteLength":12})",
-      R"("byteOffset":60,"byteLength":12},{"buffer":0,"byteLength":8},{"buffer":0,"byteOffset":8,"byteLength":24})");
-  replace(R"("count":3,"type":"SCALAR"})",
-          R"("count":3,"type":"SCALAR"},{"bufferView":3,"componentType":5126,"count":2,"type":"SCALAR"},)"
-          R"({"bufferView":4,"componentType":5126,"count":2,"type":"VEC3"})");
-  return text;
+  GltfBuilder b;
+  const std::size_t positions = b.numbers<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}, "VEC3", 3);
+  const std::size_t times = b.numbers<float>({0, 0.5f}, "SCALAR", 1);
+  const std::size_t places = b.numbers<float>({0, 0, 0, 0, 2, 0}, "VEC3", 3);
+  b.json["scenes"] = {{{"nodes", {0}}}};
+  b.json["nodes"] = {{{"mesh", 0}}};
+  b.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", positions}}}}}}}};
+  b.json["animations"] = {{{"name", "rise"},
+                           {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+                           {"samplers", {{{"input", times}, {"output", places}}}}}};
+  return b.text();
 }
 
 TEST_F(SceneReader, AnAnimationPlaysOverAndOverOrStands) {
@@ -339,28 +324,26 @@ TEST_F(SceneReader, brokenTrianglesOfAnAssetAreCounted) {
 }
 
 TEST_F(SceneReader, badTransformsAreRefusedWithTheirPlace) {
-  const std::string box = kBox;
-  refuse(box + ", scale: 0}\n", {"scene.yaml:4:", "scale", "not 0"});
-  refuse(box + ", scale: [1, 0, 1]}\n", {"scene.yaml:4:", "scale"});
-  refuse(box + ", scale: .inf}\n", {"scene.yaml:4:", "scale"});
-  refuse(box + ", scale: 1e-40}\n", {"scene.yaml:4:", "scale"});
-  refuse(box + ", position: [0, .nan, 0]}\n", {"scene.yaml:4:", "position"});
-  refuse(box + ", position: [0, 1e300, 0]}\n", {"scene.yaml:4:", "position"});
-  refuse(box + ", position: [0, 1]}\n", {"scene.yaml:4:", "position"});
-  refuse(box + ", rotation: [0, 0, 0, 0]}\n", {"scene.yaml:4:", "rotation"});
-  refuse(box + ", copies: {at: [{scale: 0}]}}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", scale: 0}\n", {"scene.yaml:4:", "scale", "not 0"});
+  refuse(kBox + ", scale: [1, 0, 1]}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", scale: .inf}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", scale: 1e-40}\n", {"scene.yaml:4:", "scale"});
+  refuse(kBox + ", position: [0, .nan, 0]}\n", {"scene.yaml:4:", "position"});
+  refuse(kBox + ", position: [0, 1e300, 0]}\n", {"scene.yaml:4:", "position"});
+  refuse(kBox + ", position: [0, 1]}\n", {"scene.yaml:4:", "position"});
+  refuse(kBox + ", rotation: [0, 0, 0, 0]}\n", {"scene.yaml:4:", "rotation"});
+  refuse(kBox + ", copies: {at: [{scale: 0}]}}\n", {"scene.yaml:4:", "scale"});
 }
 
 TEST_F(SceneReader, badCopiesAreRefusedWithTheArithmetic) {
-  const std::string box = kBox;
-  refuse(box + ", copies: {at: [{}, {}], grid: {count: [1000, 1000, 1000], spacing: [1, 1, 1]}}}\n",
+  refuse(kBox + ", copies: {at: [{}, {}], grid: {count: [1000, 1000, 1000], spacing: [1, 1, 1]}}}\n",
          {"scene.yaml:4:", "1000 x 1000 x 1000", "x 2", "2e+09", "10000000"});
-  refuse(box + ", copies: {grid: {count: [1000000000, 1000000000, 1000000000], spacing: [1, 1, 1]}}}\n",
+  refuse(kBox + ", copies: {grid: {count: [1000000000, 1000000000, 1000000000], spacing: [1, 1, 1]}}}\n",
          {"scene.yaml:4:", "1e+27"});
-  refuse(box + ", copies: {grid: {count: [0, 1, 1], spacing: [1, 1, 1]}}}\n", {"scene.yaml:4:", "count"});
-  refuse(box + ", copies: {grid: {count: [2, 1, 1]}}}\n", {"scene.yaml:4:", "spacing"});
-  refuse(box + ", copies: {at: []}}\n", {"scene.yaml:4:", "at"});
-  refuse(box + ", copies: {at: [{posiion: [0, 0, 0]}]}}\n", {"scene.yaml:4:", "posiion", "position"});
+  refuse(kBox + ", copies: {grid: {count: [0, 1, 1], spacing: [1, 1, 1]}}}\n", {"scene.yaml:4:", "count"});
+  refuse(kBox + ", copies: {grid: {count: [2, 1, 1]}}}\n", {"scene.yaml:4:", "spacing"});
+  refuse(kBox + ", copies: {at: []}}\n", {"scene.yaml:4:", "at"});
+  refuse(kBox + ", copies: {at: [{posiion: [0, 0, 0]}]}}\n", {"scene.yaml:4:", "posiion", "position"});
 }
 
 TEST_F(SceneReader, badNamesAreRefusedWithSuggestion) {
@@ -370,7 +353,7 @@ TEST_F(SceneReader, badNamesAreRefusedWithSuggestion) {
   // Also where the rule matches nothing.
   refuse("  - {file: pair.obj, rules: [{match: {node: absent}, class: terain}]}\n",
          {"scene.yaml:4:", "'terain'", "terrain"});
-  refuse(std::string(kBox) + "}\n", {"scene.yaml:3:", "'glas'", "glass"}, "rules: [{match: any, material: glas}]\n");
+  refuse(kBox + "}\n", {"scene.yaml:3:", "'glas'", "glass"}, "rules: [{match: any, material: glas}]\n");
   refuse("  - {file: pair.obj, rules: [{match: {node: '/(/'}, class: car}]}\n", {"scene.yaml:4:", "/(/"});
 }
 
@@ -386,10 +369,9 @@ TEST_F(SceneReader, badFilesAreRefusedWithBothPlaces) {
 }
 
 TEST_F(SceneReader, unknownKeysAndShapelessObjectsAreRefused) {
-  const std::string box = kBox;
-  refuse(box + ", colour: red}\n", {"scene.yaml:4:", "colour"});
-  refuse(box + ", radius: 3}\n", {"scene.yaml:4:", "radius"});
-  refuse(box + ", unit: 3}\n", {"scene.yaml:4:", "unit"});
+  refuse(kBox + ", colour: red}\n", {"scene.yaml:4:", "colour"});
+  refuse(kBox + ", radius: 3}\n", {"scene.yaml:4:", "radius"});
+  refuse(kBox + ", unit: 3}\n", {"scene.yaml:4:", "unit"});
   refuse("  - {file: pair.obj, instanses: node}\n", {"scene.yaml:4:", "instanses", "instances"});
   refuse("  - {file: pair.obj, instances: both}\n", {"scene.yaml:4:", "both"});
   refuse("  - {file: pair.obj, up: w}\n", {"scene.yaml:4:", "up"});
@@ -398,7 +380,7 @@ TEST_F(SceneReader, unknownKeysAndShapelessObjectsAreRefused) {
   refuse("  - {position: [0, 0, 0]}\n", {"scene.yaml:4:", "exactly one"});
   refuse("  - 3\n", {"scene.yaml:4:"});
   refuse("  []\n", {"scene.yaml", "objects"});
-  refuse(box + "}\n", {"scene.yaml:3:", "object", "objects"}, "object: 3\n");
+  refuse(kBox + "}\n", {"scene.yaml:3:", "object", "objects"}, "object: 3\n");
   refuse("  - {primitive: box, size: [1, 1], class: car, material: wood}\n", {"scene.yaml:4:", "size"});
   refuse("  - {primitive: box, size: [1, 1, -1], class: car, material: wood}\n", {"scene.yaml:4:", "size"});
   refuse("  - {primitive: sphere, radius: 0, class: car, material: wood}\n", {"scene.yaml:4:", "radius"});
@@ -419,46 +401,36 @@ TEST(Scenes, primitivesExampleIsWhole) {
   EXPECT_GE(classes.size(), 7u);
 }
 
-class TruckTown : public testing::Test {
- protected:
-  static void SetUpTestSuite() {
-    if (!std::filesystem::exists(sharedData() / kFolder)) return;
-    ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
-    scene_ = new Scene(readScene(kSource / "scenes/truck_town.yaml", {}));
-  }
-  static void TearDownTestSuite() {
-    delete scene_;
-    scene_ = nullptr;
-  }
-  static constexpr const char* kFolder = "scenes/truck_town";
-  static Scene* scene_;
-};
-Scene* TruckTown::scene_ = nullptr;
+constexpr const char* kTruckTown = "scenes/truck_town";
 
-TEST_F(TruckTown, everyTriangleHasAClass) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
-  EXPECT_TRUE(scene_->unlabeled.empty()) << scene_->unlabeled.begin()->first.node;
-  std::map<std::string, std::uint64_t> triangles;
-  for (const Instance& i : scene_->instances) {
-    const Mesh& mesh = scene_->meshes[i.mesh];
-    for (const std::uint16_t s : mesh.surfaceOf) {
-      ++triangles[scene_->ontology.find(mesh.surfaces[s].semantic)->name];
-    }
-  }
+const Scene& truckTown() {
+  static const Scene scene = [] {
+    ::setenv("SCANMILL_ASSETS", sharedData().c_str(), 1);
+    return readScene(kSource / "scenes/truck_town.yaml", {});
+  }();
+  return scene;
+}
+
+TEST(TruckTown, everyTriangleHasAClass) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
+  EXPECT_TRUE(scene.unlabeled.empty()) << scene.unlabeled.begin()->first.node;
+  std::map<std::string, std::uint64_t> triangles = trianglesByClass(scene);
   EXPECT_EQ(triangles.count("unlabeled"), 0u);
   for (const char* name :
        {"road", "terrain", "building", "window", "structure", "object", "tree", "trunk", "street_lamp"}) {
     EXPECT_GT(triangles[name], 0u) << name;
   }
-  EXPECT_GT(scene_->triangles(), 30000u);
+  EXPECT_GT(scene.triangles(), 30000u);
 }
 
-TEST_F(TruckTown, thingsAreHousesTyreTreesAndLamps) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
+TEST(TruckTown, thingsAreHousesTyreTreesAndLamps) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
   std::map<std::string, std::set<std::uint32_t>> ids;
-  for (const Instance& i : scene_->instances) {
-    for (const Surface& s : scene_->meshes[i.mesh].surfaces) {
-      if (s.object > 0) ids[scene_->ontology.find(s.semantic)->name].insert(instanceId(i, s));
+  for (const Instance& i : scene.instances) {
+    for (const Surface& s : scene.meshes[i.mesh].surfaces) {
+      if (s.object > 0) ids[scene.ontology.find(s.semantic)->name].insert(instanceId(i, s));
     }
   }
   EXPECT_EQ(ids["building"].size(), 10u);
@@ -466,22 +438,21 @@ TEST_F(TruckTown, thingsAreHousesTyreTreesAndLamps) {
   EXPECT_EQ(ids["tree"].size(), 40u);
   EXPECT_EQ(ids["trunk"], ids["tree"]);  // leaves and trunk are one tree
   EXPECT_EQ(ids["street_lamp"].size(), 24u);
-  EXPECT_EQ(scene_->things(), 10u + 1u + 40u + 24u);
-  EXPECT_EQ(scene_->meshes.size(), 3u);
+  EXPECT_EQ(scene.things(), 10u + 1u + 40u + 24u);
+  EXPECT_EQ(scene.meshes.size(), 3u);
 }
 
 // A vertical line through each tree and lamp meets the ground within a few centimetres of its foot.
-TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
-  const Instance& town = scene_->instances[0];
-  const Mesh& mesh = scene_->meshes[town.mesh];
+TEST(TruckTown, treesAndLampsStandOnTheGround) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
+  const Instance& town = scene.instances[0];
+  const Mesh& mesh = scene.meshes[town.mesh];
   const auto groundBelow = [&](const Vec3d& p) {
     double best = -INFINITY;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-      if (scene_->ontology.find(mesh.surfaces[mesh.surfaceOf[i]].semantic)->name != "terrain") continue;
-      const Vec3d a = Vec3d(mesh.positions[mesh.triangles[i][0]]);
-      const Vec3d b = Vec3d(mesh.positions[mesh.triangles[i][1]]);
-      const Vec3d c = Vec3d(mesh.positions[mesh.triangles[i][2]]);
+      if (scene.ontology.find(mesh.surfaces[mesh.surfaceOf[i]].semantic)->name != "terrain") continue;
+      const auto [a, b, c] = cornersIn(mesh, mesh.triangles[i]);
       const double whole = cross(b - a, c - a).z;
       if (whole == 0) continue;
       const double u = cross(b - p, c - p).z / whole;
@@ -492,12 +463,12 @@ TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
     return best;
   };
   int checked = 0;
-  for (std::size_t i = 1; i < scene_->instances.size(); ++i) {
-    const Vec3d foot = scene_->instances[i].worldFromMesh.translation;
-    EXPECT_NEAR(groundBelow(foot), foot.z, 0.35) << scene_->instances[i].name;
-    const Mesh& own = scene_->meshes[scene_->instances[i].mesh];
+  for (std::size_t i = 1; i < scene.instances.size(); ++i) {
+    const Vec3d foot = scene.instances[i].worldFromMesh.translation;
+    EXPECT_NEAR(groundBelow(foot), foot.z, 0.35) << scene.instances[i].name;
+    const Mesh& own = scene.meshes[scene.instances[i].mesh];
     EXPECT_NEAR(own.bounds().low.z, 0, 0.05);
-    const double height = own.bounds().high.z * length(scene_->instances[i].worldFromMesh.linear.z);
+    const double height = own.bounds().high.z * length(scene.instances[i].worldFromMesh.linear.z);
     EXPECT_GT(height, 4);
     EXPECT_LT(height, 10);
     ++checked;
@@ -505,14 +476,15 @@ TEST_F(TruckTown, treesAndLampsStandOnTheGround) {
   EXPECT_EQ(checked, 64);
 }
 
-TEST_F(TruckTown, leavesAreCutOutByTheirTexture) {
-  SKIP_WITHOUT_SHARED_DATA(kFolder);
+TEST(TruckTown, leavesAreCutOutByTheirTexture) {
+  SKIP_WITHOUT_SHARED_DATA(kTruckTown);
+  const Scene& scene = truckTown();
   int cutOut = 0;
-  for (const Mesh& mesh : scene_->meshes) {
+  for (const Mesh& mesh : scene.meshes) {
     for (const Surface& s : mesh.surfaces) {
-      const Material& m = scene_->materials[s.material];
+      const Material& m = scene.materials[s.material];
       if (m.alphaTested) {
-        EXPECT_EQ(scene_->ontology.find(s.semantic)->name, "tree");
+        EXPECT_EQ(scene.ontology.find(s.semantic)->name, "tree");
         ASSERT_NE(m.texture, nullptr);
         EXPECT_TRUE(m.texture->hasAlpha);
         EXPECT_EQ(mesh.uvs.size(), mesh.positions.size());
@@ -527,9 +499,9 @@ TEST_F(TruckTown, leavesAreCutOutByTheirTexture) {
 }
 
 TEST_F(SceneReader, objectsMoveWithTheirCopies) {
-  const Scene scene = read(
-      std::string(kBox) + ", moving: {velocity: [0, 3, 0]}, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" +
-      kBox + ", position: [0, 9, 0]}\n");
+  const Scene scene =
+      read(kBox + ", moving: {velocity: [0, 3, 0]}, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox +
+           ", position: [0, 9, 0]}\n");
   ASSERT_EQ(scene.instances.size(), 3u);
   EXPECT_TRUE(scene.moves());
   EXPECT_EQ(scene.instances[1].worldFromMeshAt(2).translation, (Vec3d{4, 6, 0}));
@@ -538,12 +510,12 @@ TEST_F(SceneReader, objectsMoveWithTheirCopies) {
 }
 
 TEST_F(SceneReader, objectsFaceAWay) {
-  const Scene scene = read(std::string(kBox) +
-                           ", facing: -y, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox + "}\n");
+  const Scene scene =
+      read(kBox + ", facing: -y, copies: {grid: {count: [2, 1, 1], spacing: [4, 0, 0]}}}\n" + kBox + "}\n");
   ASSERT_EQ(scene.instances.size(), 3u);
   EXPECT_EQ(scene.instances[1].facing, -kPi / 2);
   EXPECT_FALSE(scene.instances[2].facing.has_value());
-  EXPECT_THAT(messageOf([&] { read(std::string(kBox) + ", facing: north}\n"); }), testing::HasSubstr("-x"));
+  EXPECT_THAT(messageOf([&] { read(kBox + ", facing: north}\n"); }), testing::HasSubstr("-x"));
 }
 
 TEST_F(SceneReader, aTownStandsAlone) {

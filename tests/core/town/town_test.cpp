@@ -13,14 +13,15 @@
 #include <string_view>
 #include <tuple>
 
-#include "base/hash.h"
 #include "base/path.h"
 #include "config/fields.h"
 #include "config/value.h"
 #include "models/occupancy.h"
 #include "scene/scene.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_scene.h"
 #include "tests/support/town.h"
 #include "town/lanes.h"
 #include "town/layout.h"
@@ -35,25 +36,10 @@ using testing::HasSubstr;
 using testing::IsSupersetOf;
 using testing::Not;
 
-std::string hash(const Scene& scene) {
-  Sha256 sha;
-  for (const Mesh& m : scene.meshes) {
-    sha.add({reinterpret_cast<const char*>(m.positions.data()), m.positions.size() * sizeof(m.positions[0])});
-    sha.add({reinterpret_cast<const char*>(m.triangles.data()), m.triangles.size() * sizeof(m.triangles[0])});
-  }
-  for (const Instance& i : scene.instances) {
-    sha.add(i.name);
-    sha.add({reinterpret_cast<const char*>(&i.worldFromMesh), sizeof(Affine)});
-  }
-  return sha.hex();
-}
-
-std::set<std::string> classesOf(const Scene& scene) {
-  std::set<std::string> names;
-  for (const Instance& i : scene.instances) {
-    for (const Surface& s : scene.meshes[i.mesh].surfaces) names.insert(scene.ontology.find(s.semantic)->name);
-  }
-  return names;
+town::Layout layoutOf(const std::string& yaml, std::uint64_t seed) {
+  const Value value = parseYaml(yaml, "town.yaml");
+  Fields fields(value, "town");
+  return {town::readParameters(fields), seed};
 }
 
 // All that stands on the ground of a town, by the corners of its meshes, in the world's frame.
@@ -105,9 +91,7 @@ TEST(Town, TheGroundHasRoadsCurbsAndLawns) {
   std::map<std::string, double> area;
   const Mesh& ground = groundOf(scene);
   for (std::size_t t = 0; t < ground.triangles.size(); ++t) {
-    const auto& c = ground.triangles[t];
-    const Vec3d a(ground.positions[c[0]]);
-    const Vec3d n = cross(Vec3d(ground.positions[c[1]]) - a, Vec3d(ground.positions[c[2]]) - a);
+    const Vec3d n = normalIn(ground, ground.triangles[t]);
     EXPECT_GE(n.z, -1e-9) << "it faces up";
     area[scene.ontology.find(ground.surfaces[ground.surfaceOf[t]].semantic)->name] += length(n) / 2;
   }
@@ -150,14 +134,7 @@ TEST(Town, StandsOnItsGround) {
   const Mesh& ground = groundOf(scene);
   for (const Instance& i : scene.instances) {
     if (!i.name.starts_with("pedestrian") && !i.name.starts_with("car")) continue;
-    const Vec3d foot = i.worldFromMesh.translation;
-    double nearest = 1e9;
-    double height = 0;
-    for (const Vec3f& p : ground.positions) {
-      const double d = std::hypot(p.x - foot.x, p.y - foot.y);
-      if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
-    }
-    EXPECT_NEAR(foot.z, height, 0.25) << i.name;
+    expectOnGround(ground, i.worldFromMesh.translation, i.name);
   }
 }
 
@@ -192,9 +169,7 @@ TEST(Town, RoadsAreWorn) {
   std::size_t holes = 0;
   std::size_t covers = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Value value = parseYaml("{length: 120}", "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf("{length: 120}", seed);
     for (const town::Pothole& h : layout.potholes()) {
       const auto kind = layout.kindAt(layout.roads().at(h.center.x, h.center.y), h.center);
       if (kind != town::GroundKind::Road) continue;  // another road's pavement
@@ -364,9 +339,7 @@ TEST(Town, GrassGrowsOnSoilAlone) {
   std::size_t tufts = 0;
   for (const std::uint64_t seed : {9, 11}) {
     const std::string yaml = "{district: rural, length: 120, detail: 0.05}";
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     for (const Instance& i : makeTown(yaml, seed).instances) {
       if (!i.name.starts_with("tuft")) continue;
       const Vec3d& at = i.worldFromMesh.translation;
@@ -388,9 +361,7 @@ TEST(Town, SignsToGiveWayFaceThoseWhoComeOutOfSideRoads) {
   int signs = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     const town::Road& main = layout.roads().roads().front();
     for (const Instance& i : makeTown(yaml, seed).instances) {
       if (!i.name.starts_with("sign at a mouth")) continue;
@@ -413,9 +384,7 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
   int lines = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const std::string yaml = "{district: suburban, length: 200, detail: 0.05}";
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     const Scene scene = makeTown(yaml, seed);
     const auto markings = std::find_if(scene.instances.begin(), scene.instances.end(),
                                        [](const Instance& i) { return i.name == "road markings"; });
@@ -445,9 +414,7 @@ TEST(Town, SideRoadsEndAtALineOfTheirLane) {
 TEST(Town, AcrossFromASideRoadTheEdgeIsStraight) {
   int sides = 0;
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    const Value value = parseYaml("{district: suburban, length: 200, detail: 0.05}", "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf("{district: suburban, length: 200, detail: 0.05}", seed);
     const std::vector<town::Road>& roads = layout.roads().roads();
     for (std::uint32_t r = 1; r < roads.size(); ++r) {
       if (!roads[r].joins) continue;
@@ -484,9 +451,7 @@ TEST(Town, WiresHangClearOfTheRoads) {
     if (wires == scene.instances.end()) continue;
     EXPECT_GE(poles, 3);
     ++wired;
-    const Value value = parseYaml(yaml, "town.yaml");
-    Fields fields(value, "town");
-    const town::Layout layout(town::readParameters(fields), seed);
+    const town::Layout layout = layoutOf(yaml, seed);
     double lowest = 100;
     for (const Vec3f& p : scene.meshes[wires->mesh].positions) {
       const town::Beside beside = layout.roads().at(p.x, p.y);

@@ -1,11 +1,9 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
-#include <string_view>
-#include <tuple>
 
 #include "base/path.h"
 #include "models/models.h"
@@ -15,6 +13,17 @@
 
 namespace scanmill {
 namespace {
+
+// Returns a function of the distance (m) of a point from the box of an instance's mesh at a time, negative inside.
+auto distanceFrom(const Scene& scene, const Instance& instance, double time) {
+  const Affine there = instance.worldFromMeshAt(time);
+  const Affine meshFromWorld{inverse(there.linear), inverse(there.linear) * there.translation * -1.0};
+  return [meshFromWorld, box = scene.meshes[instance.mesh].bounds()](const Vec3d& p) {
+    const Vec3d local = meshFromWorld * p;
+    return std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y, local.y - box.high.y,
+                     box.low.z - local.z, local.z - box.high.z});
+  };
+}
 
 // Who turns stays on the road, meets nobody, and comes to side roads where there are some to the right.
 TEST(Traffic, TurnsAreFreeToo) {
@@ -48,19 +57,12 @@ TEST(Traffic, TurnsAreFreeToo) {
       }
     }
     for (const Instance& i : scene.instances) {
-      const bool onRoad = std::any_of(kOnRoads.begin(), kOnRoads.end(),
-                                      [&](std::string_view name) { return i.name.starts_with(name); });
-      if (!onRoad) continue;
+      if (!isOnRoad(i)) continue;
       for (const double time : {0.0, 11.0, 47.0}) {
-        const Affine there = i.worldFromMeshAt(time);
-        const Box box = scene.meshes[i.mesh].bounds();
-        const Affine meshFromWorld{inverse(there.linear), inverse(there.linear) * there.translation * -1.0};
+        const auto away = distanceFrom(scene, i, time);
         for (const Affine& pose : driven) {
           for (const double x : {-1.5, 0.0, 1.5}) {
-            const Vec3d local = meshFromWorld * (pose * Vec3d{x, 0, 1});
-            const double away = std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y,
-                                          local.y - box.high.y, box.low.z - local.z, local.z - box.high.z});
-            EXPECT_GT(away, 0.8) << i.name << " of " << place << " at " << time << " s";
+            EXPECT_GT(away(pose * Vec3d{x, 0, 1}), 0.8) << i.name << " of " << place << " at " << time << " s";
           }
         }
       }
@@ -76,17 +78,10 @@ TEST(Traffic, NobodyIsInTheLane) {
     const std::vector<Vec3d> lane = laneOf("{length: 160, vehicles: 3}", seed);
     for (const double time : {0.0, 9.0, 31.0, 77.0}) {
       for (const Instance& i : scene.instances) {
-        const bool there = std::any_of(kOnRoads.begin(), kOnRoads.end(),
-                                       [&](std::string_view name) { return i.name.starts_with(name); });
-        if (!there || (time > 0 && !i.moves())) continue;
-        const Affine place = i.worldFromMeshAt(time);
-        const Affine meshFromWorld{inverse(place.linear), inverse(place.linear) * place.translation * -1.0};
-        const Box box = scene.meshes[i.mesh].bounds();
+        if (!isOnRoad(i) || (time > 0 && !i.moves())) continue;
+        const auto away = distanceFrom(scene, i, time);
         for (const Vec3d& p : lane) {
-          const Vec3d local = meshFromWorld * (p + Vec3d{0, 0, 1});
-          const double away = std::max({box.low.x - local.x, local.x - box.high.x, box.low.y - local.y,
-                                        local.y - box.high.y, box.low.z - local.z, local.z - box.high.z});
-          EXPECT_GT(away, 0.85) << i.name << " of seed " << seed << " at " << time << " s";
+          EXPECT_GT(away(p + Vec3d{0, 0, 1}), 0.85) << i.name << " of seed " << seed << " at " << time << " s";
         }
       }
     }
@@ -111,9 +106,7 @@ TEST(Traffic, NobodyRunsIntoAnother) {
       models::Occupancy taken;
       for (const Instance& i : scene.instances) {
         if (i.name.starts_with("rider of")) continue;
-        const bool vehicle = std::any_of(kOnRoads.begin(), kOnRoads.end(),
-                                         [&](std::string_view name) { return i.name.starts_with(name); });
-        if (!vehicle && !i.name.starts_with("pedestrian")) continue;
+        if (!isOnRoad(i) && !i.name.starts_with("pedestrian")) continue;
         const Affine place = i.worldFromMeshAt(time);
         const Box box = scene.meshes[i.mesh].bounds();
         const Vec3d middle = place * box.center();
@@ -144,14 +137,7 @@ TEST(Traffic, WhoWalksStaysOnTheGround) {
     EXPECT_NE(i.meshAt(0), i.meshAt(i.animation->period / 2)) << "the other foot is in front";
     EXPECT_EQ(i.meshAt(0), i.meshAt(i.animation->period * 1.01));
     for (const double time : {0.0, 5.0, 20.0, 100.0}) {
-      const Vec3d foot = i.worldFromMeshAt(time).translation;
-      double nearest = 1e9;
-      double height = 0;
-      for (const Vec3f& p : ground.positions) {
-        const double d = std::hypot(p.x - foot.x, p.y - foot.y);
-        if (d < nearest) std::tie(nearest, height) = std::pair(d, double{p.z});
-      }
-      EXPECT_NEAR(foot.z, height, 0.25) << i.name << " at " << time;
+      expectOnGround(ground, i.worldFromMeshAt(time).translation, fmt::format("{} at {} s", i.name, time));
     }
   }
   EXPECT_GT(walk, 2u);

@@ -36,15 +36,13 @@ std::vector<double> cut(std::vector<double> wanted, double low, double high) {
 class GroundMaker {
  public:
   GroundMaker(SceneBuilder& builder, const Layout& layout) : layout_(layout), shape_(builder, "ground") {
-    surfaces_[static_cast<std::size_t>(Ground::Road)] = shape_.surface("road", "asphalt");
-    surfaces_[static_cast<std::size_t>(Ground::Parking)] = shape_.surface("parking", "paving");
-    surfaces_[static_cast<std::size_t>(Ground::Curb)] = shape_.surface("curb", "concrete");
-    surfaces_[static_cast<std::size_t>(Ground::LoweredCurb)] = shape_.surface("curb", "concrete");
-    surfaces_[static_cast<std::size_t>(Ground::Sidewalk)] = shape_.surface("sidewalk", "paving");
-    surfaces_[static_cast<std::size_t>(Ground::Ramp)] = shape_.surface("sidewalk", "paving");
-    surfaces_[static_cast<std::size_t>(Ground::Driveway)] = shape_.surface("parking", "paving");
-    surfaces_[static_cast<std::size_t>(Ground::Path)] = shape_.surface("ground", "concrete");
-    surfaces_[static_cast<std::size_t>(Ground::Terrain)] = shape_.surface("terrain", "grass");
+    const SurfaceIndex road = shape_.surface("road", "asphalt");
+    const SurfaceIndex parking = shape_.surface("parking", "paving");
+    const SurfaceIndex curb = shape_.surface("curb", "concrete");
+    const SurfaceIndex sidewalk = shape_.surface("sidewalk", "paving");
+    const SurfaceIndex path = shape_.surface("ground", "concrete");
+    const SurfaceIndex terrain = shape_.surface("terrain", "grass");
+    surfaces_ = {road, parking, curb, curb, sidewalk, sidewalk, parking, path, terrain};
     makeLines();
   }
 
@@ -227,7 +225,7 @@ class GroundMaker {
 
   const Layout& layout_;
   Shape shape_;
-  std::array<SurfaceIndex, 9> surfaces_{};
+  std::array<SurfaceIndex, 9> surfaces_{};  // in the order of Ground
   std::vector<double> xs_, ys_;
   std::vector<Cell> cells_;
 };

@@ -125,25 +125,15 @@ void Layout::addLots(int side, Span x) {
     const double low = start + (drivewayFirst ? drivewayGap : otherGap);
     const double high = end - (drivewayFirst ? otherGap : drivewayGap);
 
-    House house;
-    house.number = lot.number;
-    house.width = high - low;
-    house.depth = draw.in(8.5, 12.5);
-    house.floors = std::array{1, 2, 2, 2, 3, 3, 4}[static_cast<std::size_t>(draw.below(7))];
-    house.columns = std::max(2, static_cast<int>(house.width / draw.in(2.2, 3.1)));
-    house.doorColumn = draw.below(house.columns);
-    house.roof =
-        std::array{
-            Roof::Gable, Roof::Gable, Roof::CrossGable, Roof::Hip, Roof::Hip, Roof::Flat}[static_cast<std::size_t>(
-            draw.below(6))];
-    if (house.floors == 4) house.roof = draw.chance(0.5) ? Roof::Flat : Roof::Gable;
+    const double depth = draw.in(8.5, 12.5);
+    const int floors = draw.of(std::array{1, 2, 2, 2, 3, 3, 4});
+    House house = drawHouse(draw, lot.number, high - low, depth, floors);
     house.shop = house.floors >= 3 && draw.chance(0.5);
     const double setback = front + draw.in(0, kPathDepth);
     house.place = side > 0 ? at({low, setback, p.curbHeight}) : at({high, -setback, p.curbHeight}, kPi);
     const bool built = draw.next() < p.buildings;
     if (draw.next() < p.boundaries) {
-      lot.fencing = std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick,
-                               Fencing::Hedge}[static_cast<std::size_t>(draw.below(4))];
+      lot.fencing = draw.of(std::array{Fencing::Pickets, Fencing::Bars, Fencing::Brick, Fencing::Hedge});
     }
     if (built) {
       const double door = side > 0 ? low + house.doorX() : high - house.doorX();
@@ -193,16 +183,15 @@ bool Layout::inCorner(double x, double y) const {
   return cross && u > 0 && u < cornerRadius && v > 0 && v < cornerRadius;
 }
 
-// True if x is within a parking lane, which is extended by `margin` (m) at both ends.
 bool Layout::besideParking(double x, double margin) const {
   return std::any_of(parking.begin(), parking.end(),
                      [&](const Span& s) { return x > s.low - margin && x < s.high + margin; });
 }
 
-bool Layout::onDriveway(double x, int side, double margin) const {
+bool Layout::onStrip(Span Lot::*strip, double x, int side, double margin) const {
   return std::any_of(lots.begin(), lots.end(), [&](const Lot& lot) {
-    return lot.side == side && lot.driveway.high > lot.driveway.low && x > lot.driveway.low - margin &&
-           x < lot.driveway.high + margin;
+    const Span& s = lot.*strip;
+    return lot.side == side && s.high > s.low && x > s.low - margin && x < s.high + margin;
   });
 }
 

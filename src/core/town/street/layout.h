@@ -61,7 +61,10 @@ struct Layout {
   double heightAt(Ground kind, double x, double y) const;
   double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
   bool inCorner(double x, double y) const;  // true in the squares that contain the rounded corners of the crossing
-  bool onDriveway(double x, int side, double margin = 0) const;
+  // True if x is on a driveway (or a walkway), which is extended by `margin` (m) at both sides, of a lot at this side.
+  bool onStrip(Span Lot::*strip, double x, int side, double margin) const;
+  // True if x is within a parking lane, which is extended by `margin` (m) at both ends.
+  bool besideParking(double x, double margin) const;
 
   Parameters p;
   std::uint64_t seed;
@@ -75,7 +78,6 @@ struct Layout {
   std::vector<House> houses;
 
  private:
-  bool besideParking(double x, double margin) const;
   double terrainHeight(double x, double y) const;
   void addLots(int side, Span x);
   void addCrossHouses();

@@ -33,7 +33,12 @@ class Painter {
     for (std::size_t i = 1; i + 1 < n; ++i) shape_.triangle(paint_, high(0), high(i), high(i + 1));
   }
 
-  void bar(double x0, double x1, double y0, double y1) { patch({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}); }
+  // Adds a rectangle between x0 and x1 and between y0 and y1, each in any order.
+  void bar(double x0, double x1, double y0, double y1) {
+    const auto [left, right] = std::minmax(x0, x1);
+    const auto [low, high] = std::minmax(y0, y1);
+    patch({{left, low}, {right, low}, {right, high}, {left, high}});
+  }
 
   // Returns the distance from the middle of the crossing (m) within which there are no lines along x.
   double crossingReach() const { return l_.cross ? l_.crossWalk + 1.7 : 0; }
@@ -65,8 +70,8 @@ class Painter {
         const double edge = side * (l_.roadEdge + 0.03);
         for (double x = s.low + 0.3; x + kBay < s.high; x += kBay) {
           const double far = side * (l_.parkingEdge - 0.25);
-          if (!l_.onDriveway(x, int(side), 0.3)) {
-            bar(x - 0.05, x + 0.05, std::min(edge + side * 0.06, far), std::max(edge + side * 0.06, far));
+          if (!l_.onStrip(&Lot::driveway, x, int(side), 0.3)) {
+            bar(x - 0.05, x + 0.05, edge + side * 0.06, far);
           }
           bar(x + 0.06, x + kBay - 0.06, edge - 0.05, edge + 0.05);
         }
@@ -77,12 +82,9 @@ class Painter {
   void arrow(double tip, double y, double direction) {
     const double shaft = tip - direction * 1.2;
     const double tail = tip - direction * 4.0;
-    bar(std::min(shaft, tail), std::max(shaft, tail), y - 0.08, y + 0.08);
-    if (direction > 0) {
-      patch({{shaft + 0.01, y - 0.35}, {tip, y}, {shaft + 0.01, y + 0.35}});
-    } else {
-      patch({{shaft - 0.01, y + 0.35}, {tip, y}, {shaft - 0.01, y - 0.35}});
-    }
+    bar(shaft, tail, y - 0.08, y + 0.08);
+    const double base = shaft + direction * 0.01;
+    patch({{base, y - direction * 0.35}, {tip, y}, {base, y + direction * 0.35}});
   }
 
   void crossing() {
@@ -90,24 +92,22 @@ class Painter {
     const double inner = l_.crossEdge + Layout::kCurb;  // pedestrian crossings continue the sidewalks
     const double stop = l_.crossWalk + 1.0;
     for (const double side : {-1.0, 1.0}) {
-      const double x0 = std::min(x + side * inner, x + side * l_.crossWalk);
-      const double x1 = std::max(x + side * inner, x + side * l_.crossWalk);
-      for (double y = -l_.roadEdge + 0.35; y + 0.5 < l_.roadEdge; y += 1.0) bar(x0, x1, y, y + 0.5);
+      for (double y = -l_.roadEdge + 0.35; y + 0.5 < l_.roadEdge; y += 1.0) {
+        bar(x + side * inner, x + side * l_.crossWalk, y, y + 0.5);
+      }
       // Right-hand traffic: vehicles that drive to +x stop on the -x side at y < 0.
       const double lane = side * l_.roadEdge / 2;
-      bar(std::min(x + side * stop, x + side * (stop + 0.5)), std::max(x + side * stop, x + side * (stop + 0.5)),
-          lane - l_.roadEdge / 2 + 0.2, lane + l_.roadEdge / 2 - 0.2);
+      bar(x + side * stop, x + side * (stop + 0.5), lane - l_.roadEdge / 2 + 0.2, lane + l_.roadEdge / 2 - 0.2);
       arrow(x + side * (stop + 6), lane, -side);
 
-      const double y0 = std::min(side * l_.walkInner, side * l_.walkOuter);
-      const double y1 = std::max(side * l_.walkInner, side * l_.walkOuter);
-      for (double u = x - l_.crossEdge + 0.25; u + 0.5 < x + l_.crossEdge; u += 1.0) bar(u, u + 0.5, y0, y1);
+      for (double u = x - l_.crossEdge + 0.25; u + 0.5 < x + l_.crossEdge; u += 1.0) {
+        bar(u, u + 0.5, side * l_.walkInner, side * l_.walkOuter);
+      }
       const double stopY = side * (l_.walkOuter + 1.0);
       const double crossLane = -side * l_.crossEdge / 2;  // vehicles drive to +y at x > crossX
-      bar(x + crossLane - l_.crossEdge / 2 + 0.2, x + crossLane + l_.crossEdge / 2 - 0.2,
-          std::min(stopY, stopY + side * 0.5), std::max(stopY, stopY + side * 0.5));
+      bar(x + crossLane - l_.crossEdge / 2 + 0.2, x + crossLane + l_.crossEdge / 2 - 0.2, stopY, stopY + side * 0.5);
       for (double y = l_.walkOuter + 2.5; y + 3 < l_.halfY; y += 9) {
-        bar(x - kLine / 2, x + kLine / 2, std::min(side * y, side * (y + 3)), std::max(side * y, side * (y + 3)));
+        bar(x - kLine / 2, x + kLine / 2, side * y, side * (y + 3));
       }
     }
   }

@@ -21,10 +21,8 @@ void placeRow(Placer& placer, int& panels, const Model& m, Point2 a, Point2 b) {
   const int count = std::max(1, static_cast<int>(std::lround(length / 2)));
   const double yaw = std::atan2(dy, dx);
   for (int k = 0; k < count; ++k) {
-    const double t = (k + 0.5) / count;
-    const double x = lerp(a.x, b.x, t);
-    const double y = lerp(a.y, b.y, t);
-    Affine place = at({x, y, l.heightAt(x, y)}, yaw);
+    const Point2 p = lerp(a, b, (k + 0.5) / count);
+    Affine place = at({p.x, p.y, l.heightAt(p.x, p.y)}, yaw);
     place.linear = place.linear * Mat3::scale({length / count / 2, 1, 1});
     placer.builder.place(m.mesh, placer.worldFromStreet * place, fmt::format("boundary {}", ++panels));
   }
@@ -100,16 +98,15 @@ void placeLamps(Placer& placer) {
 void placeSigns(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.signs);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 8); ++f) {
-    forms.push_back(makeSign(placer.builder, l.seed, static_cast<TrafficSign>(f % kSigns), f));
-  }
+  const auto forms = makeForms(std::min(count, 8), [&](int f) {
+    return makeSign(placer.builder, l.seed, static_cast<TrafficSign>(f % kSigns), f);
+  });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Sign, static_cast<std::uint32_t>(1000 + i));
     placer.search(forms[static_cast<std::size_t>(i) % forms.size()], fmt::format("sign {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, 0, 0.8);
-      const double side = s.y > 0 ? 1 : -1;
-      s.y = side * (placer.walkFrom(s.x) + 0.5);
+      const double side = s.at.y > 0 ? 1 : -1;
+      s.at.y = side * (placer.walkFrom(s.at.x) + 0.5);
       s.yaw = (side < 0 ? kPi : 0) + draw.in(-0.12, 0.12);  // the sign faces vehicles on this side
       return s;
     });
@@ -126,7 +123,7 @@ void placeShelters(Placer& placer) {
     const bool column = i % 2 == 1;
     placer.search(forms[column ? 1 : 0], fmt::format("shelter {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, -0.75, 3);
-      s.yaw = s.y > 0 ? 0 : kPi;
+      s.yaw = s.at.y > 0 ? 0 : kPi;
       return s;
     });
   }
@@ -136,12 +133,9 @@ void placeFurniture(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.furniture);
   constexpr int kKinds = static_cast<int>(Furnishing::Count);
-  const int made = std::min(count, kKinds);
-  std::vector<Model> forms;
-  forms.reserve(static_cast<std::size_t>(made));
-  for (int f = 0; f < made; ++f) {
-    forms.push_back(makeFurnishing(placer.builder, l.seed, static_cast<Furnishing>(f)));
-  }
+  const auto forms = makeForms(std::min(count, kKinds), [&](int f) {
+    return makeFurnishing(placer.builder, l.seed, static_cast<Furnishing>(f));
+  });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Furniture, static_cast<std::uint32_t>(i));
     const int kind = i % kKinds;
@@ -149,7 +143,7 @@ void placeFurniture(Placer& placer) {
     const bool atCurb = what == Furnishing::Hydrant || what == Furnishing::Bollard || what == Furnishing::Bin;
     placer.search(forms[static_cast<std::size_t>(kind)], fmt::format("furniture {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, atCurb ? 0.35 : -0.4, 0.6);
-      s.yaw = s.y > 0 ? 0 : kPi;  // its back is towards the gardens
+      s.yaw = s.at.y > 0 ? 0 : kPi;  // its back is towards the gardens
       if (what == Furnishing::WheelieBin || what == Furnishing::LetterBox) s.yaw += -kPi / 2;
       s.yaw += draw.in(-0.08, 0.08);
       return s;

@@ -13,10 +13,7 @@ namespace scanmill::street {
 void placeTrees(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.trees);
-  std::vector<TreeModel> forms;
-  if (count > 0) {
-    for (int f = 0; f < kTreeForms; ++f) forms.push_back(makeTree(placer.builder, l.seed, f));
-  }
+  const auto forms = makeForms(count > 0 ? kTreeForms : 0, [&](int f) { return makeTree(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Tree, static_cast<std::uint32_t>(1000 + i));
     const bool inFront = i % 2 == 0;
@@ -25,7 +22,7 @@ void placeTrees(Placer& placer) {
       // Conifers have branches down to the ground, so they are placed only behind the houses.
       const auto form = static_cast<std::size_t>(draw.below(inFront ? kBroadleafForms : kTreeForms));
       Spot s;
-      s.x = placer.alongStreet(draw, 2);
+      s.at.x = placer.alongStreet(draw, 2);
       s.yaw = draw.in(0, 2 * kPi);
       s.scale = draw.in(0.8, 1.2);
       const TreeModel& tree = forms[form];
@@ -34,16 +31,16 @@ void placeTrees(Placer& placer) {
         const double room = l.p.frontGarden - 1.2;
         s.scale = std::min(s.scale, room / tree.crownRadius);
         if (s.scale < 0.55) continue;
-        s.y = side * (l.front - 0.2 - tree.crownRadius * s.scale * 1.05);
-        if (placer.nearCrossing(s.x, 0)) continue;
+        s.at.y = side * (l.front - 0.2 - tree.crownRadius * s.scale * 1.05);
+        if (placer.nearCrossing(s.at.x, 0)) continue;
       } else {
-        s.y = side * draw.in(l.front + 14, l.halfY - 4);
-        if (l.cross && std::abs(s.x - l.crossX) < l.crossWalk + 2.5) continue;
+        s.at.y = side * draw.in(l.front + 14, l.halfY - 4);
+        if (l.cross && std::abs(s.at.x - l.crossX) < l.crossWalk + 2.5) continue;
       }
       const double reach = tree.crownRadius * s.scale * (inFront ? 0.35 : 0.75);
-      const Footprint around{{s.x, s.y}, reach, reach, 0};
+      const Footprint around{{s.at.x, s.at.y}, reach, reach, 0};
       if (!placer.occupancy.isFree(around)) continue;
-      placer.occupancy.add({{s.x, s.y}, 0.5, 0.5, 0});
+      placer.occupancy.add({{s.at.x, s.at.y}, 0.5, 0.5, 0});
       placer.put(tree.model, s, fmt::format("tree {}", i + 1), 0.05);
       break;
     }
@@ -53,11 +50,10 @@ void placeTrees(Placer& placer) {
 void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.bushes);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 5); ++f) forms.push_back(makeBush(placer.builder, l.seed, f));
+  const auto forms = makeForms(std::min(count, 5), [&](int f) { return makeBush(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Bush, static_cast<std::uint32_t>(1000 + i));
-    const Model& m = forms[static_cast<std::size_t>(draw.below(static_cast<int>(forms.size())))];
+    const Model& m = draw.of(forms);
     placer.search(
         m, fmt::format("bush {}", i + 1),
         [&] {
@@ -66,8 +62,8 @@ void placeBushes(Placer& placer) {
           const double near = l.walkOuter + 0.4 + reach;
           const double far = l.front - reach;
           const bool back = draw.chance(0.35) || near > far;
-          s.y = draw.sign() * (back ? draw.in(l.front + 14, l.front + 30) : draw.in(near, far));
-          if (placer.nearCrossing(s.x, 1)) s.x += (s.x > l.crossX ? 1 : -1) * (l.cornerRadius + 4);
+          s.at.y = draw.sign() * (back ? draw.in(l.front + 14, l.front + 30) : draw.in(near, far));
+          if (placer.nearCrossing(s.at.x, 1)) s.at.x += (s.at.x > l.crossX ? 1 : -1) * (l.cornerRadius + 4);
           return s;
         },
         0.03);
@@ -77,8 +73,7 @@ void placeBushes(Placer& placer) {
 void placePedestrians(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.pedestrians);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 8); ++f) forms.push_back(makePedestrian(placer.builder, l.seed, f));
+  const auto forms = makeForms(std::min(count, 8), [&](int f) { return makePedestrian(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Person, static_cast<std::uint32_t>(1000 + i));
     const Model& m = forms[static_cast<std::size_t>(i) % forms.size()];
@@ -86,13 +81,9 @@ void placePedestrians(Placer& placer) {
     placer.search(m, fmt::format("pedestrian {}", i + 1), [&] {
       Spot s;
       s.scale = draw.in(0.96, 1.04);
-      if (onZebra) {  // the pedestrian crosses the cross street
-        s.x = l.crossX + draw.in(-0.7, 0.7) * l.crossEdge;
-        s.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
-      } else {
-        s.x = placer.alongStreet(draw, 1);
-        s.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
-      }
+      // On a zebra the pedestrian crosses the cross street.
+      s.at.x = onZebra ? l.crossX + draw.in(-0.7, 0.7) * l.crossEdge : placer.alongStreet(draw, 1);
+      s.at.y = draw.sign() * draw.in(l.walkInner + 0.4, l.walkOuter - 0.4);
       s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.25, 0.25);
       return s;
     });

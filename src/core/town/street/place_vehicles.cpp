@@ -17,19 +17,16 @@ class Fleet {
   explicit Fleet(Placer& placer) : placer_(placer) {}
 
   const Model& anyCar(Draw& draw) {
-    if (cars_.empty()) make();
-    return cars_[static_cast<std::size_t>(draw.below(static_cast<int>(cars_.size())))];
+    if (cars_.empty()) {
+      // Hatchbacks and saloons are the most common cars: there are two of each.
+      cars_ = makeForms(kCarForms + 2, [&](int k) {
+        return makeCar(placer_.builder, placer_.layout.seed, static_cast<CarForm>(k % kCarForms), k);
+      });
+    }
+    return draw.of(cars_);
   }
 
  private:
-  void make() {
-    for (int k = 0; k < kCarForms + 2; ++k) {
-      // Hatchbacks and saloons are the most common cars: there are two of each.
-      const CarForm form = k < kCarForms ? static_cast<CarForm>(k) : static_cast<CarForm>(k - kCarForms);
-      cars_.push_back(makeCar(placer_.builder, placer_.layout.seed, form, k));
-    }
-  }
-
   Placer& placer_;
   std::vector<Model> cars_;
 };
@@ -48,7 +45,7 @@ std::vector<Bay> bays(const Placer& placer) {
     for (const int side : {-1, 1}) {
       for (double x = s.low + 0.3; x + kBay < s.high; x += kBay) {
         const double middle = x + kBay / 2;
-        if (l.onDriveway(middle, side, kBay / 2 - 0.6)) continue;
+        if (l.onStrip(&Lot::driveway, middle, side, kBay / 2 - 0.6)) continue;
         Draw draw(l.seed, Kind::Car, static_cast<std::uint32_t>(100000 + found.size()));
         found.push_back({middle, side, draw.next()});
       }
@@ -65,10 +62,8 @@ void placeParked(Placer& placer, Fleet& fleet) {
   const std::vector<Bay> free = bays(placer);
   // Three motorcycles share a bay, at an angle. Motorcycles fill bays from the end of the list, cars from its
   // beginning.
-  std::array<Model, 2> motorcycleForms{};
-  for (std::size_t f = 0; motorcycles > 0 && f < 2; ++f) {
-    motorcycleForms[f] = makeMotorcycle(placer.builder, l.seed, static_cast<int>(f));
-  }
+  const auto motorcycleForms =
+      makeForms(motorcycles > 0 ? 2 : 0, [&](int f) { return makeMotorcycle(placer.builder, l.seed, f); });
   int standing = 0;
   std::size_t end = free.size();
   for (int place = 0; standing < motorcycles && end > 0; ++place) {
@@ -77,7 +72,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     const double y = b.side * (l.roadEdge + l.p.parkingWidth / 2);
     const Spot s{b.x + (place % 3 - 1) * 1.5 + draw.in(-0.15, 0.15), y, b.side * -radians(40) + draw.in(-0.1, 0.1), 1,
                  radians(8)};
-    const Model& m = motorcycleForms[static_cast<std::size_t>(draw.below(2))];
+    const Model& m = draw.of(motorcycleForms);
     if (placer.tryPut(m, s, fmt::format("motorcycle {}", standing + 1))) ++standing;
     if (place % 3 == 2 || standing == motorcycles) --end;
   }
@@ -117,8 +112,7 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
   const int buses = l.p.count(l.p.buses);
   const int trucks = l.p.count(l.p.trucks);
   const int cars = l.p.count(l.p.traffic);
-  std::vector<Model> trucksMade;
-  for (int f = 0; f < std::min(trucks, 2); ++f) trucksMade.push_back(makeTruck(placer.builder, l.seed, f));
+  const auto trucksMade = makeForms(std::min(trucks, 2), [&](int f) { return makeTruck(placer.builder, l.seed, f); });
   Model bus;
   if (buses > 0) bus = makeBus(placer.builder, l.seed);
   for (int i = 0; i < buses + trucks + cars; ++i) {
@@ -158,19 +152,18 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
 void placeCyclists(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.cyclists);
-  std::vector<std::pair<Model, Model>> pairs;
-  for (int f = 0; f < std::min(count, 3); ++f) {
+  const auto pairs = makeForms(std::min(count, 3), [&](int f) {
     BicycleFit fit;
     const Model bicycle = makeBicycle(placer.builder, l.seed, 100 + f, &fit);
-    pairs.emplace_back(bicycle, makeRider(placer.builder, l.seed, f, fit));
-  }
+    return std::pair(bicycle, makeRider(placer.builder, l.seed, f, fit));
+  });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Cyclist, static_cast<std::uint32_t>(i));
     const auto& [bicycle, rider] = pairs[static_cast<std::size_t>(i) % pairs.size()];
     for (int k = 0; k < Placer::kTries; ++k) {
       const Spot s{placer.alongStreet(draw, 6), l.roadEdge - 0.6 + draw.in(-0.2, 0.1), kPi + draw.in(-0.06, 0.06), 1,
                    0};
-      if (!placer.occupancy.isFree(Placer::footprint(rider, s, Placer::kGap))) continue;
+      if (!placer.occupancy.isFree(footprint(rider, s, Placer::kGap))) continue;
       if (!placer.tryPut(bicycle, s, fmt::format("cyclist's bicycle {}", i + 1))) continue;
       placer.put(rider, s, fmt::format("cyclist {}", i + 1));
       break;
@@ -190,17 +183,15 @@ void placeVehicles(Placer& placer) {
 void placeBicycles(Placer& placer) {
   const Layout& l = placer.layout;
   const int count = l.p.count(l.p.bicycles);
-  std::vector<Model> forms;
-  for (int f = 0; f < std::min(count, 4); ++f) forms.push_back(makeBicycle(placer.builder, l.seed, f));
+  const auto forms = makeForms(std::min(count, 4), [&](int f) { return makeBicycle(placer.builder, l.seed, f); });
   for (int i = 0; i < count; ++i) {
     Draw draw(l.seed, Kind::Bicycle, static_cast<std::uint32_t>(1000 + i));
-    placer.search(forms[static_cast<std::size_t>(draw.below(static_cast<int>(forms.size())))],
-                  fmt::format("bicycle {}", i + 1), [&] {
-                    Spot s = placer.onSidewalk(draw, -0.45, 0.8);
-                    s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.15, 0.15);
-                    s.lean = radians(draw.in(-9, -5));  // the bicycle leans on its stand
-                    return s;
-                  });
+    placer.search(draw.of(forms), fmt::format("bicycle {}", i + 1), [&] {
+      Spot s = placer.onSidewalk(draw, -0.45, 0.8);
+      s.yaw = (draw.chance(0.5) ? 0 : kPi) + draw.in(-0.15, 0.15);
+      s.lean = radians(draw.in(-9, -5));  // the bicycle leans on its stand
+      return s;
+    });
   }
 }
 

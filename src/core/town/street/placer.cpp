@@ -1,35 +1,34 @@
 #include "town/street/placer.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace scanmill::street {
 namespace {
 
-bool onWalkway(const Layout& layout, double x, int side, double margin) {
-  return std::any_of(layout.lots.begin(), layout.lots.end(), [&](const Lot& lot) {
-    return lot.side == side && lot.walkway.high > lot.walkway.low && x > lot.walkway.low - margin &&
-           x < lot.walkway.high + margin;
-  });
+void reserveHouses(Placer& placer) {
+  const Layout& l = placer.layout;
+  for (const House& h : l.houses) {
+    const Vec3d c = h.place * Vec3d{h.width / 2, h.depth / 2, 0};
+    const Vec3d x = h.place.linear.x;
+    placer.occupancy.add({{c.x, c.y}, h.width / 2 + 0.5, h.depth / 2 + 0.5, std::atan2(x.y, x.x)});
+    const Vec3d door = h.place * Vec3d{h.doorX(), -0.9, 0};  // the steps in front of the door
+    placer.occupancy.add({{door.x, door.y}, 1.0, 1.0, std::atan2(x.y, x.x)});
+  }
+  for (const Lot& lot : l.lots) {
+    for (const Span& s : {lot.walkway, lot.driveway}) {
+      if (s.high <= s.low) continue;
+      placer.occupancy.add({{(s.low + s.high) / 2, lot.side * (l.walkOuter + l.front) / 2},
+                            (s.high - s.low) / 2,
+                            l.p.frontGarden / 2,
+                            0});
+    }
+  }
 }
 
 }  // namespace
 
-Footprint Placer::footprint(const Model& m, const Spot& s, double grow) {
-  const Vec3d c = m.bounds.center() * s.scale;
-  const double cy = std::cos(s.yaw);
-  const double sy = std::sin(s.yaw);
-  return {{s.x + cy * c.x - sy * c.y, s.y + sy * c.x + cy * c.y},
-          (m.bounds.high.x - m.bounds.low.x) / 2 * s.scale + grow,
-          (m.bounds.high.y - m.bounds.low.y) / 2 * s.scale + grow,
-          s.yaw};
-}
-
 void Placer::put(const Model& m, const Spot& s, std::string name, double sink) {
-  const double z = layout.heightAt(s.x, s.y) - sink;
-  Affine place = at({s.x, s.y, z}, s.yaw);
-  place.linear = place.linear * toMatrix(fromYawPitchRoll(0, 0, s.lean)) * Mat3::scale(Vec3d{1, 1, 1} * s.scale);
-  builder.place(m.mesh, worldFromStreet * place, std::move(name));
+  builder.place(m.mesh, worldFromStreet * poseOf(s, layout.heightAt(s.at.x, s.at.y) - sink), std::move(name));
 }
 
 bool Placer::tryPut(const Model& m, const Spot& s, std::string name, double sink) {
@@ -48,22 +47,35 @@ bool Placer::nearCrossing(double x, double margin) const {
 }
 
 double Placer::walkFrom(double x) const {
-  const bool parking = std::any_of(layout.parking.begin(), layout.parking.end(),
-                                   [&](const Span& s) { return x > s.low - 1 && x < s.high + 1; });
-  return parking ? layout.walkInner : layout.roadEdge + Layout::kCurb;
+  return layout.besideParking(x, 1) ? layout.walkInner : layout.roadEdge + Layout::kCurb;
 }
 
 Spot Placer::onSidewalk(Draw& draw, double from, double margin) const {
   Spot s;
   for (int k = 0; k < kTries; ++k) {
-    s.x = alongStreet(draw, 3);
+    s.at.x = alongStreet(draw, 3);
     const int side = draw.chance(0.5) ? 1 : -1;
-    s.y = side * (from >= 0 ? layout.walkInner + from : layout.walkOuter + from);
-    const bool blocked =
-        nearCrossing(s.x, margin) || layout.onDriveway(s.x, side, margin) || onWalkway(layout, s.x, side, margin);
-    if (!blocked) break;
+    s.at.y = side * (from >= 0 ? layout.walkInner + from : layout.walkOuter + from);
+    const auto on = [&](Span Lot::*strip) { return layout.onStrip(strip, s.at.x, side, margin); };
+    if (!nearCrossing(s.at.x, margin) && !on(&Lot::driveway) && !on(&Lot::walkway)) break;
   }
   return s;
+}
+
+void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet) {
+  Placer placer{builder, layout, worldFromStreet, {}};
+  reserveHouses(placer);
+  placeTrafficLights(placer);
+  placeBoundaries(placer);
+  placeLamps(placer);
+  placeSigns(placer);
+  placeShelters(placer);
+  placeVehicles(placer);
+  placeTrees(placer);
+  placeFurniture(placer);
+  placeBicycles(placer);
+  placeBushes(placer);
+  placePedestrians(placer);
 }
 
 }  // namespace scanmill::street

@@ -11,17 +11,9 @@
 
 namespace scanmill::street {
 
-struct Spot {
-  double x = 0, y = 0, yaw = 0, scale = 1;
-  double lean = 0;  // rad, roll about x
-};
-
 struct Placer {
   static constexpr int kTries = 24;
   static constexpr double kGap = 0.15;  // m, least distance between objects
-
-  // Returns the rectangle that a model covers at this place, enlarged by `grow` (m) on all sides.
-  static Footprint footprint(const Model& m, const Spot& s, double grow);
 
   void put(const Model& m, const Spot& s, std::string name, double sink = 0);
   // Places the model if the place is free. Otherwise returns false.

@@ -11,61 +11,25 @@
 #include <utility>
 #include <vector>
 
-#include "base/hash.h"
 #include "config/fields.h"
 #include "config/value.h"
 #include "scenefile/scene_file.h"
+#include "tests/support/labels.h"
 #include "tests/support/message_of.h"
+#include "tests/support/test_scene.h"
 
 namespace scanmill {
 namespace {
 
-const std::filesystem::path kLabels = std::filesystem::path(SCANMILL_SOURCE_DIR) / "labels";
+using testing::AllOf;
+using testing::HasSubstr;
 
 Scene makeStreet(const std::string& yaml, std::uint64_t seed, const Affine& worldFromStreet = {}) {
-  SceneBuilder builder("street", seed, readOntology(kLabels / "scanmill.yaml"),
-                       readMaterials(kLabels / "materials.yaml"));
+  SceneBuilder builder = labelledBuilder("street", seed);
   const Value value = parseYaml(yaml, "street.yaml");
   Fields fields(value, "street");
   addStreet(builder, fields, seed, worldFromStreet);
   return builder.finish();
-}
-
-template <class T>
-std::string_view bytes(const std::vector<T>& v) {
-  return {reinterpret_cast<const char*>(v.data()), v.size() * sizeof(T)};
-}
-
-std::string hash(const Mesh& mesh) {
-  Sha256 sha;
-  sha.add(bytes(mesh.positions));
-  sha.add(bytes(mesh.triangles));
-  sha.add(bytes(mesh.surfaceOf));
-  return sha.hex();
-}
-
-std::string hash(const Scene& scene) {
-  Sha256 sha;
-  for (const Mesh& mesh : scene.meshes) sha.add(hash(mesh));
-  for (const Instance& i : scene.instances) {
-    sha.add(i.name);
-    sha.add({reinterpret_cast<const char*>(&i.worldFromMesh), sizeof(Affine)});
-    sha.add({reinterpret_cast<const char*>(&i.mesh), sizeof(i.mesh)});
-  }
-  return sha.hex();
-}
-
-std::set<std::string> classesOf(const Scene& scene) {
-  std::set<std::string> names;
-  for (const Instance& i : scene.instances) {
-    const Mesh& mesh = scene.meshes[i.mesh];
-    for (const std::uint16_t s : mesh.surfaceOf) names.insert(scene.ontology.find(mesh.surfaces[s].semantic)->name);
-  }
-  return names;
-}
-
-bool startsWith(const std::string& text, std::string_view start) {
-  return text.compare(0, start.size(), start) == 0;
 }
 
 const Mesh& meshNamed(const Scene& scene, const std::string& name) {
@@ -81,7 +45,7 @@ Box worldBox(const Scene& scene, const Instance& instance) {
 std::map<std::string, Affine> placesOf(const Scene& scene, std::string_view start) {
   std::map<std::string, Affine> places;
   for (const Instance& i : scene.instances) {
-    if (startsWith(i.name, start)) places.emplace(i.name, i.worldFromMesh);
+    if (i.name.starts_with(start)) places.emplace(i.name, i.worldFromMesh);
   }
   return places;
 }
@@ -174,8 +138,8 @@ TEST(Street, LanesAreFreeButForTraffic) {
     const Scene scene = makeStreet("{cars: 30, pedestrians: 40, signs: 20, bicycles: 20, furniture: 40}", seed);
     for (const Instance& i : scene.instances) {
       if (i.name == "ground" || i.name == "road markings") continue;
-      const bool traffic = startsWith(i.name, "traffic ") && !startsWith(i.name, "traffic light");
-      const double high = traffic || startsWith(i.name, "cyclist") ? 0 : kRoadEdge;
+      const bool traffic = i.name.starts_with("traffic ") && !i.name.starts_with("traffic light");
+      const double high = traffic || i.name.starts_with("cyclist") ? 0 : kRoadEdge;
       for (const Vec3f& v : scene.meshes[i.mesh].positions) {
         const Vec3d p = i.worldFromMesh * Vec3d(v);
         const bool inLane = p.y > -kRoadEdge && p.y < high && p.z < 2.5;
@@ -190,14 +154,14 @@ TEST(Street, VehiclesDoNotOverlap) {
     const Scene scene = makeStreet("{cars: 40, traffic: 8, trucks: 2, buses: 2, cyclists: 4}", seed);
     std::vector<std::pair<std::string, Box>> boxes;
     for (const Instance& i : scene.instances) {
-      const bool vehicle = startsWith(i.name, "car ") || startsWith(i.name, "cyclist ") ||
-                           (startsWith(i.name, "traffic ") && !startsWith(i.name, "traffic light"));
-      const bool house = startsWith(i.name, "house ");
+      const bool vehicle = i.name.starts_with("car ") || i.name.starts_with("cyclist ") ||
+                           (i.name.starts_with("traffic ") && !i.name.starts_with("traffic light"));
+      const bool house = i.name.starts_with("house ");
       if (vehicle || house) boxes.emplace_back(i.name, worldBox(scene, i));
     }
     for (std::size_t a = 0; a < boxes.size(); ++a) {
       for (std::size_t b = a + 1; b < boxes.size(); ++b) {
-        if (startsWith(boxes[a].first, "house ")) continue;  // roofs of neighbours may overlap in plan
+        if (boxes[a].first.starts_with("house ")) continue;  // roofs of neighbours may overlap in plan
         const Box& p = boxes[a].second;
         const Box& q = boxes[b].second;
         const bool apart = p.high.x < q.low.x || q.high.x < p.low.x || p.high.y < q.low.y || q.high.y < p.low.y;
@@ -257,10 +221,7 @@ TEST(Street, VerticalRaysFindGroundEverywhere) {
     for (double y = box.low.y + 0.017; y < box.high.y; y += 3.91) {
       int found = 0;
       for (std::size_t k = 0; k < ground.triangles.size(); ++k) {
-        const Triangle& t = ground.triangles[k];
-        const Vec3d a(ground.positions[t[0]]);
-        const Vec3d b(ground.positions[t[1]]);
-        const Vec3d c(ground.positions[t[2]]);
+        const auto [a, b, c] = cornersIn(ground, ground.triangles[k]);
         const double ab = side(a, b, x, y);
         const double bc = side(b, c, x, y);
         const double ca = side(c, a, x, y);
@@ -298,10 +259,8 @@ TEST(Street, LeavesAreManyAndSmallAndDenserOutside) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       const Surface& s = mesh.surfaces[mesh.surfaceOf[k]];
       trunk |= scene.ontology.find(s.semantic)->name == "trunk";
-      if (!startsWith(scene.materials[s.material].name, "leaf")) continue;
-      const Vec3d a(mesh.positions[mesh.triangles[k][0]]);
-      const Vec3d b(mesh.positions[mesh.triangles[k][1]]);
-      const Vec3d c(mesh.positions[mesh.triangles[k][2]]);
+      if (!scene.materials[s.material].name.starts_with("leaf")) continue;
+      const auto [a, b, c] = cornersIn(mesh, mesh.triangles[k]);
       area += length(cross(b - a, c - a)) / 2;
       leaves.push_back((a + b + c) * (1.0 / 3));
     }
@@ -380,18 +339,16 @@ TEST(Street, MovesAsAWhole) {
 
 TEST(Street, RefusesBadParametersWithTheirPlace) {
   const auto message = [](const std::string& yaml) { return messageOf([&] { makeStreet(yaml, 1); }); };
-  EXPECT_THAT(message("{length: 10}"),
-              testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("length")));
-  EXPECT_THAT(message("length: 200\ntrees: -1\n"), testing::HasSubstr("street.yaml:2:"));
-  EXPECT_THAT(message("{trees: many}"), testing::HasSubstr("trees"));
-  EXPECT_THAT(message("{buildings: 1.5}"), testing::HasSubstr("buildings"));
-  EXPECT_THAT(message("{tree: 5}"), testing::HasSubstr("trees"));
-  EXPECT_THAT(message("{cross_street: perhaps}"), testing::HasSubstr("cross_street"));
-  EXPECT_THAT(message("{parking_width: 1}"),
-              testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("at least 2 m")));
+  EXPECT_THAT(message("{length: 10}"), AllOf(HasSubstr("street.yaml:1:"), HasSubstr("length")));
+  EXPECT_THAT(message("length: 200\ntrees: -1\n"), HasSubstr("street.yaml:2:"));
+  EXPECT_THAT(message("{trees: many}"), HasSubstr("trees"));
+  EXPECT_THAT(message("{buildings: 1.5}"), HasSubstr("buildings"));
+  EXPECT_THAT(message("{tree: 5}"), HasSubstr("trees"));
+  EXPECT_THAT(message("{cross_street: perhaps}"), HasSubstr("cross_street"));
+  EXPECT_THAT(message("{parking_width: 1}"), AllOf(HasSubstr("street.yaml:1:"), HasSubstr("at least 2 m")));
   EXPECT_THAT(message("{terrain: 50, front_garden: 20, sidewalk_width: 8}"),
-              testing::AllOf(testing::HasSubstr("street.yaml:1:"), testing::HasSubstr("terrain")));
-  EXPECT_THAT(message("{length: .nan}"), testing::HasSubstr("length"));
+              AllOf(HasSubstr("street.yaml:1:"), HasSubstr("terrain")));
+  EXPECT_THAT(message("{length: .nan}"), HasSubstr("length"));
 }
 
 TEST(Street, SceneFileHoldsTheDefaults) {
