@@ -1,7 +1,5 @@
 #pragma once
 
-#include <unistd.h>
-
 #include <utility>
 
 namespace scanmill {
@@ -16,10 +14,7 @@ struct [[nodiscard]] Descriptor {
     return *this;
   }
   bool open() const { return number >= 0; }
-  void close() {
-    if (open()) ::close(number);
-    number = -1;
-  }
+  void close();
   int number;
 };
 
