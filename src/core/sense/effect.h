@@ -1,7 +1,7 @@
 #pragma once
 
 // An effect turns the returns of an ideal receiver into the returns of a real one: it changes, removes and adds rows of
-// the table of returns. A new effect needs a new file and a row in effects().
+// the table of returns. A new effect needs a new file, a line in effects/makers.h and a row in effects().
 //
 //   const Value keys = parseYaml("sigma_m: 0.02", "effects.yaml");
 //   Fields options(keys, "effect range_noise");
