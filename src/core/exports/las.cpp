@@ -116,7 +116,7 @@ class Returns {
   const Scan& scan_;
   bool counts_ = false;
   PointKey extent_;
-  std::vector<std::uint32_t> all_, soFar_;  // by beam: number of all points, and of the points so far
+  std::vector<std::uint32_t> all_, soFar_;  // number of all points, and of the points so far, by beam
 };
 
 class Las : public ScanFiles {

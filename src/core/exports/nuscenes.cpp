@@ -107,7 +107,7 @@ class InstanceNumbers {
  private:
   struct Scene {
     std::set<std::size_t> frames;
-    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // by class: the dataset's instance ids
+    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // the dataset's instance ids, by class
   };
 
   std::vector<std::size_t> unknownFrames(std::size_t sequence, std::size_t frames) {
@@ -242,8 +242,8 @@ class NuScenes : public Layout {
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
 
-  // Throws InputError unless the class ids are 0, 1, 2, ... without gaps, which the devkit requires to count points by
-  // class.
+  // Throws InputError unless the class ids are 0, 1, 2, ... without gaps, as the devkit requires to count points by
+  // class, or if there are more than kMostClasses.
   static void checkClasses(const ExportPlan& plan) {
     const Ontology& target = plan.classes.target();
     std::set<std::uint16_t> ids;

@@ -26,7 +26,7 @@ struct NpyArray {
 // not a ZIP archive or an array is damaged, larger than 4 GiB, in Fortran's order or big-endian.
 std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& what);
 
-// Returns the bytes of an element of a NumPy type such as "<f4", if it is a number of 1 to 8 bytes; else 0.
+// Returns the size (bytes) of an element of a NumPy type such as "<f4"; 0 unless it is a number of 1 to 8 bytes.
 std::size_t npyNumberBytes(std::string_view type);
 
 }  // namespace scanmill

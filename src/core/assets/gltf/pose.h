@@ -43,8 +43,8 @@ struct PlacedNode {
 // Returns the nodes of the scene in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
-// Returns all numbers of the primitive's attribute `name`, vertex by vertex; empty if the primitive lacks the
-// attribute.
+// A function that returns all numbers of a primitive's attribute `name`, vertex by vertex; empty if the primitive lacks
+// the attribute.
 using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
 
 // Applies morph targets and skins to the vertices of primitives.
