@@ -12,7 +12,7 @@
 //
 // - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models trained on nuScenes
 //   can be used; calibrated_sensor has the frame's pose on the vehicle. Rings are numbered from the lowest beam; they
-//   are 0 if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
+//   are all equal if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
 //   intensities above the full scale become 255, and all are 0 without the column.
 // - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
