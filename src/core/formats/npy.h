@@ -17,7 +17,7 @@ std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape,
 
 struct NpyArray {
   std::string name;                // file name without .npy
-  std::string type;                // as NumPy writes it ("<f4"); empty for a structured type
+  std::string type;                // first 3 characters of NumPy's type ("<f4"); no valid type if structured
   std::vector<std::size_t> shape;  // empty for a single number
   std::string bytes;               // elements, last index fastest; if numbers, exactly as many as `shape` says
 };

@@ -30,7 +30,7 @@ struct Clip {
   std::string name;            // the animation's number if it has no name
   double first = 0, last = 0;  // s, times of the first and the last key frame
 };
-// Returns the animations of a file, in the file's order. Throws an InputError that names the file.
+// Returns the animations of a file that have key frames, in the file's order. Throws an InputError that names the file.
 std::vector<Clip> readClips(const std::filesystem::path& file);
 
 // Returns the times of an animation's first and last key frame (s). Throws an InputError that names the file, with a
