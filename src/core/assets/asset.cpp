@@ -54,7 +54,7 @@ Asset readGltf(const std::filesystem::path& file, const std::string& kind, const
 
 // Warns if an asset is so far from the origin that its coordinates are coarse in single precision.
 void warnOfSteps(const Asset& asset, const std::filesystem::path& file) {
-  constexpr double kFar = 16384;  // m; beyond this, steps of float32 are 2 mm or more
+  constexpr double kFar = 16384;  // m; from here on, steps of float32 are about 2 mm or more
   Box box;
   for (const AssetPart& part : asset.parts) {
     for (const Vec3f& p : part.positions) {

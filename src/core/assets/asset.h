@@ -22,8 +22,8 @@ struct AssetPart {
   std::string node;             // name of its node, or of the nearest ancestor with a name; "" if no ancestor has one
   std::uint32_t nodeIndex = 0;  // the node's number in file order (depth first); parts of the same node share it
   std::string material;         // name of the material in the file
-  std::string texture;    // base colour file as the file names it (decoded, such as "textures/leaf.png"), or empty
-  Material fileMaterial;  // material in the file; its reflectance is the luminance of the base colour
+  std::string texture;    // base colour image as the file names it ("textures/leaf.png", without URI escapes), or empty
+  Material fileMaterial;  // material in the file; reflectance: luminance of the base colour, or a default
   std::array<float, 3> color{1, 1, 1};  // base colour, or the factor on the texture; linear
   std::vector<Vec3f> positions;
   std::vector<Vec2f> uvs;  // empty, or one per position; v = 0 is the image's bottom row
@@ -33,11 +33,11 @@ struct AssetPart {
 
 // How the alpha of a base colour decides whether beams pass through a surface.
 enum class AlphaUse {
-  // Beams pass as the file declares. glTF: below alphaCutoff for alphaMode MASK, and below 0.5 for BLEND. Other kinds:
-  // below 0.5, if a material has an opacity map or an opacity between 0 and 1 (MTL map_d, d and Tr; COLLADA
-  // transparent; FBX TransparentColor; AC3D trans). Many files declare nothing, and their alpha can mean cut-outs
-  // (leaves) or something else (for example which parts of a car are painted). Such an alpha is used if it is
-  // distributed like cut-outs: see isCutOut() in assets/asset_alpha.h.
+  // Beams pass where the file declares it. glTF: where alpha is below alphaCutoff (alphaMode MASK) or below 0.5
+  // (BLEND). Other kinds: where alpha is below 0.5, if the material has an opacity map or an opacity between 0 and 1
+  // (MTL map_d, d and Tr; COLLADA transparent; FBX TransparentColor; AC3D trans). Many of these other files declare
+  // nothing, and their alpha can mean cut-outs (leaves) or, for example, which parts of a car are painted. Beams then
+  // pass where alpha is below 0.5 if alpha is distributed like cut-outs: see isCutOut() in assets/asset_alpha.h.
   Auto,
   Ignore,  // beams never pass, whatever the alpha
   Test,    // beams pass where alpha is below 0.5, or below the cutoff in the file

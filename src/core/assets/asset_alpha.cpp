@@ -17,8 +17,8 @@ constexpr double kLeastLow = 0.01;
 constexpr double kMostGraded = 0.3;
 constexpr double kMostGone = 0.15;
 
-// Sums, over triangles, of the triangle's area times the number of its sample points: of all its points, and of the
-// points that each member of AlphaShares counts.
+// Sums over triangles of the triangle's area times a number of its sample points: `all` with all points, each member of
+// `parts` with the points that meet its condition.
 struct Sum {
   double all = 0;
   AlphaShares parts;

@@ -18,7 +18,7 @@ struct AlphaShares {
 };
 
 // Measures the fractions for a material's texture at 36 points of each triangle, or of every n-th triangle if there are
-// more than 16384.
+// 16384 or more.
 AlphaShares measureAlpha(const ImportedFile& imported, std::uint32_t material, const Texture& texture);
 
 // True if these are the fractions of cut-outs: some of the surface is cut away, the alpha is mostly 0 or 1, and hardly

@@ -104,7 +104,7 @@ class Importer {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
-    // The importer also detects kinds by content: glTF with another extension would be read without our checks.
+    // Removes the importer's readers of glTF: it detects kinds by content, too, and they would skip our checks.
     for (const char* kind : {"gltf", "glb"}) {
       while (auto* loader = importer_.GetImporter(kind)) importer_.UnregisterLoader(loader);
     }

@@ -38,15 +38,15 @@ class ColorImages {
  public:
   // `allowOutside`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
-  // Warns of all missing images in one line, and in another line of those whose alpha may be cut-outs.
+  // Warns of missing images: in one line of those whose alpha may be cut-outs, in another line of the others.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;
 
   // Returns the image that the asset calls `name`: the result of `embedded`, or if that is null the file `name`.
-  // Returns null, and warns, if the image is missing or broken; also returns null if `onlyAlpha` is set and the image
-  // has no alpha. `cutsOut`: the alpha of the image would let beams pass, which the warning then mentions. `key`
-  // identifies the image.
+  // Returns null if the image is missing (the destructor warns), is broken (warns), or has no alpha although
+  // `onlyAlpha` is set. `cutsOut`: the alpha of the image would let beams pass, which the destructor's warning then
+  // mentions. `key` identifies the image.
   std::shared_ptr<const Texture> load(const std::string& key, const std::string& name, bool onlyAlpha, bool cutsOut,
                                       const std::function<std::shared_ptr<const Texture>()>& embedded);
 
@@ -65,8 +65,9 @@ class ColorImages {
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };
 
-// Sets reflectance and texture of a material of the asset `file`. If an image is named but not loaded, and the colour
-// factor is white, the material gets the default reflectance, since white then only means "unchanged image".
+// Sets reflectance and texture of a material of the asset `file`. A material that the file does not state gets the
+// default reflectance, and so does a material whose image is not loaded and whose colour factor is white, since white
+// then only means "unchanged image".
 void setColor(Material& material, BaseColor color, const std::filesystem::path& file, const AssetOptions& options,
               ColorImages& images);
 

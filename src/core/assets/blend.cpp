@@ -36,7 +36,7 @@ BlendExport::BlendExport(const std::filesystem::path& file) {
   std::optional<BlenderJob> job;
   try {
     job.emplace("export", folder_.path(), std::vector<std::string>{std::filesystem::absolute(file).string()});
-  } catch (const Error& e) {  // Blender is not installed; the file may be sound
+  } catch (const Error& e) {  // Blender cannot be started; the file may be sound
     throw Error(fmt::format("{}: {}", file.string(), e.what()));
   }
   try {

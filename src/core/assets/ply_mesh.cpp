@@ -101,7 +101,7 @@ Vec3d vertexAt(const char* bytes, const Layout& layout) {
   return {p[0], p[1], p[2]};
 }
 
-// Returns an origin near most vertices (m, along the asset's axes): the median of a thousand vertices, which ignores
+// Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices, which ignores
 // outliers.
 Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFile) {
   constexpr std::uint64_t kSamples = 1000;
@@ -123,7 +123,7 @@ Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFil
   return cloudOrigin({median(axes[0]), median(axes[1]), median(axes[2])});
 }
 
-// Reads the triangles. Returns false if a face is not a triangle.
+// Reads the triangles, and drops those with indices out of range. Returns false if a face is not a triangle.
 bool readFaces(const char* bytes, const Layout& layout, ImportedFile& read) {
   std::vector<Triangle>& triangles = read.parts.front().triangles;
   triangles.resize(layout.faces);

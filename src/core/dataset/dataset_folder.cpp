@@ -228,8 +228,8 @@ void DatasetFolder::begin(FolderUse use) {
         "has an unfinished dataset of another pipeline (another `--set` makes another pipeline), of changed files that "
         "the pipeline names, or of another version of this program: choose another folder, or add --overwrite");
   }
-  // Shards without a manifest are left over from a run that was killed while it replaced a dataset. Shards with a
-  // manifest are a complete dataset, which stays until the new dataset is complete.
+  // Shards without a manifest are left over from a run that was killed in publish(). Shards with a manifest are a
+  // complete dataset, which stays until the new dataset is complete.
   if (!fs::exists(folder_ / kManifestName)) {
     for (const std::string& name : ownShards(folder_)) removeShard(folder_, name);
   }
@@ -254,7 +254,7 @@ DatasetFolder::~DatasetFolder() {
     whole = !published_ && !whole_ && !recordedIn(staging_).empty();
     if (!whole) clearHidden(staging_);
   } catch (const std::exception&) {
-    whole = true;  // the folder has changed: remove no more files
+    whole = true;  // the folder may have changed: remove no more files
   }
   lock_.reset();
   // Both folders are removed only if they are empty.

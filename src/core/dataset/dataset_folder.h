@@ -31,7 +31,7 @@ class DatasetFolder {
  public:
   // Creates the folder. Throws InputError, and changes nothing, if the folder contains something that `use` does not
   // allow: a dataset, files of other programs, files with the names of shards, or an unfinished dataset of another
-  // plan. Also throws InputError if a process that does not share the folder is writing into it.
+  // plan. Also throws InputError if another process is writing into it, unless both use Share.
   DatasetFolder(std::filesystem::path folder, FolderUse use, DatasetPlan plan);
   // Releases the lock. An unfinished dataset stays on the disk, so that it can be resumed, if it has a complete shard
   // or if other processes are working on it.

@@ -36,7 +36,7 @@ std::vector<std::string> listedIn(const std::filesystem::path& manifest);
 std::vector<std::string> recordedIn(const std::filesystem::path& hidden);
 
 // Returns the names of the shards in a folder that this program wrote, and of the files that describe their samples.
-// They belong to the dataset in the folder; or, if a process was killed while it replaced a dataset, to the old or the
+// They belong to the dataset in the folder; or, if a process was killed while it published a dataset, to the old or the
 // new dataset. Throws InputError if a manifest in the folder cannot be read.
 std::vector<std::string> ownShards(const std::filesystem::path& folder);
 

@@ -38,8 +38,8 @@ std::string toJson(const DatasetPart& part);
 DatasetPlan parsePlan(const std::string& text, const std::string& file);
 DatasetPart parsePart(const std::string& text, const std::string& file);
 
-// Returns the manifest of the complete dataset, from all parts, in the order of the plan's shards. Throws Error if a
-// sample is missing or occurs twice.
+// Returns the manifest of the complete dataset. `parts`: all parts, in the order of the plan's shards. Throws Error if
+// a sample is missing, occurs twice or is not in the plan.
 [[nodiscard]] Manifest joinParts(const DatasetPlan& plan, std::vector<DatasetPart> parts);
 
 }  // namespace scanmill

@@ -1,7 +1,7 @@
 #pragma once
 
 // A recording: the hits or the passes of a pipeline's shots, stored as EXR files, from which scans can be generated
-// again without the scene. Installed because pipeline/read/pipeline.h includes it.
+// again without the scene. This header is installed because pipeline/read/pipeline.h includes it.
 //
 //   const auto recording = std::make_shared<const Recording>(readRecording("hits", RecordingKind::Hits));
 //   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {}, recording);

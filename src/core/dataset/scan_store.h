@@ -25,7 +25,7 @@ namespace scanmill {
 struct StoredScan {
   std::string sensor;                // from the manifest or, if there is none, from the members' names; empty: unknown
   std::string method;                // from the manifest or, if there is none, from the members' names; empty: unknown
-  std::vector<std::string> members;  // names of the shard's members that contain the scan, in the shard's order
+  std::vector<std::string> members;  // members of the shard that contain the scan, in order; or a recorded scan's file
   const ScanRecord* record = nullptr;  // record in the manifest; null: there is no manifest
 };
 
@@ -48,8 +48,8 @@ class ScanStore {
   // Returns the classes of the labels, from the manifest or the layout; null if they are unknown.
   const Ontology* ontology() const;
   std::filesystem::path folder() const { return folder_; }  // folder of the manifest
-  // Returns the complete beam table of a sensor; null if the sensor's beams are unknown. `time`: time of the scan (s),
-  // for sensors whose beams differ from scan to scan. May be called from any thread.
+  // Returns the beam table of a sensor, filled up to 2^23 beams; null if the sensor's beams are unknown. `time`: time
+  // of the scan (s), for sensors whose beams differ from scan to scan. May be called from any thread.
   std::shared_ptr<const BeamTable> beams(const std::string& sensor, double time) const;
 
   // Returns the keys of all samples; for a single scan, the name of its file.
@@ -81,7 +81,7 @@ class ScanStore {
  private:
   struct Sample {
     std::size_t shard = 0;
-    std::vector<std::string> members;  // names of the members; empty if a manifest lists them
+    std::vector<std::string> members;  // names of the members; if empty, `record` lists them
     const SampleRecord* record = nullptr;
   };
   struct Shard {

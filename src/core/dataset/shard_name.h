@@ -1,6 +1,6 @@
 #pragma once
 
-// Names of shards in a dataset's folder: <split>/<split>-000000.tar. Numbers of shards as people write them: "0-9,12".
+// Names of shards in a dataset's folder, <split>/<split>-000000.tar, and lists of shard numbers as text: "0-9,12".
 
 #include <cstdint>
 #include <optional>

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
 constexpr const char* kAdvice = "; --set splits=null puts all sequences into train";
-using Assignment = std::map<std::string, std::string>;  // the split of each group
+using Assignment = std::map<std::string, std::string>;  // split, by name of the group
 
 std::string groupOf(const SequenceName& sequence, bool bySeed) {
   return bySeed ? std::to_string(sequence.seed) : sequence.trajectory;
@@ -49,7 +49,7 @@ std::array<std::size_t, kSplits.size()> apportion(const std::array<double, kSpli
   std::size_t given = 0;
   for (std::size_t i = 0; i < kSplits.size(); ++i) {
     const double quota = shares[i] * static_cast<double>(groups);
-    counts[i] = static_cast<std::size_t>(std::floor(quota + 1e-9));  // 0.1 * 30 may be just below 3
+    counts[i] = static_cast<std::size_t>(std::floor(quota + 1e-9));  // 0.29 * 100 is just below 29
     remainders[i] = quota - static_cast<double>(counts[i]);
     given += counts[i];
   }

@@ -17,7 +17,7 @@ struct SequenceName {
 };
 
 // Returns the split of each sequence. `value`: the pipeline's key `splits`; if it is null, all sequences go to "train".
-// The sequences with the same seed, or with the same trajectory, form a group that goes to one split. Groups are
+// All sequences with the same seed or trajectory (see `by`) form a group that goes to one split. Groups are
 // assigned either by shares that sum to 1, {by: seed, train: 0.8, val: 0.1, test: 0.1}, or by lists, {by: trajectory,
 // train: [a, b], val: [c]}.
 //

@@ -241,7 +241,7 @@ class ShardCheck {
   fs::path file_;
   std::uint64_t samples_ = 0;
   std::vector<std::string> expected_;                 // names of the members, in order
-  std::map<std::string, const SampleRecord*> owner_;  // by member: the sample that it belongs to
+  std::map<std::string, const SampleRecord*> owner_;  // sample of a member, by name of the member
   std::vector<std::string> problems_;
   std::unique_ptr<const SampleObjects> objects_;  // latest list of objects; null: it is damaged
   std::set<std::string> countedSensors_;          // sensors whose points were compared with objects_

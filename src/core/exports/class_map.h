@@ -30,7 +30,7 @@ class ClassMap {
 
  private:
   Ontology target_;
-  std::vector<std::uint16_t> of_;  // by class id of `from`: class id of the target
+  std::vector<std::uint16_t> of_;  // class id of the target, by class id of `from`
   std::vector<std::string> lost_;
 };
 

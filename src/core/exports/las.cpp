@@ -63,8 +63,8 @@ class WorldPlaces {
 
  private:
   // Returns the fraction of the sensor's motion at the time when a point is measured, from 0 at the first column to 1
-  // at the last. If the scan has no beam numbers, the column is derived from the point's time, which ignores offsets
-  // between the rings' times.
+  // at the last. If the scan has no beam numbers, the fraction is derived from the point's time, which ignores offsets
+  // between the rings' times; without a time it is 0.
   double shareOf(std::size_t point) const {
     const double all = starts_.empty() ? 0 : starts_.back() - starts_.front();
     if (!(all > 0)) return 0;
@@ -80,8 +80,8 @@ class WorldPlaces {
   std::vector<double> starts_;  // s since the start of the revolution, firing time of each column
 };
 
-// Computes return numbers. If the scan lacks the columns for them, the points of each beam are counted; the points of a
-// beam are in the order of their returns.
+// Computes return numbers. If the scan lacks one of the columns for them and the beams are known, the points of each
+// beam, which are in the order of their returns, are counted.
 class Returns {
  public:
   explicit Returns(const Scan& scan)
@@ -116,7 +116,7 @@ class Returns {
   const Scan& scan_;
   bool counts_ = false;
   PointKey extent_;
-  std::vector<std::uint32_t> all_, soFar_;  // by beam: number of all points, and of the points so far
+  std::vector<std::uint32_t> all_, soFar_;  // number of all points, and of the points so far, by beam
 };
 
 class Las : public ScanFiles {

@@ -182,7 +182,7 @@ class Bag {
 class Mcap : public Layout {
  public:
   void check(const ExportPlan& plan) const override {
-    std::map<std::string, std::string> sensors;  // by topic
+    std::map<std::string, std::string> sensors;  // name of a sensor, by topic
     for (const SensorRecord* sensor : plan.sensors) {
       if (sensor->name == kWorld || sensor->name == kVehicle) {
         throw InputError({plan.dataset.string()},

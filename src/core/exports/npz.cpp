@@ -15,7 +15,7 @@
 //   box_instance       uint32 (M,)       as in the column `instance`
 //   box_velocity       float32 (M, 3)    over ground, along the sensor's axes at the start of the revolution (m/s)
 //   box_points         uint32 (M,)       number of the scan's points on the object
-//   box_visibility     float32 (M,)      fraction of its beams that nothing occludes; NaN if no beam would hit the box
+//   box_visibility     float32 (M,)      visible fraction of the beams at the object; NaN if no beam would hit it
 
 #include <algorithm>
 #include <limits>

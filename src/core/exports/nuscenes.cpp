@@ -12,7 +12,7 @@
 //
 // - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models trained on nuScenes
 //   can be used; calibrated_sensor has the frame's pose on the vehicle. Rings are numbered from the lowest beam; they
-//   are 0 if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
+//   are all equal if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
 //   intensities above the full scale become 255, and all are 0 without the column.
 // - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
@@ -107,7 +107,7 @@ class InstanceNumbers {
  private:
   struct Scene {
     std::set<std::size_t> frames;
-    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // by class: the dataset's instance ids
+    std::map<std::uint16_t, std::set<std::uint32_t>> ids;  // the dataset's instance ids, by class
   };
 
   std::vector<std::size_t> unknownFrames(std::size_t sequence, std::size_t frames) {
@@ -242,8 +242,8 @@ class NuScenes : public Layout {
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
 
-  // Throws InputError unless the class ids are 0, 1, 2, ... without gaps, which the devkit requires to count points by
-  // class.
+  // Throws InputError unless the class ids are 0, 1, 2, ... without gaps, as the devkit requires to count points by
+  // class, or if there are more than kMostClasses.
   static void checkClasses(const ExportPlan& plan) {
     const Ontology& target = plan.classes.target();
     std::set<std::uint16_t> ids;

@@ -88,7 +88,7 @@ class JsonListFile {
   std::vector<std::string> items_;
 };
 
-// Returns the token of nuScenes' four levels of visibility, "1" to "4"; an empty text if the visibility is unknown.
+// Returns the token of one of nuScenes' four levels of visibility, "1" to "4"; empty if the visibility is unknown.
 std::string visibilityToken(const std::optional<double>& visible) {
   if (!visible) return "";
   return *visible < 0.4 ? "1" : *visible < 0.6 ? "2" : *visible < 0.8 ? "3" : "4";
@@ -177,7 +177,7 @@ class Tables {
   }
 
   void addCategories() {
-    std::map<std::uint16_t, std::string> sources;  // by target class: names of the dataset's classes
+    std::map<std::uint16_t, std::string> sources;  // names of the dataset's classes, by target class
     for (const SemanticClass& c : plan_.manifest.ontology.classes) {
       std::string& names = sources[plan_.classes.of(c.id)];
       names += (names.empty() ? "" : ", ") + c.name;

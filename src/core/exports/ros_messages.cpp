@@ -180,7 +180,7 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.text("").count(0).number(false);  // mesh_file: filename, data; mesh_use_embedded_materials
 }
 
-// PointField has no 64-bit integers: they are converted to floats, which are exact up to 2^53.
+// PointField has no 64-bit integers: they are converted to doubles, which are exact up to 2^53.
 template <class T>
 using FieldValue = std::conditional_t<sizeof(T) == 8, double, T>;
 

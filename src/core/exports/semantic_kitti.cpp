@@ -177,7 +177,7 @@ class SemanticKitti : public Layout {
     std::string trained;
     std::string back;
     std::string ignored;
-    std::map<std::uint16_t, int> number;  // by trained class
+    std::map<std::uint16_t, int> number;  // number in the configuration, by trained class
     std::set<std::uint16_t> reached{0};
     for (const SemanticClass& c : plan.manifest.ontology.classes) reached.insert(plan.classes.of(c.id));
     for (const SemanticClass& c : plan.classes.target().classes) {

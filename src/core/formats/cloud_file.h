@@ -21,7 +21,7 @@ struct Cloud {
 Vec3d cloudOrigin(const Vec3d& place);
 
 // True if a file is a cloud that can be part of a scene, judged by its suffix. A .ply is a cloud if its header has no
-// faces; false for a .ply that does not exist or is empty. Throws InputError for a .ply with a damaged header.
+// faces, but not if it does not exist or is empty. Throws InputError for a .ply with a damaged header.
 bool isCloud(const std::filesystem::path& file);
 // True if readCloud() can read the file: if isCloud() is true, or if its suffix is .bin or .npz. Throws as isCloud().
 bool isScan(const std::filesystem::path& file);

@@ -9,7 +9,7 @@
 // POSITION is a quantised float32 attribute, so that every reader gets metres. The other columns are GENERIC attributes
 // with a metadata entry "name", in the order of the table of columns (scan/columns.h); Column::loss says which columns
 // may be rounded, and by how much. Integers are stored exactly in the narrowest of u8, u16 and u32. Intensities are
-// stored as such integers if all are whole numbers up to 65535, else as float32. The geometry's metadata contains the
+// stored likewise if all are whole numbers up to 65535, else as float32. The geometry's metadata contains the
 // sensor's numbers of rings and columns. Misses are left out: ring and column identify the beams of the remaining
 // points. Foreign columns are kept if their type is u8, u16, u32 or float32.
 //
@@ -71,7 +71,7 @@ struct DracoOptions {
 };
 
 bool allFinite(std::span<const float> values) {
-  // The sum of v * 0 is 0 exactly if all v are finite. With several sums the loop can be vectorised.
+  // The sum of v * 0 is 0 if all v are finite, otherwise NaN. With several sums the loop can be vectorised.
   float sums[16] = {};
   std::size_t i = 0;
   for (; i + 16 <= values.size(); i += 16) {

@@ -28,8 +28,8 @@ Grid chooseGrid(std::span<const float> low, std::span<const float> high, double 
   const double diagonal = std::sqrt(static_cast<double>(low.size()));  // diagonal of a cube of side 1
   const double axisBound = bound / diagonal;
   const double widest = 2 * axisBound * (1 - 1e-9);  // largest step, minus a margin for rounding the index in double
-  // The step and all coordinates of grid points are at most 2^24 times `unit`, in whole numbers, and so exact in
-  // float32.
+  // The step and all coordinates of grid points are whole multiples of `unit`, at most 2^24 times `unit`, and therefore
+  // exact in float32.
   const double reach = std::max(extent, magnitude) + 2 * widest;
   const double unit =
       std::exp2(std::max(std::ceil(std::log2(reach / kFloatWhole)), std::floor(std::log2(widest)) - 20));

@@ -17,7 +17,7 @@ std::string npyOf(std::string_view descr, const std::vector<std::size_t>& shape,
 
 struct NpyArray {
   std::string name;                // file name without .npy
-  std::string type;                // as NumPy writes it ("<f4"); empty for a structured type
+  std::string type;                // first 3 characters of NumPy's type ("<f4"); no valid type if structured
   std::vector<std::size_t> shape;  // empty for a single number
   std::string bytes;               // elements, last index fastest; if numbers, exactly as many as `shape` says
 };
@@ -26,7 +26,7 @@ struct NpyArray {
 // not a ZIP archive or an array is damaged, larger than 4 GiB, in Fortran's order or big-endian.
 std::vector<NpyArray> readNpzArrays(std::string_view bytes, const std::string& what);
 
-// Returns the bytes of an element of a NumPy type such as "<f4", if it is a number of 1 to 8 bytes; else 0.
+// Returns the size (bytes) of an element of a NumPy type such as "<f4"; 0 unless it is a number of 1 to 8 bytes.
 std::size_t npyNumberBytes(std::string_view type);
 
 }  // namespace scanmill

@@ -102,7 +102,7 @@ Scan readNpz(std::string_view bytes, const std::string& what) {
   };
   scan.rings = most(scan[kRing]);
   scan.columns = most(scan[kColumn]);
-  if (shape.size() == 2) {  // an image: the planes, one per return, follow each other; each has all rings
+  if (shape.size() == 2) {  // an image: planes (one per return) one below the other, each with all rings
     const auto rows = static_cast<std::uint32_t>(shape[0]);
     scan.organised = true;
     scan.planes = scan.rings > 0 && rows % scan.rings == 0 ? rows / scan.rings : 1;

@@ -269,8 +269,8 @@ class BodyReader {
     return field == nullptr && name == "intensity" ? find(kReflectivity) : field;
   }
 
-  // True if the field becomes a foreign column: it is in no column of the table, has one value per point, and is not
-  // padding, which PCL calls "_".
+  // True if the field becomes a foreign column: it is no coordinate and no column of the table, has one value per
+  // point, and is not padding, which PCL calls "_".
   static bool isForeign(const PcdField& field) {
     return field.count == 1 && field.name != "_" && field.name != "x" && field.name != "y" && field.name != "z" &&
            columnIndex(field.name) == kColumnCount;

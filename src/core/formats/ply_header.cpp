@@ -93,7 +93,7 @@ PlyHeader readPlyHeader(const std::filesystem::path& file) {
     const std::size_t end = text.find_first_of("\r\n", at);
     if (end == std::string::npos) throw InputError({file.string()}, "is truncated: the PLY header has no end_header");
     const std::vector<std::string> line = words(text.substr(at, end - at));
-    const bool isTwo = text.compare(end, 2, "\r\n") == 0 && !header.isMac;  // otherwise "\n" is the first byte of data
+    const bool isTwo = text.compare(end, 2, "\r\n") == 0 && !header.isMac;  // in Mac files "\n" would be data
     at = end + (isTwo ? 2 : 1);
     const Location where{file.string(), ++header.lines};
     if (header.lines == 1) {

@@ -33,7 +33,7 @@ struct PlyHeader {
 
   Format format = Format::Ascii;
   std::vector<PlyElement> elements;
-  std::uint64_t size = 0;  // bytes
+  std::uint64_t size = 0;  // size of the header (bytes)
   int lines = 0;
   bool isMac = false;  // true: lines end with "\r" (old Mac OS)
 };

@@ -57,7 +57,7 @@ std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   }
   if (begins.size() < kFewest) return {};
   begins.push_back(points.size());
-  std::vector<double> elevations;  // rad, median of the ring's points, by ring
+  std::vector<double> elevations;  // rad, median over the points of a ring, by ring
   for (std::size_t r = 0; r + 1 < begins.size(); ++r) {
     std::vector<double> own;
     for (std::size_t i = begins[r]; i < begins[r + 1]; ++i) {

@@ -30,8 +30,9 @@ Scan readDraco(std::string_view bytes, const std::string& what);
 // (rings, columns, 3); misses of an array of the second shape are NaN. A fourth and a fifth number per point are
 // intensity and ring. Every other array with one number per point becomes the column of its name: `label` if its name
 // is `labels`, `classes` or `semantic`; a foreign column if the table of columns lacks the name. All other arrays are
-// left out. Throws an InputError that begins with `what` if the bytes are not a ZIP archive, an array is damaged, in
-// Fortran's order or big-endian, or the positions are missing or not numbers.
+// left out. Throws an InputError that begins with `what` if the bytes are not a ZIP archive, if an array is damaged, in
+// Fortran's order or big-endian, if the positions are missing or not numbers, or if a column of the table has another
+// shape than the points.
 Scan readNpz(std::string_view bytes, const std::string& what);
 
 // Reads the points of LAS 1.0 to 1.4, point formats 0 to 10 ("LAS Specification 1.4 - R15", American Society for

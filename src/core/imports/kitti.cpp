@@ -5,7 +5,7 @@
 //   training/velodyne/000000.bin                the object benchmark; testing/ has the same folders
 //   DRIVE/velodyne_points/data/0000000000.bin   raw drives
 //
-// The given folder may be the root or any folder between the root and the scans.
+// The given folder may be the root, a folder of sequences or drives, one sequence or drive, or a folder velodyne.
 
 #include <algorithm>
 

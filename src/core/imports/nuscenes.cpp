@@ -77,14 +77,14 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
   if (given.empty()) return {};
   const fs::path tables = fs::absolute(given).lexically_normal();
   const fs::path root = (tables.has_filename() ? tables : tables.parent_path()).parent_path();
-  std::map<std::string, std::string> sceneOf;  // by token of a sample: token of its scene
-  std::map<std::string, std::string> nameOf;   // by token of a scene: its name
+  std::map<std::string, std::string> sceneOf;  // token of the scene, by token of a sample
+  std::map<std::string, std::string> nameOf;   // name of a scene, by its token
   readTable(tables / "scene.json", always,
             [&](const Json& row) { nameOf[row.at("token").get<std::string>()] = row.at("name").get<std::string>(); });
   readTable(tables / "sample.json", always, [&](const Json& row) {
     sceneOf[row.at("token").get<std::string>()] = row.at("scene_token").get<std::string>();
   });
-  std::map<std::string, fs::path> labelsOf;  // by token of sample_data: its file of labels
+  std::map<std::string, fs::path> labelsOf;  // file of labels, by token of sample_data
   if (isThere(tables / "lidarseg.json")) {
     readTable(tables / "lidarseg.json", always, [&](const Json& row) {
       labelsOf[row.at("sample_data_token").get<std::string>()] = root / row.at("filename").get<std::string>();

@@ -20,7 +20,7 @@ constexpr std::uint32_t kMagic = 0x46546C67;      // "glTF"
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;  // "JSON"
 constexpr std::uint32_t kBinChunk = 0x004E4942;   // "BIN"
 constexpr std::uint32_t kTileMagic = 0x6D643362;  // "b3dm"
-constexpr std::size_t kTileHeader = 28;           // bytes of a tile's header
+constexpr std::size_t kTileHeader = 28;           // size of a tile's header (bytes)
 
 std::uint32_t readWord(std::string_view bytes, std::size_t at) {
   std::uint32_t word = 0;

@@ -22,7 +22,7 @@ class Data {
   Data& operator=(const Data&) = delete;
 
   // Returns all numbers of an accessor, element by element; zeroes if the accessor has no data. Normalized integers
-  // become 0 to 1, or -1 to 1 (3.6.2.2); other integers keep their value. Floats may be infinite or NaN.
+  // become 0 to 1, or -1 to 1 (glTF 2.0, 3.6.2.2); other integers keep their value. Floats may be infinite or NaN.
   std::vector<float> floats(Index accessor, const std::string& what) const;
   // Returns the same as floats(). Throws if a number is not finite.
   std::vector<float> finiteFloats(Index accessor, const std::string& what) const;

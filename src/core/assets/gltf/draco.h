@@ -16,7 +16,7 @@ struct DracoMesh {
     bool normalized = false;     // true: integers were converted to the interval 0 to 1, or -1 to 1
     std::vector<float> numbers;  // vertex by vertex
   };
-  std::map<std::string, Values> attributes;  // by the names in `ids`
+  std::map<std::string, Values> attributes;  // by name, see decodeDraco()
   std::vector<std::uint32_t> indices;        // three per triangle
 };
 

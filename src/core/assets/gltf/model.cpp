@@ -262,7 +262,7 @@ class ModelReader : JsonReader {
         if (!pointerOf(target, channel, kPaths, what)) continue;
       } else {
         const auto known = kPaths.find(path);
-        if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels of other extensions
+        if (known == kPaths.end() || !target.contains("node")) continue;  // skips channels with other targets
         channel.path = known->second;
         channel.node = index(target["node"], m_.nodes.size(), what + "'s target");
       }

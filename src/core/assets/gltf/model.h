@@ -52,7 +52,7 @@ struct Accessor {
     std::uint64_t indicesOffset = 0, valuesOffset = 0;
     Component indices = Component::UInt32;
   };
-  MaybeIndex view;  // not set: all elements are zero, or the data are Draco-compressed
+  MaybeIndex view;  // not set: elements outside of `sparse` are zero, or the data are Draco-compressed
   std::uint64_t offset = 0, count = 0;
   Component component = Component::Float;
   std::size_t width = 1;  // components per element

@@ -26,8 +26,8 @@ Index animationNamed(const Model& model, const std::string& name);
 // Returns the times of an animation's first and last key frame (s); nullopt if it has no key frames.
 std::optional<std::pair<double, double>> spanOf(const Model& model, const Data& data, Index animation);
 
-// Sets the nodes of the model to the values that the clip has at its time. Throws InputError if a sampler's numbers of
-// times and values do not fit.
+// Sets the nodes of the model to the values that the clip has at its time. Throws InputError if a sampler's times are
+// not ascending or their number does not fit the values.
 void apply(const ClipTime& clip, const Data& data, Model& model);
 
 // Returns the transform from a node to its parent.
@@ -43,8 +43,8 @@ struct PlacedNode {
 // Returns the nodes of the scene in file order, depth first.
 std::vector<PlacedNode> placeNodes(const Model& model);
 
-// Returns all numbers of the primitive's attribute `name`, vertex by vertex; empty if the primitive lacks the
-// attribute.
+// A function that returns all numbers of a primitive's attribute `name`, vertex by vertex; empty if the primitive lacks
+// the attribute.
 using AttributeNumbers = std::function<std::vector<float>(const std::string& name)>;
 
 // Applies morph targets and skins to the vertices of primitives.

@@ -319,7 +319,8 @@ class Reader {
     }
   }
 
-  // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded.
+  // Adds the instances of EXT_mesh_gpu_instancing: as InstancedParts, or as separate parts if a clip is loaded or if
+  // fewer than two instances remain.
   void addInstances(const PlacedNode& placed, std::uint32_t number, const Attributes& attributes) {
     const std::string what = fmt::format("the instances of '{}'", placed.name);
     const auto numbers = [&](const char* name, std::size_t width, const std::vector<float>& fallback) {
@@ -380,7 +381,7 @@ class Reader {
   std::optional<Poser> poser_;
   std::vector<ReadMaterial> materials_;
   std::vector<std::size_t> uses_;  // number of nodes that place a mesh, by mesh
-  bool copies_ = false;            // true while append() is called for several copies of a node
+  bool copies_ = false;            // true while append() is called for the instances of a node
   std::map<const Primitive*, std::shared_ptr<const Geometry>> known_;
   Asset asset_;
   std::uint64_t triangles_ = 0;

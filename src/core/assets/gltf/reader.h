@@ -1,8 +1,9 @@
 #pragma once
 
-// Reads glTF 2.0, .gltf and .glb, with the extensions that affect geometry: KHR_mesh_quantization,
-// EXT_meshopt_compression, KHR_draco_mesh_compression, EXT_mesh_gpu_instancing, KHR_node_visibility and
-// KHR_texture_transform. Skins and morph targets are at rest, or in their pose at the time AssetOptions::clip.
+// Reads glTF 2.0 (.gltf, .glb, .b3dm) with the extensions that affect what beams hit: KHR_mesh_quantization,
+// EXT_meshopt_compression, KHR_meshopt_compression, KHR_draco_mesh_compression, EXT_mesh_gpu_instancing,
+// KHR_node_visibility, KHR_texture_transform, KHR_animation_pointer and CESIUM_RTC. Skins and morph targets are at
+// rest, or in their pose at the time AssetOptions::clip.
 
 #include <filesystem>
 #include <string>
@@ -29,7 +30,7 @@ struct Clip {
   std::string name;            // the animation's number if it has no name
   double first = 0, last = 0;  // s, times of the first and the last key frame
 };
-// Returns the animations of a file, in the file's order. Throws an InputError that names the file.
+// Returns the animations of a file that have key frames, in the file's order. Throws an InputError that names the file.
 std::vector<Clip> readClips(const std::filesystem::path& file);
 
 // Returns the times of an animation's first and last key frame (s). Throws an InputError that names the file, with a

@@ -81,7 +81,7 @@ class CloudAsset {
   }
 
  private:
-  // Chooses the points with finite positions, without the noise of LAS files.
+  // Chooses the points with finite positions. Leaves out the noise of LAS files unless the option `labels` is set.
   void choosePoints() {
     const auto& labels = scan_[kLabel];
     if (labels.empty() && !options_.points.labels.empty()) {

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostAbove = 8;  // number of folders to search: the file's folder and its parents
+constexpr int kMostAbove = 8;  // largest number of folders to search, from the file's folder upwards
 constexpr const char* kVariables[] = {"SDF_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH",
                                       "GAZEBO_MODEL_PATH", "ROS_PACKAGE_PATH"};
 

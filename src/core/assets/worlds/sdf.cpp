@@ -324,8 +324,8 @@ class SdfReader {
     const XmlNode* const script = material->child("script");
     if (script == nullptr) return;
     part.material = script->textOf("name", "");
-    // The <uri>s of the script are folders of scripts and images. They do not contain Gazebo's own materials, such as
-    // Gazebo/Grey.
+    // The <uri>s of the script name folders of scripts and images. URIs that begin with file://media refer to Gazebo's
+    // own materials, such as Gazebo/Grey, and are skipped.
     std::vector<std::filesystem::path> places;
     for (const XmlNode& uri : script->children) {
       if (uri.name != "uri" || uri.text.starts_with("file://media")) continue;

@@ -146,7 +146,7 @@ class UrdfReader {
 
   std::filesystem::path file_;
   XmlNode root_;
-  std::map<std::string, Joint> joints_;  // by name of the child link
+  std::map<std::string, Joint> joints_;  // joints, by name of their child link
   std::map<std::string, Look> looks_;
   World world_;
 };
