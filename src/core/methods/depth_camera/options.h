@@ -17,7 +17,7 @@ struct DepthCameraOptions {
   LayoutOptions layout;
   SampleOptions sample;                    // without `farthest`, which is set for each shot
   double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
-  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: chosen from its motion
+  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: see stepsOf()
 };
 
 DepthCameraOptions readDepthCameraOptions(Fields& fields);

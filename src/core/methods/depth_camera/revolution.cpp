@@ -12,7 +12,7 @@ namespace {
 constexpr double kStepLength = 0.05;         // m, length of the sensor's path in a step
 constexpr double kStepAngle = radians(1.0);  // rad, rotation of the sensor in a step
 constexpr std::size_t kFewPoses = 64;
-constexpr double kNearestSample = 0.1;  // m along a beam to the nearest point that must be visible
+constexpr double kNearestSample = 0.1;  // m along a beam; nearer points need not be visible
 
 double angleBetween(const Quat& a, const Quat& b) {
   const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;

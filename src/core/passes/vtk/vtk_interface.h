@@ -87,8 +87,8 @@ class VtkDevice {
   virtual void draw(std::uint32_t slot, const VtkImage& image) = 0;
   // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Reads the triangle numbers at pixel addresses, which must belong to rendered images; an address beyond all images
-  // gives 0.
+  // Reads the triangle numbers at pixel addresses. An address must be in a rendered image or beyond all images, where
+  // the number is 0.
   virtual void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) = 0;
   // Reads the triangle numbers of complete rows of one image.
   virtual void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) = 0;
@@ -99,8 +99,8 @@ class VtkModule {
   static constexpr ModuleFile kFile{"libscanmill_passes.so", "images cannot be drawn by VTK",
                                     "install VTK and EGL (on Debian the packages libvtk9-dev and libegl-dev)"};
   virtual ~VtkModule() = default;
-  // Opens a device. `device`: a name as namedDevice() returns it (gpu/device.h). Throws NoDevice, and
-  // std::invalid_argument if no device has that name.
+  // Opens a device. `device`: a name as namedDevice() returns it (gpu/device.h). Throws NoDevice if no device is
+  // suitable, and std::invalid_argument if no device has that name.
   virtual std::unique_ptr<VtkDevice> open(const std::string& device) const = 0;
 };
 
