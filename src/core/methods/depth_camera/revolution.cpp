@@ -38,7 +38,7 @@ std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   const std::uint64_t poses = shot.worldFromSensor.size();
   const std::uint64_t columns = shot.beams->columns;
   const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
-  const auto firstColumn = [&](std::uint64_t pose) {  // first column that has this pose, see Shot::stepOf()
+  const auto firstColumn = [&](std::uint64_t pose) {  // first column of this pose; exact with one ray per beam
     return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
   };
   std::vector<RevolutionStep> steps;

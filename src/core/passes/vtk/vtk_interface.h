@@ -21,7 +21,7 @@ struct VtkLimits {
 
 // Triangles without shared vertices: three corners per triangle.
 struct VtkTriangles {
-  std::span<const float> positions;        // 3 per corner: m, in the frame of their mesh
+  std::span<const float> positions;        // 3 per corner: m, relative to ViewMesh::origin
   std::span<const float> uvs;              // 2 per corner; empty for solid triangles
   std::span<const std::uint32_t> cutouts;  // 1 per corner: index into the cut-outs, the same for all three corners
 };
@@ -45,7 +45,7 @@ struct VtkScene {
 // An instance of consecutive triangles. In the image, triangle k of the batch has the number firstNumber + k; the
 // number 0 means that a pixel shows no triangle.
 //
-//   (x, y, w) of clip space = rows * (position, 1); depth grows with nearest / w
+//   (x, y, w) of clip space = rows * (position, 1); the depth buffer contains nearest / w
 struct VtkPlacement {
   float rows[3][4];
   std::uint32_t firstNumber;
