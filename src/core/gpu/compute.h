@@ -30,8 +30,8 @@ struct ComputeErrorWords {
 
 class ComputeDevice {
  public:
-  // Opens the device that namedDevice() returns (gpu/device.h). Throws Error if the machine has no OpenGL 4.3 with EGL,
-  // or if the plug-in cannot be loaded.
+  // Opens the device that namedDevice() names (gpu/device.h). Throws Error if there is no such device, if the machine
+  // has no OpenGL 4.3 with EGL, or if the plug-in cannot be loaded.
   explicit ComputeDevice(ComputeErrorWords words);
 
   const std::string& name() const;        // name of the device, such as "llvmpipe (LLVM 15.0.6, 256 bits)"
@@ -58,14 +58,14 @@ class ComputeDevice {
 // A device that the environment variable SCANMILL_GL_DEVICE can select (gpu/device.h).
 struct FoundDevice {
   std::string name;    // value of the variable that selects this device
-  std::string driver;  // name as ComputeDevice::name() returns it; the reason if the device cannot compute
+  std::string driver;  // name as ComputeDevice::name() returns it; if `usable` is false, the reason
   bool usable = false;
   bool software = false;  // true: runs on the processor
 };
 
-// Returns the seconds that devices have spent on each program (by its name), and on copies to the processor (by the
+// Returns the seconds that devices have spent on each program (by its name), and on the copies of readbacks (by the
 // name "read back"), since the last call, measured by the devices' own clocks. The first call starts the measurement
-// and returns nothing.
+// and returns an empty result.
 StageSeconds takeDeviceSeconds();
 
 // Returns all devices, in the order in which opening them is tried. Opens each of them for a moment. Throws Error if
@@ -114,7 +114,7 @@ class ComputeBuffer {
 };
 
 // Host memory into which a device copies a buffer while later programs already run. The memory stays mapped (OpenGL
-// 4.4, ARB_buffer_storage); if the driver does not support this, start() waits for the copy.
+// 4.4 or ARB_buffer_storage); if the driver does not support this, start() waits for the copy.
 class ComputeReadback {
  public:
   explicit ComputeReadback(const ComputeDevice& device);
@@ -125,8 +125,8 @@ class ComputeReadback {
   // Requests a copy of the first `bytes` bytes of a buffer, with the results of all programs that were run before.
   // Programs that are run later may already write to the buffer.
   void start(const ComputeBuffer& buffer, std::uint64_t bytes);
-  // Waits for the copy and returns it. The copy is valid until the next start(). Meanwhile other threads may use the
-  // device, or wait for other readbacks.
+  // Waits for the copy and returns it. During the wait other threads may use the device, or wait for other readbacks.
+  // The copy is valid until the next start().
   std::span<const std::byte> wait();
 
  private:

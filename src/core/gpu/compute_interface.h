@@ -17,9 +17,10 @@
 
 namespace scanmill {
 
-constexpr std::uint32_t kComputeGroup = 64;   // invocations of a shader that form a group
-constexpr std::int32_t kFirstInvocation = 0;  // location of a shader's uniform: the first invocation of a dispatch
-constexpr std::int32_t kEndInvocation = 1;    // location of a shader's uniform: one after the last invocation
+constexpr std::uint32_t kComputeGroup = 64;  // invocations of a shader that form a group
+// Locations of two uniforms: the index of a dispatch's first invocation, and one more than the index of its last.
+constexpr std::int32_t kFirstInvocation = 0;
+constexpr std::int32_t kEndInvocation = 1;
 
 struct ComputeLimits {
   std::uint64_t bufferBytes = 0;     // maximum bytes of a buffer that a program reads or writes

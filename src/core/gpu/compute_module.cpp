@@ -55,8 +55,8 @@ std::uint64_t limitOf(GLenum name) {
   return static_cast<std::uint64_t>(std::max<GLint64>(value, 0));
 }
 
-// Returns the number of work groups per dispatch. Mesa's llvmpipe gives each of its threads one contiguous part of a
-// dispatch in advance, so only small dispatches keep all threads busy until the end.
+// Returns the largest number of work groups of a dispatch. Mesa's llvmpipe gives each of its threads one contiguous
+// part of a dispatch in advance, so only small dispatches keep all threads busy until the end.
 std::uint64_t groupsAtOnce(bool software) {
   GLint most = 0;
   glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &most);

@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Thrown if this machine has no suitable OpenGL. The message lists the devices that were tried.
+// Thrown if this machine has no suitable OpenGL. The message says what is missing, for each device that was tried.
 class NoDevice : public Error {
  public:
   using Error::Error;

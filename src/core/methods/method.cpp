@@ -13,9 +13,9 @@ namespace scanmill {
 namespace {
 
 // The colours follow Figure 8 of "LiDAR-GEIL: LiDAR GPU Exploitation in Lightsimulations", which shows ray tracing in
-// red, the depth camera in blue and particles in orange. Here each is lighter than the one before, so that the
-// colour-blind can tell them apart. The settings that `auto` tries are cheap to measure, and together range from exact
-// to fast, on processors and on GPUs.
+// red, the depth camera in blue and particles in orange. In the table below each colour is lighter than the previous
+// one, so that the colour-blind can tell them apart. The settings that `auto` tries are cheap to measure, and together
+// range from exact to fast, on processors and on GPUs.
 constexpr std::array kMethods{
     MethodEntry{.name = "ray_tracing",
                 .summary = "Embree on all cores: exact, the reference of the other methods",

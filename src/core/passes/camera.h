@@ -31,7 +31,7 @@ struct Camera {
 };
 
 // Returns a camera with square pixels whose principal point is the centre of the image. `horizontalField`: rad. Throws
-// InputError unless the field is between 0 and 180 degrees, because an image plane cannot show more.
+// InputError if the image has no pixels, or if the field is not between 0 and 180 degrees.
 Camera squareCamera(std::uint32_t width, std::uint32_t height, double horizontalField);
 
 // Returns the rotation from camera axes to the axes of a sensor or vehicle (x forward, y left, z up), for a camera that

@@ -29,9 +29,8 @@ class Resolver {
   Resolver& operator=(const Resolver&) = delete;
 
   // Fills `planes` with one entry per entry of `seen`. addresses[i] is the pixel of seen[i] in the cameras' images
-  // (kNoPixel: no pixel). Normals are turned towards the camera, along the line of sight through the pixel's centre. A
-  // textured material has the reflectance of the visible texel. Throws Error if an instance, a triangle or an address
-  // does not exist.
+  // (kNoPixel: no pixel). Normals are turned against the line of sight through the pixel's centre. A textured material
+  // has the reflectance of the visible texel. Throws Error if an instance, a triangle or an address does not exist.
   void resolve(std::span<const Camera> cameras, std::span<const PixelAddress> addresses,
                std::span<const SeenTriangle> seen, PassChoice asked, PassPlanes& planes) const;
 

@@ -22,8 +22,8 @@ class EglContext {
   EglContext(const EglContext&) = delete;
   EglContext& operator=(const EglContext&) = delete;
 
-  // Makes the context current on the calling thread until another context is made current. Switching contexts is slow:
-  // drivers then flush, which may take as long as a scan. Throws std::runtime_error if this fails.
+  // Makes the context current on the calling thread until another context is made current. Throws std::runtime_error
+  // if this fails. Switching contexts is slow: drivers then flush, which may take as long as a scan.
   void makeCurrent();
   // Like makeCurrent(), but returns false instead of throwing.
   bool tryMakeCurrent() noexcept;

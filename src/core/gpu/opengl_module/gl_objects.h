@@ -13,7 +13,7 @@
 namespace scanmill {
 
 // Throws if OpenGL has reported an error since the last call: std::bad_alloc if it is out of memory, otherwise
-// std::runtime_error with the message "<doing>: OpenGL error ...".
+// std::runtime_error with the message "<doing>: OpenGL error ...". Also throws if the graphics card was reset.
 void checkGl(std::string_view doing);
 
 class GlBuffer {

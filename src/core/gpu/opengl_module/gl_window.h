@@ -17,7 +17,7 @@ class GlWindow
  public:
   static GlWindow* New();
 
-  // Lets VTK render images of this size (pixels) with the current context. Throws NoDevice.
+  // Lets VTK render images of this size (pixels) with the current context. Throws NoDevice if VTK finds no OpenGL.
   void start(int width, int height);
   void OpenGLInitContext() override;
 };

@@ -29,8 +29,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kSensorsInMemory = 16;
-constexpr double kSlack = 1e-3;                       // images reach farther than the sensor by this fraction of the
-                                                      // range, plus this many metres
+constexpr double kSlack = 1e-3;                       // images reach beyond the sensor's range by this fraction of
+                                                      // the range, plus this many metres
 constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene itself, measured
 // Measured with VTK on llvmpipe, as differences between processes: with nothing to render a process takes 128 MiB,
 // against 44 MiB with ray tracing. The other two values are from the street of 1.28 million placed triangles, with 3
@@ -49,7 +49,7 @@ struct DepthCameraOptions {
   LayoutOptions layout;
   SampleOptions sample;                    // without `farthest`, which is set for each shot
   double farthest = 0;                     // m, largest depth in the images; 0: the sensor's maximum range
-  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: chosen from its motion
+  std::uint32_t rendersPerRevolution = 0;  // steps of a revolution that are rendered; 0: see stepsOf()
 };
 
 constexpr std::pair<const char*, CameraLayout> kLayouts[] = {{"auto", CameraLayout::Auto},
@@ -218,8 +218,8 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // This is an upper bound: the images of layout auto are smaller, and a moving sensor's images are rendered step by
-    // step.
+    // Layout auto is counted as three square images, more than most sensors need. Of a moving sensor, only the images
+    // of one step are in memory.
     const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4
@@ -300,8 +300,8 @@ class DepthCameraMethod : public DepthCamera {
     return *renderer_;
   }
 
-  // Renders a step and calls `use` with its pixels. A renderer renders only one shot at a time; the time that other
-  // threads wait for the renderer is not added to `clock`.
+  // Renders a step and calls `use` with its pixels. Only one thread at a time does this; the time that a thread waits
+  // for the renderer is not added to `clock`.
   template <class Use>
   void drawn(const Shot& shot, const Prepared& prepared, const Pose& rig, PassChoice choice, StageClock& clock,
              const Use& use) const {

@@ -40,7 +40,7 @@ class DepthCamera : public Method {
 //                      near_m: 0.01, far_m: 120, renders_per_turn: auto}
 std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 
-// Returns the depth camera with another renderer, which is created when it is first needed; the option `renderer` has
+// Returns the depth camera with the renderer that `renderer` creates when it is first needed. The option `renderer` has
 // no effect.
 using RendererMaker = std::function<std::unique_ptr<PassRenderer>()>;
 std::unique_ptr<DepthCamera> makeDepthCamera(const Scene& scene, Fields& options, RendererMaker renderer);

@@ -1,7 +1,7 @@
 // Layout `auto` has side cameras that share the azimuths evenly and, if beams are steep, cameras that look up or down.
 // Each image covers only the part of its camera's plane that its beams need, so that the principal point may be outside
-// of the image. All cameras have the same focal length; of several candidate layouts the one with the fewest pixels is
-// chosen.
+// of the image. All cameras have the same focal length; of several candidate layouts the one with the lowest cost is
+// chosen. The cost counts pixels and images.
 
 #include "methods/depth_camera/layout.h"
 
@@ -28,7 +28,7 @@ constexpr int kBins = 512;                          // number of bins of azimuth
 constexpr double kFullRevolution = radians(300.0);  // a wider range of azimuths is treated as a full circle
 
 // Returns a number from 0 to 4 that increases with the azimuth of (x, y), without trigonometry: the length along the
-// square |x| + |y| = 1.
+// square |x| + |y| = 1, in sides.
 double squareAngle(double x, double y) {
   const double sum = std::abs(x) + std::abs(y);
   if (!(sum > 0)) return 0;
@@ -113,8 +113,8 @@ struct Spread {
 
   static double edge(int bin) { return azimuthOf(bin * (4.0 / kBins)); }
 
-  // Returns representative directions whose projections bound the projections of all beams: the corners of each bin,
-  // and the corners of the part of each bin that is steeper than `steep`.
+  // Returns representative directions whose projections bound the projections of all beams: each bin is split at the
+  // slopes -steep and steep, and the directions are the corners of its parts.
   std::vector<Vec3d> corners(double steep) const {
     std::vector<Vec3d> made;
     const double steeper = steep * (1 + 1e-9);

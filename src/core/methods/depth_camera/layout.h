@@ -16,7 +16,7 @@ enum class CameraLayout {
   Three120,  // three square images of 120 degrees, as in LiDAR-GEIL
   Four90,    // four square images of 90 degrees
   Cube6,     // the six faces of a cube (Hossny et al.)
-  Auto,      // the fewest and smallest images that cover all beams
+  Auto,      // images that cover all beams with few pixels: see layout.cpp
 };
 
 struct LayoutOptions {
@@ -28,8 +28,7 @@ struct LayoutOptions {
 
 // Returns cameras for beams with these directions (unit vectors, sensor axes: x forward, y left, z up). All cameras are
 // at the sensor's origin, and Camera::worldFromCamera is sensorFromCamera. There are at most 8 cameras. Fixed layouts
-// leave out cameras that see no beam. With Auto every beam is in some image, at least half a pixel from the image's
-// edge.
+// leave out cameras that see no beam. With Auto every beam is in some image, at least a pixel from the image's edge.
 std::vector<Camera> layOutCameras(std::span<const Vec3d> directions, const LayoutOptions& options);
 
 }  // namespace scanmill

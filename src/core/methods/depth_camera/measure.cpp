@@ -112,7 +112,7 @@ void meetPlanes(std::size_t begin, std::size_t end, const BeamBlock& block, Met&
                           met.nz[i] * (met.pz[i] - block.oz[i]);
     const double range = height / met.along[i];
     const double nearest = met.range[i];
-    // False if the beam does not hit the plane in front of the sensor: `range` is then NaN, infinite or negative.
+    // Also false if the beam does not hit the plane in front of the sensor: `range` is NaN, infinite or negative.
     const bool trusted = (range <= nearest * kPlaneTrust) & (range * kPlaneTrust >= nearest);
     met.range[i] = trusted ? range : nearest;
   }

@@ -16,7 +16,7 @@ struct Met {
   alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // normal in rig axes
   alignas(64) double range[kBlock];                        // m; NaN or infinite if nothing is hit
   alignas(64) double along[kBlock];                        // dot product of normal and beam direction
-  bool again[kBlock];                                      // true if the hit is in another pixel than was sampled
+  bool again[kBlock];                                      // true if the next round must sample another pixel
 };
 
 // Pixels of the beams of a block: their positions in the image, and their values. If four pixels are blended, also the
@@ -26,7 +26,7 @@ struct BlockPixels {
   const double* v;
   const PassPlanes* planes;   // values of the batch's pixels
   std::size_t first;          // index in `planes` of the block's first pixel
-  const PassPlanes* corners;  // values of corner pixels; corner k (right k % 2, down k / 2) of beam i: k * stride + i
+  const PassPlanes* corners;  // corner k (right k % 2, down k / 2) of beam i has the index k * stride + first + i
   std::size_t stride;
 };
 

@@ -5,7 +5,7 @@
 //                  origins of beams are ignored.
 // Equirectangular  Hossny et al.: the images are warped into a panorama by nearest pixels, with the same angle per
 //                  pixel as at the images' centres; a beam takes the panorama's pixel. This rounds twice, not once.
-// PixelRow         Negative control: rings are spread evenly over the rows of the image, columns evenly over its
+// PixelRow         Negative control: rings are spread evenly over the rows of the image, azimuths evenly over its
 //                  columns, and the depth Z is taken as the range.
 
 #include <algorithm>

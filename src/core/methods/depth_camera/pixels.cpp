@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kPixelGrain = 8192;
 
-// Returns the nearest half-precision number, ties to even. Larger values than the largest half become the largest half.
+// Returns the nearest half-precision number, ties to even. Finite values beyond the largest one are clamped to it.
 double asHalf(double value) {
   constexpr double kLargest = 65504;
   constexpr int kBits = 11;            // bits of the significand

@@ -6,9 +6,9 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the border of two images is in one of them
+constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the border of two images is in at least one
 constexpr double kInFront = 1e-9;    // smallest depth in front of a camera: m for points, without unit for directions
-constexpr double kNoViewYet = 1000;  // stands for kNoView while views are doubles, which g++ can vectorise
+constexpr double kNoViewYet = 1000;  // stands for kNoView while indices are doubles, which g++ can vectorise
 
 }  // namespace
 

@@ -12,7 +12,7 @@ namespace {
 constexpr double kStepLength = 0.05;         // m, length of the sensor's path in a step
 constexpr double kStepAngle = radians(1.0);  // rad, rotation of the sensor in a step
 constexpr std::size_t kFewPoses = 64;
-constexpr double kNearestSample = 0.1;  // m along a beam to the nearest point that must be visible
+constexpr double kNearestSample = 0.1;  // m along a beam; nearer points need not be visible
 
 double angleBetween(const Quat& a, const Quat& b) {
   const Quat between = Quat{a.w, -a.x, -a.y, -a.z} * b;
@@ -38,7 +38,7 @@ std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders) {
   const std::uint64_t poses = shot.worldFromSensor.size();
   const std::uint64_t columns = shot.beams->columns;
   const std::uint64_t count = std::min(renders == 0 ? rendersFor(shot.worldFromSensor) : renders, poses);
-  const auto firstColumn = [&](std::uint64_t pose) {  // first column that has this pose, see Shot::stepOf()
+  const auto firstColumn = [&](std::uint64_t pose) {  // first column of this pose; exact with one ray per beam
     return static_cast<std::uint32_t>((pose * columns + poses - 1) / poses);
   };
   std::vector<RevolutionStep> steps;

@@ -19,7 +19,7 @@ struct RevolutionStep {
 
 // Splits a revolution into `renders` steps of about equally many poses, but at most one step per pose. Each step is
 // rendered from its middle pose. If `renders` is 0, there is one step per pose for up to 64 poses; for more poses, one
-// step for every 5 cm or degree by which the sensor moves during the revolution.
+// step for every 5 cm or every degree of motion during the revolution, whichever gives more steps.
 std::vector<RevolutionStep> stepsOf(const Shot& shot, std::uint32_t renders);
 
 // Returns the beams of the columns from `first` to before `end`, relative to the rig, ring by ring.

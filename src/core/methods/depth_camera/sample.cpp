@@ -90,7 +90,7 @@ class Sampler {
     return choice;
   }
 
-  // Returns true if some beam does not start at the position of every camera.
+  // Returns true if a camera or a beam's origin is not at the origin of the rig.
   bool startElsewhere() const {
     const bool apart = std::any_of(views_.begin(), views_.end(),
                                    [](const CameraView& view) { return length(view.position) > kSamePlace; });
@@ -121,8 +121,8 @@ class Sampler {
     }
   }
 
-  // Finds the pixels of the first round: the pixel in the direction of the beam or, for a beam that does not start in
-  // the camera, the pixel of a point on the beam.
+  // Finds the pixels of the first round: the pixel in the direction of the beam or, if startElsewhere(), the pixel of a
+  // point on the beam.
   void aimFirst(Batch& batch) {
     parallelFor(batch.count, kSampleGrain, [&](std::size_t begin, std::size_t end) {
       BeamBlock block;

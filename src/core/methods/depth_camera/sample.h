@@ -15,7 +15,7 @@ namespace scanmill {
 
 enum class Sampling {
   Nearest,       // distance of the point shown in the beam's pixel (PreSIL, LiDAR-GEIL)
-  Bilinear,      // blends four pixels, unless ids or depths differ too much between them
+  Bilinear,      // blends four pixels, unless their ids differ or their depths differ too much
   Plane,         // intersection of the beam with the plane given by depth and normal of its pixel
   RowHyperbola,  // for this and the following two see naive.cpp
   Equirectangular,
@@ -33,12 +33,12 @@ enum class DepthFormat {
 struct SampleOptions {
   Sampling sampling = Sampling::Plane;
   DepthFormat depth = DepthFormat::Float32;
-  double nearest = 0.01;   // m, near plane of the z-buffer for Unorm24 and Unorm16
+  double nearest = 0.01;   // m, near plane of the images, and of the z-buffer for Unorm24 and Unorm16
   double farthest = 1000;  // m, far plane of the z-buffer; with antialiasing also the depth of the background
-  // Subpixels per side of a pixel: the source's images are 1, 2 or 4 times as wide and high as images of pixels. A
-  // pixel's depth, normal and reflectance are the mean over its subpixels, as when a framebuffer is resolved. Subpixels
-  // without a surface contribute the depth `farthest`, to which the framebuffer was cleared, unless no subpixel of the
-  // pixel has a surface. A pixel's ids are those of its central subpixel (below and right of the centre).
+  // Subpixels per side of a pixel: 1, 2 or 4. The source's images contain the subpixels, not the pixels. A pixel's
+  // depth, normal and reflectance are the mean over its subpixels, as when a framebuffer is resolved. Subpixels without
+  // a surface contribute the depth `farthest`, to which the framebuffer was cleared, unless no subpixel of the pixel
+  // has a surface. A pixel's ids are those of its central subpixel (below and right of the centre).
   std::uint32_t antialiasing = 1;
 };
 
@@ -47,7 +47,7 @@ struct SampleOptions {
 float storedDepth(float depth, DepthFormat format, double nearest, double farthest);
 
 // The beams of one step of a revolution, in rig axes: the sensor's frame at the pose from which the step's images were
-// rendered. A structure of arrays of equal length.
+// rendered. Arrays that are not empty have equal lengths.
 struct RigBeams {
   std::vector<Vec3d> origin;        // m; empty if all origins are zero
   std::vector<Vec3d> direction;     // unit vectors

@@ -46,7 +46,7 @@ struct Places {
 };
 
 // Finds an image for each of at most kBlock points (or of directions, if `points` is false): of the images that contain
-// the point, the one whose camera axis is nearest to the point.
+// the point, the one in which its depth is largest.
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, Places places);
 

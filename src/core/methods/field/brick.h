@@ -68,7 +68,7 @@ class BrickMaker {
   std::vector<std::uint64_t> order_;
 
   // Arrays by corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's
-  // list in listed_. Infinite and kNoWord if unknown or too far away.
+  // list in listed_. Without a known triangle or list: infinite, undefined, kNoWord.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};

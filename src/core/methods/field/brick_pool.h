@@ -29,7 +29,7 @@ struct BrickPool {
   RawVector<std::uint16_t> distance;
   RawVector<std::uint32_t> word;
   RawVector<std::uint32_t> lists;
-  std::vector<std::uint32_t> firstList;  // index in `lists` of each brick's first list; last entry: the end
+  std::vector<std::uint32_t> firstList;  // index in `lists` of each brick's first list; entry `bricks`: the end
 
   std::mutex appending;  // locked while bricks are appended
   std::size_t bricks = 0;

@@ -132,8 +132,8 @@ const std::uint32_t* Builder::entryBefore(std::size_t level, const Corner& brick
   return nullptr;
 }
 
-// Returns the distance of a brick's centre from the nearest triangle (voxels). `nearest` is a first guess of the
-// nearest triangle, and is set to the nearest triangle.
+// Returns the distance of a brick's centre from the nearest triangle (voxels), or slightly less. `nearest` is a first
+// guess of the nearest triangle, and is set to the nearest triangle.
 float Builder::distanceOf(const BrickPlace& place, std::uint32_t& nearest, FacetCache& facets) const {
   facets.startBrick();
   const float known2 = facets.of(world_.baked, nearest, place).distance2(0, 0, 0);

@@ -11,7 +11,7 @@ namespace scanmill {
 namespace {
 
 constexpr float kHalf = kHalfBrick;
-constexpr float kSlack = 1e-3f;  // voxels, margin for rounding
+constexpr float kSlack = 1e-3f;  // margin for rounding, in voxels or voxels^2
 
 // Number of candidates of a block above which each corner searches for its nearest triangle.
 constexpr std::size_t kFewOfBlock = 128;
@@ -82,7 +82,7 @@ void BrickMaker::sortListings() {
   }
 }
 
-// Returns the triangle nearest to a point of the brick, if it is at most `reach` (voxels) away; otherwise kNoTriangle.
+// Returns the triangle nearest to a point of the brick; kNoTriangle if none is within `reach` + 0.001 voxels.
 NearestFacet BrickMaker::search(const BrickPlace& place, const Vec3f& point, float reach) {
   NearestFacet best{(reach + 1e-3f) * (reach + 1e-3f), kNoTriangle};
   if (guess_ != kNoTriangle) {
@@ -101,8 +101,8 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   const float seen = brick::seenFrom(block);
   blockDistance_[block] = std::min(std::sqrt(search(place, centre, seen).distance2), seen);
   if (blockDistance_[block] > kExact + brick::kBlockRadius) return true;
-  // Search as far as the corner that is farthest from the triangle nearest to the block's centre: no corner's nearest
-  // triangle is farther away than that.
+  // Search within the largest distance of a corner from the triangle nearest to the block's centre: no corner's nearest
+  // triangle is farther away.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.of(world_.baked, guess_, place);
   float farthest2 = lists_ ? brick::kListedRadius * brick::kListedRadius : 0.0f;

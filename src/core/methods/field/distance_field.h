@@ -28,8 +28,8 @@ constexpr int kBrickVoxels = 8;                     // voxels of a brick along e
 constexpr int kHalfBrick = kBrickVoxels / 2;        // voxels of half a brick along each axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // corners of voxels of a brick along each axis
 constexpr int kCornersPerBrick = 9 * 9 * 9;         // order of corners: x fastest, then y, then z
-constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance; even, so that two
-                                                    // values fit a 32-bit word
+constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance and `word`; even,
+                                                    // so that a brick's distances fill complete 32-bit words
 constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in full bricks
 constexpr std::uint32_t kNoWord = 0xFFFFFFFFu;      // in DistanceField::word: the corner has no triangle or list
 constexpr std::uint32_t kFullBrick = 0x80000000u;   // this bit of an entry of DistanceField::table marks a full brick
@@ -70,8 +70,8 @@ struct FieldShape {
   double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
   std::vector<LevelBox> levels;  // finest first, 1 to kMaxLevels
-  // Level l is used for points whose largest absolute coordinate (field frame) is at most reach * 2^l; the last level
-  // is used for all other points.
+  // A point is looked up in the finest level l for which its largest absolute coordinate (field frame) is at most
+  // reach * 2^l, or in the last level if there is none.
   float reach = 0;
   // If true, corners near surfaces list all triangles that are near, otherwise only the nearest one. On the street the
   // lists take 40 MB in addition to 59 MB, and reduce the wrong labels among a million beams from 85,000 to 28.

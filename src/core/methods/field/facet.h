@@ -9,7 +9,7 @@
 
 namespace scanmill {
 
-// Affine functions of a point p with unit directions: the height of p over the triangle's plane and, for each edge, the
+// Affine functions of a point p, with unit gradients: the height of p over the triangle's plane and, for each edge, the
 // distance by which p is inside of the edge, before its start and past its end. Their constants are computed in double.
 // The constants that matter at p are about as large as p, however large the triangle is and however far away its
 // corners are, so that float32 suffices to evaluate the functions.

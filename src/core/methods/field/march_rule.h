@@ -41,7 +41,7 @@ constexpr float kNudge = 1e-3f;   // length by which a step goes past a voxel's 
 constexpr float kFace = 0.5f + kNudge;
 
 // A particle that passes through a hole of an alpha-tested texture continues this far behind the hole: the larger of a
-// length and a fraction of the particle's path so far, both in the field frame.
+// length (field frame) and a fraction of the particle's path so far.
 constexpr float kBehindHole = 2e-3f;
 constexpr float kBehindHoleShare = 1e-5f;
 

@@ -63,9 +63,9 @@ class FacetCache {
 NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec3f& point, const NearestFacet& nearest,
                           FacetCache& facets);
 
-// Appends to `triangles` all triangles that are at most `margin` away from the cube of half side `half` around a point
-// near a brick, and possibly some that are farther away (all lengths in voxels). A triangle may be appended twice.
-// Returns false if there are more than `most`.
+// Sets `triangles` to all triangles that are at most `margin` away from the cube of half side `half` around a point
+// near a brick, and possibly some that are farther away (all lengths in voxels). A triangle may be listed several
+// times. If there are more than `most` entries, returns false and an incomplete list.
 bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& point, float half, float margin,
                      std::size_t most, std::vector<std::uint32_t>& triangles);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Distance fields on a device. A field that has moved shares its bricks with the field before (field/brick_pool.h):
-// only bricks that are not on the device yet are uploaded.
+// Distance fields on a device. A field that has moved shares its bricks with the field before
+// (methods/field/brick_pool.h): only bricks that are not on the device yet are uploaded.
 
 #include <cstdint>
 #include <list>

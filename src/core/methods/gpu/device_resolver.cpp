@@ -28,7 +28,7 @@ std::uint32_t bitsOf(Channels channels) {
 
 static_assert(kChannels.size() == 8, "say in ColumnPlaces and take() where the new channel is");
 
-// Where the requested columns begin, in words of 4 bytes. Class and material share a column.
+// Starts of the requested columns, in words of 4 bytes. Class and material share a column.
 struct ColumnPlaces {
   ColumnPlaces(Channels channels, std::size_t rays) : end(rays) {
     const auto next = [&](bool asked, std::size_t words) {

@@ -29,7 +29,7 @@ constexpr std::uint32_t kLetsPass = 0x80000000u;  // bit of a transparent texel;
 
 // Flags of a material: the reasons why its texels are read.
 constexpr std::uint32_t kTextured = 1;  // texels scale the reflectance
-constexpr std::uint32_t kCutOut = 2;    // some texels let beams pass
+constexpr std::uint32_t kCutOut = 2;    // some texels may let beams pass
 
 struct LabelTables {
   std::vector<TriangleRecord> records;     // one per triangle of World::baked

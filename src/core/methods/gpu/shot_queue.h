@@ -23,7 +23,7 @@ namespace scanmill {
 //
 //     std::size_t rays() const
 //     std::uint64_t bytes() const              // size of the largest array whose size depends on the work
-//     bool goesWith(const Work& other) const   // true only for works of equally many rays that fit one dispatch
+//     bool goesWith(const Work& other) const   // true only for works of equally many rays that can share a dispatch
 //
 template <class Work>
 class ShotQueue {

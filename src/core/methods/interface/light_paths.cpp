@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 1e-4;  // m; a ray continues this far behind a surface, to miss it
+constexpr double kStep = 1e-4;  // m; a continued ray starts this far from the surface, so as not to hit it again
 
 // A ray that continues after a hit.
 struct Onward {

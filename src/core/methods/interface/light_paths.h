@@ -49,7 +49,7 @@ double mirrored(const Material& material, double cosine, double reflectance);
 // Continues rays through transmissive materials (in the same direction) and off mirrors (in the mirrored direction), as
 // often as `paths` allows, and appends the hit of each continued ray to `hits`. At the call, `hits` must have
 // kLightChannels for each ray of the shot's beam table (which may be a footprint's). An appended ray has the beam of
-// the ray that it continues, its kind of path (pathOfRay), the length of the complete path as its range, and a weight:
+// the ray that it continues, a kind of path (pathOfRay), the length of the complete path as its range, and a weight:
 // the weight of the ray that it continues, times the square of the fraction of light that continues, because the echo
 // returns along the same path. Continued rays that hit nothing within the sensor's range limits are not appended.
 TraceAccount followLight(const Method& method, const Shot& shot, std::span<const Material> materials,

@@ -18,7 +18,7 @@ namespace scanmill {
 // A problem of some beams of a scan, which makes these beams less accurate than the user expects.
 struct BeamWarning {
   std::string sensor;       // name of the sensor
-  unsigned kind = 0;        // number of the warning within its method; warnings are reported in this order
+  unsigned kind = 0;        // number of the warning within its method; a sensor's warnings are reported in this order
   std::uint64_t count = 0;  // number of the scan's beams with the problem
   std::string text;         // the complete sentence for the user, with count, sensor and remedy
 };

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kShareOfMemory = 0.125;   // fraction of the memory that fields may take
 constexpr std::size_t kFewestPools = 4;    // two in use by two drives, one under construction, one being released
-constexpr std::size_t kFewestFields = 6;   // fields that fit into kFewestPools pools: one and a half per pool
+constexpr std::size_t kFewestFields = 6;   // memory of kFewestPools pools, in fields: each has space for one and a half
 constexpr std::size_t kFieldsOfPool = 2;   // largest number of cached fields per pool, for two sensors of a vehicle
 constexpr double kOriginsFarApart = 1000;  // m; a scene larger than this may have worlds with several origins
 
@@ -147,7 +147,8 @@ void FieldStore::build(Work& work, StageClock& clock) const {
   work_ = nullptr;
 }
 
-// Caches the new field and drops the least recently used fields. The caller must have locked mutex_.
+// Caches the new field. Drops fields of worlds that no longer exist and, beyond the limits, the least recently used
+// fields. The caller must have locked mutex_.
 void FieldStore::keep(const Work& work) const {
   std::erase_if(fields_, [](const Known& known) { return known.world.expired(); });
   fields_.push_front({work.world, work.field});

@@ -34,7 +34,7 @@ struct Particles {
 
 // The results of particles, in the order of the particles.
 struct HitRecords {
-  std::vector<float> way;               // length marched, in the field frame; set only for hits
+  std::vector<float> way;               // distance from the particle's origin (field frame); set only for hits
   std::vector<std::uint32_t> triangle;  // index in World::baked; set only for hits
   std::vector<std::uint32_t> outcome;   // Outcome + 4 * number of steps
 

@@ -155,7 +155,7 @@ class RayStream {
     records_.outcome[i] = outcome;
   }
 
-  // Loads the next particle into a lane. If no particle is left, the lane idles at its last position.
+  // Loads the next particle into a lane. If no particle is left, the lane becomes inactive.
   void refill(LaneGroup& group, std::size_t lane) {
     group.active &= ~(LaneBits{1} << lane);
     while (next_ < which_.size()) {
@@ -361,7 +361,7 @@ class RayStream {
         hn::Store(nearestOf(group, hn::Load(kWords, group.cell)), kWords, group.corner);
       }
     }
-    // Lanes without a particle stay at the end of their path.
+    // Inactive lanes move too, but only up to the end of their last path.
     const Floats end = hn::Load(kFloats, group.end);
     hn::Store(hn::Min(hn::Add(way, hn::Mul(ahead, grow)), end), kFloats, group.way);
     hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);

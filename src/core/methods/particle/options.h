@@ -21,12 +21,12 @@ struct ParticleOptions {
   std::uint32_t levels = 0;                                     // 0: as many levels as the sensor's range needs
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
   std::uint32_t steps = 512;  // largest number of steps of a particle
-  Location where;             // location of the key for the voxels, for messages
+  Location where;             // location of the key voxel_m or, if it is absent, of the map; for messages
 };
 
 // {field: sensor, voxel_m: 0.1, voxels: 256, levels: auto, refine: triangle, steps: 512, backend: cpu}
 //
-// Throws InputError, also for a key that has no effect in combination with the others.
+// Throws InputError, also if `voxels` or more than one level is given for a field of the complete scene.
 ParticleOptions readParticleOptions(Fields& fields);
 
 // Returns the distance up to which a level of a field around a sensor is used (m from the field's centre, along each

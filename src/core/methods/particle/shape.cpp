@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kMostBricks = 268'435'456;   // 2^28; the table of this many bricks takes 1 GiB
 constexpr double kMostBricksAcross = 65'536;  // float32 resolves 1/32 of a voxel at 2^19 voxels
-constexpr std::uint32_t kUsualLevels = 5;     // enough for ranges of 120 to 200 m
-constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate: exact in double, with a margin
+constexpr std::uint32_t kUsualLevels = 5;     // assumed for `levels: auto`; enough for ranges of 120 to 200 m
+constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate of a brick: its corners are exact in double
 
 std::array<double, 3> axes(const Vec3d& v) {
   return {v.x, v.y, v.z};

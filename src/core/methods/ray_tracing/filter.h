@@ -24,10 +24,10 @@ struct TieContext {
   void reset();
 };
 
-// Surfaces are treated as coplanar if their distance along their normals is at most kCoplanar x distance + floor. Of
-// coplanar surfaces the one with the lowest instance id wins, then the lowest Embree instance, geometry and primitive,
-// so that the order of the traversal does not matter. The tolerance covers float32 rounding of distances, and of
-// corners near the sensor.
+// Surfaces are treated as coplanar if the gap between them, along their normals, is at most kCoplanar times the
+// distance from the ray's origin, plus the floor. Of coplanar surfaces the one with the lowest instance id wins, then
+// the lowest Embree instance, geometry and primitive, so that the order of the traversal does not matter. The tolerance
+// covers float32 rounding of distances, and of corners near the sensor.
 constexpr float kCoplanar = 4e-7f;
 constexpr float kCoplanarCorners = 64;  // m; the floor covers rounding of corners up to this far from the sensor
 
@@ -35,9 +35,9 @@ inline float coplanarFloor(float sensorToOrigin) {
   return 2.5e-7f * (sensorToOrigin + kCoplanarCorners);
 }
 
-// When a hit is accepted, the ray is not cut off at the hit but this fraction of the hit's distance farther, so that
-// surfaces coplanar with the hit are visited too, in any order. The margin suffices for angles of incidence up to 89.98
-// degrees.
+// When a hit is accepted, the ray is not cut off at the hit but farther, by this fraction of the hit's distance plus
+// the floor, so that surfaces coplanar with the hit are visited too, in any order. The margin suffices for angles of
+// incidence up to 89.98 degrees.
 constexpr float kReach = 1e-3f;
 
 void tieFilter(const RTCFilterFunctionNArguments* arguments);

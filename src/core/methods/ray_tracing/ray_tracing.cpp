@@ -57,8 +57,8 @@ RayTracingOptions readRayTracingOptions(Fields& fields) {
   return options;
 }
 
-// Returns the number of columns for which a packet's tile is as square as possible in angle, because packets trace
-// fastest when their beams are close together.
+// Returns the number of columns for which a packet's tile spans the smallest angle, where angles between rings count
+// kRingWeight times: packets trace fastest when their beams are close together.
 std::uint32_t bestTileColumns(const BeamTable& beams) {
   if (beams.rings < 2 || beams.raysPerBeam > 1) return kPacket;
   const auto [low, high] = std::minmax_element(beams.elevation.begin(), beams.elevation.end());

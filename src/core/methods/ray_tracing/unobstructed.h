@@ -27,8 +27,9 @@ class Unobstructed {
 
   struct View {
     std::uint32_t beams = 0;  // number of beams that would hit the thing within the sensor's range
-    // Index of a beam whose firing time is the time at which the sensor sees the thing: of the `beams` beams the middle
-    // one by firing time; if `beams` is 0, a beam that fires when the sensor points towards the thing.
+    // Index of a beam whose firing time counts as the time at which the sensor sees the thing: the median of the
+    // `beams` beams, ordered by firing time. If `beams` is 0, a beam that fires when the sensor points towards the
+    // thing.
     std::uint32_t middle = 0;
   };
   // Returns the view of a thing in a shot, traced with one ray along the axis of each beam. `grid`: the grid of the

@@ -91,14 +91,14 @@ struct HierarchyOptions {
   void (*occlusionFilter)(const RTCFilterFunctionNArguments*) = nullptr;
 };
 
-// Meshes with several instances: built once, for all origins.
+// The meshes that are instanced: built once, for all origins.
 struct SharedMeshes {
   std::vector<std::unique_ptr<TriangleBlock>> blocks;  // one per mesh of the scene; null: the mesh is baked
   std::vector<SceneHandle> scenes;
 };
 
-// Returns true if worlds of the scene move. For a part of a scene, the motion of the complete scene (Scene::whole)
-// decides, unless instancing is Never: then only the part decides.
+// Returns true if objects in the worlds of a scene move. For a part of a scene, the motion of the complete scene
+// (Scene::whole) decides, unless instancing is Never: then only the part decides.
 bool worldsMove(const Scene& scene, Instancing instancing);
 
 // Returns for each mesh whether it is instanced. Instancing::Auto instances the meshes that are placed more than once,
@@ -120,7 +120,7 @@ struct World {
   SceneHandle embree;
   bool alpha = false;
   double time = 0;                                  // s, start of the revolution; used only if the scene moves
-  double duration = 0;                              // s, of the revolution; 0: nothing moves
+  double duration = 0;                              // s, duration of the revolution; 0: nothing moves
   static constexpr std::uint32_t kFirstPlaced = 2;  // instance ids 0 and 1 are not used, because the baked geometries
                                                     // have these numbers
 };

@@ -14,8 +14,8 @@ namespace scanmill {
 
 // Builds and caches worlds. Their origins are on a grid of 1024 m that starts at the scene's centre, so that a shot's
 // world depends only on the shot. If something in the scene moves, each revolution has its own world; only the
-// placements of the shared meshes are built for it. The cache has one more of these worlds than there are
-// threads, and their origins are on a grid of 16 m, because rounding errors grow with the distance from the origin.
+// placements of the shared meshes are built for it. The cache has at most one more of these worlds than there are
+// threads. Their origins are on a grid of 16 m, because rounding errors grow with the distance from the origin.
 class Worlds {
  public:
   // The scene must outlive the object.

@@ -30,7 +30,7 @@ namespace {
 constexpr std::size_t kMaxImages = 8;
 constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
 constexpr double kMaxStretch = 200;           // largest aspect ratio of a pixel that Blender allows
-constexpr float kBlenderSky = 1e9f;           // m; Blender writes 1e10 as the depth of a pixel without a surface
+constexpr float kBlenderSky = 1e9f;           // m; pixels with a larger depth show no surface: Blender writes 1e10
 constexpr float kExact = 16777216.0f;         // 2^24, largest exact integer of a float32; larger object numbers are
                                               // written in two parts: see the script
 constexpr double kReach = 512;                // m, largest distance of the cameras from the scene's origin in Blender:
@@ -38,8 +38,8 @@ constexpr double kReach = 512;                // m, largest distance of the came
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
                                               // plane, as a fraction of the depth
 constexpr std::size_t kFrameGrain = 1 << 14;  // pixels per task
-constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // more pixels with a depth are an error if none of them has ids;
-                                                    // fewer may be cut-outs
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // more pixels than this with a depth, and none with ids, are
+                                                    // an error; fewer may be cut-outs
 
 // Rendered images, stored in memory.
 class SeenSource : public PixelSource {
@@ -249,7 +249,7 @@ class BlenderRenderer : public PassRenderer {
 
   const Scene& scene_;
   std::shared_ptr<const Resolver> resolver_;
-  mutable std::mutex mutex_;  // guards all members below
+  mutable std::mutex mutex_;  // guards all members below except clock_
   ScratchFolder folder_;
   std::optional<BlenderJob> job_;
   std::optional<Vec3d> origin_;  // m, world: origin of the scene in Blender; nothing: Blender has not loaded the scene

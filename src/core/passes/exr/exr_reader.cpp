@@ -36,7 +36,7 @@ constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 24;
 // Upper bound of the compression ratio of OpenEXR's lossless methods: deflate's longest match gives 258 bytes for 2
 // bits.
 constexpr std::uint64_t kMostGain = 1100;
-constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // least size of the pixels that a task decodes (bytes)
+constexpr std::size_t kBandBytes = std::size_t{1} << 20;  // largest band (bytes), unless 32 rows or a tile are larger
 
 // A stream of encoded bytes for OpenEXR. Several streams may read the same bytes.
 class MemoryInput : public Imf::IStream {

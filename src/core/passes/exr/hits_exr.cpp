@@ -128,7 +128,7 @@ class HitsReader {
 
   ExrReader file_;
   Hits& hits_;
-  std::map<std::string, std::vector<std::uint32_t>> wide_;  // channels that Hits does not store as uint32
+  std::map<std::string, std::vector<std::uint32_t>> wide_;  // uint32 channels that Hits stores otherwise
   std::vector<ExrTarget> targets_;
 };
 

@@ -22,9 +22,9 @@ void writeHits(const std::filesystem::path& path, const Hits& hits);
 Channels channelsIn(const std::filesystem::path& path);
 
 // Reads the requested channels, and also the surface parameters and the unresolved beams if the file has them, bit for
-// bit as they were written. Throws InputError that names the file and the channel, if the file is not EXR or truncated,
-// if a channel is absent or of the wrong type, if a range is NaN or negative, if a class or material is above 65535, or
-// if an unresolved beam has a range.
+// bit as they were written. Throws InputError that names the file (and the channel) if the file is not EXR or
+// truncated, if a channel is absent or of the wrong type, if a range is NaN or negative, if a class or material is
+// above 65535, or if an unresolved beam has a range.
 void readHits(const std::filesystem::path& path, Channels asked, Hits& hits);
 
 }  // namespace scanmill

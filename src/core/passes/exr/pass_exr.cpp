@@ -174,8 +174,8 @@ class PassReader {
     }
   }
 
-  // Checks that normals are unit vectors, and flips normals that face away from the camera. Normals from writePasses()
-  // are not changed: their signs are right, except for edge-on surfaces, where float32 rounding may flip them.
+  // Checks that normals are unit vectors, and flips normals that face away from the camera, except those of edge-on
+  // surfaces, whose sign may come from rounding. Normals from writePasses() are therefore never flipped.
   void finishNormal() {
     constexpr double kEdgeOn = 1e-6;  // cosine of the angle of incidence below which a surface counts as edge-on
     const Camera& camera = image_.camera;

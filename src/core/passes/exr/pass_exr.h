@@ -31,7 +31,7 @@
 //   instance: also IndexOB          material: also IndexMA
 //
 // Many programs write ids as FLOAT. Such ids are accepted if all of them are integers below 2^24, so that no id can
-// have been rounded or blended. Normals and surface parameters may be HALF; depth and ids may not.
+// have been rounded or blended. Depth and ids must not be HALF, all other channels may be.
 
 #include <filesystem>
 #include <string>

@@ -21,7 +21,7 @@ struct VtkLimits {
 
 // Triangles without shared vertices: three corners per triangle.
 struct VtkTriangles {
-  std::span<const float> positions;        // 3 per corner: m, in the frame of their mesh
+  std::span<const float> positions;        // 3 per corner: m, relative to ViewMesh::origin
   std::span<const float> uvs;              // 2 per corner; empty for solid triangles
   std::span<const std::uint32_t> cutouts;  // 1 per corner: index into the cut-outs, the same for all three corners
 };
@@ -45,7 +45,7 @@ struct VtkScene {
 // An instance of consecutive triangles. In the image, triangle k of the batch has the number firstNumber + k; the
 // number 0 means that a pixel shows no triangle.
 //
-//   (x, y, w) of clip space = rows * (position, 1); depth grows with nearest / w
+//   (x, y, w) of clip space = rows * (position, 1); the depth buffer contains nearest / w
 struct VtkPlacement {
   float rows[3][4];
   std::uint32_t firstNumber;
@@ -87,8 +87,8 @@ class VtkDevice {
   virtual void draw(std::uint32_t slot, const VtkImage& image) = 0;
   // Waits until all requested work is done.
   virtual void finish() = 0;
-  // Reads the triangle numbers at pixel addresses, which must belong to rendered images; an address beyond all images
-  // gives 0.
+  // Reads the triangle numbers at pixel addresses. An address must be in a rendered image or beyond all images, where
+  // the number is 0.
   virtual void gather(const VtkPixels& pixels, std::span<const std::uint32_t> addresses, std::uint32_t* numbers) = 0;
   // Reads the triangle numbers of complete rows of one image.
   virtual void read(std::uint32_t slot, std::uint32_t firstRow, std::uint32_t rows, std::uint32_t* numbers) = 0;
@@ -99,8 +99,8 @@ class VtkModule {
   static constexpr ModuleFile kFile{"libscanmill_passes.so", "images cannot be drawn by VTK",
                                     "install VTK and EGL (on Debian the packages libvtk9-dev and libegl-dev)"};
   virtual ~VtkModule() = default;
-  // Opens a device. `device`: a name as namedDevice() returns it (gpu/device.h). Throws NoDevice, and
-  // std::invalid_argument if no device has that name.
+  // Opens a device. `device`: a name as namedDevice() returns it (gpu/device.h). Throws NoDevice if no device is
+  // suitable, and std::invalid_argument if no device has that name.
   virtual std::unique_ptr<VtkDevice> open(const std::string& device) const = 0;
 };
 

@@ -1,4 +1,4 @@
-// The plug-in libscanmill_passes.so: VTK with its own OpenGL context, behind the interface of vtk/vtk_interface.h.
+// The plug-in libscanmill_passes.so: VTK with its own OpenGL context, with the interface of passes/vtk/vtk_interface.h.
 
 #include <vtkAutoInit.h>
 #include <vtkNew.h>

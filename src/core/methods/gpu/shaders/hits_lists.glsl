@@ -1,4 +1,4 @@
-// Hits of particles that have tested triangles.
+// Hits in fields with lists, whose triangles the particles have tested.
 
 #include "hits.glsl"
 

@@ -1,4 +1,5 @@
-// Hits of particles that rest at a surface. Further tables: 4 the field's levels, 5 its table, 6 distances, 7 words.
+// Hits in fields without lists, where particles rest at a surface. Further tables: 4 the field's levels, 5 its table,
+// 6 distances, 7 words.
 
 #include "hits.glsl"
 

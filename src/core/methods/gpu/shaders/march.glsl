@@ -1,5 +1,5 @@
 // The steps of march_stream.h. Values marked `precise` are neither contracted nor reassociated, so they have the same
-// bits as on the processor. Divisions, which GPUs round differently, are left to the processor.
+// bits as on the processor. Divisions, which GPUs round differently, do not occur.
 //
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
 // distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
@@ -50,7 +50,7 @@ Voxel find(vec3 q) {
   precise float most = max(abs(q.x), max(abs(q.y), abs(q.z)));
   precise float share = most * perReach;
   int level = min(max((int(floatBitsToUint(share) - 1u) >> 23) - 126, 0), lastLevel);
-  uvec4 place = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of its first entry
+  uvec4 place = texelFetch(levels, 2 * level);  // xyz: bits of the offset; w: index of the level's first entry
   uvec4 box = texelFetch(levels, 2 * level + 1);
   Voxel v;
   v.scale = uintBitsToFloat(uint(127 - level) << 23);

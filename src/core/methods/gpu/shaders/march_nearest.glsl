@@ -1,4 +1,4 @@
-// Particles march until they reach a surface, whose nearest voxel corner names a triangle.
+// Particles march until they rest at a surface. The voxel corner nearest to the particle then gives the triangle.
 
 #include "march.glsl"
 
