@@ -62,9 +62,9 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   return lowest;
 }
 
-// An object's random numbers depend only on the scene's seed and the object's name, so that other objects do not change
-// them. Objects with the same name get different numbers. Objects with the same `thing` share their numbers, so that
-// their n-th copies stay together.
+// An object's random numbers depend only on the scene's seed, the object's name, and how many earlier objects have that
+// name. Other objects do not change them. Objects with the same `thing` share their numbers, so that their n-th copies
+// stay together.
 std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
                                                       std::size_t variants, const Chosen& meshesOf) {
   const std::uint32_t object =
