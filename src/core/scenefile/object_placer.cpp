@@ -46,7 +46,7 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
     const Mesh& mesh = builder_.soFar().meshes[m.mesh];
     const Box box = mesh.bounds();
     const auto add = [&](const Affine& place) {
-      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // the lowest corner of a tilted box is lower than the mesh
+      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // a corner of a tilted box can be lower than the mesh
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
         return;
       }

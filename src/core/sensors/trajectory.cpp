@@ -193,7 +193,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
       if (time > knots.back() && time < end) knots.push_back(time);
     }
   } else {
-    constexpr double kAboutStraight = 1;  // m, largest distance between knots, between which a path counts as straight
+    constexpr double kAboutStraight = 1;  // m, largest distance between knots; a path this short counts as straight
     const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), 1e8));
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }
