@@ -8,8 +8,8 @@
 namespace scanmill {
 namespace {
 
-constexpr std::size_t kGroups = std::size_t{1} << 20;  // groups of three bytes per call, since OpenSSL counts bytes in
-                                                       // an int
+// Largest number of groups (three bytes, or four letters) per call, since OpenSSL counts bytes in an int.
+constexpr std::size_t kGroups = std::size_t{1} << 20;
 
 const unsigned char* asBytes(const char* text) {
   return reinterpret_cast<const unsigned char*>(text);
@@ -30,7 +30,7 @@ std::string base64(std::string_view bytes) {
 }
 
 std::optional<std::string> fromBase64(std::string_view text) {
-  // OpenSSL skips white space at both ends, and decodes padding in the middle as zeroes.
+  // OpenSSL would skip white space at both ends and "-" at the end, and decode padding in the middle as zeroes.
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   if (text.size() % 4 == 1 || text.find_first_of("= \t\r\n-") != std::string_view::npos) return std::nullopt;
   std::string out(text.size() / 4 * 3 + 3, '\0');

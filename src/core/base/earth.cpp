@@ -24,7 +24,7 @@ bool isOnEarth(const Vec3d& place) {
 }
 
 Affine eastNorthUp(const Vec3d& place) {
-  // Finds the geodetic latitude by fixed-point iteration, which gains three digits per step near the surface.
+  // Finds the geodetic latitude by fixed-point iteration, which gains at least two digits per step near the surface.
   const double longitude = std::atan2(place.y, place.x);
   const double out = std::hypot(place.x, place.y);
   double latitude = std::atan2(place.z, out * (1 - kEccentricity2));

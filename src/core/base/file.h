@@ -17,8 +17,8 @@ void readBlocks(const std::filesystem::path& path, const std::function<void(std:
 
 // A file that is written under a temporary name in its folder. commit() flushes it to the disk and gives it its final
 // name. Without commit(), because of an exception or an early return, the destructor removes the temporary file, and a
-// file of the final name stays as it was. All calls throw an Error with the path and the reason, such as "No space left
-// on device".
+// file of the final name stays as it was. The constructor, write(), flush() and commit() throw an Error with the path
+// and the reason, such as "No space left on device".
 class [[nodiscard]] AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
@@ -48,8 +48,8 @@ void writeFile(const std::filesystem::path& path, std::string_view bytes);
 // be on one file system. Throws Error.
 void moveFile(const std::filesystem::path& from, const std::filesystem::path& to);
 
-// Flushes a folder's list of names to the disk, so that new, renamed and removed files survive a power failure. Throws
-// Error, except on file systems that cannot flush folders.
+// Flushes a folder's list of names to the disk, so that new, renamed and removed files survive a power failure. Does
+// nothing if the file system cannot flush folders or the folder is not readable. Throws Error for all other failures.
 void syncFolder(const std::filesystem::path& folder);
 
 }  // namespace scanmill

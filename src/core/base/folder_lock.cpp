@@ -163,7 +163,8 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     if (isStillThere()) break;
     release();  // the process that held the lock has just removed the file
   }
-  if (kind == LockKind::Shared && !locked_) return true;  // a text would look like a lock held alone
+  if (kind == LockKind::Shared && !locked_)
+    return true;  // writes no text, since others would take it for a lock held alone
   const std::string words = ownWords();
   ssize_t n = ::ftruncate(descriptor_, 0);
   for (std::size_t done = 0; n >= 0 && done < words.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {

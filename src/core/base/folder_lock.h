@@ -10,8 +10,9 @@
 
 namespace scanmill {
 
-// Thrown if the path of a lock file leads to something that this program did not make: a link, a folder, or a file with
-// a second hard link. Nothing is changed there. The message says what to remove.
+// Thrown if the path of a lock file leads to something that this program does not make: a link, a folder, a pipe or
+// device, or a file with a second hard link; or if a folder on this path is a link or a file. Nothing is changed there.
+// The message says what to remove.
 class ForeignFile : public InputError {
  public:
   using InputError::InputError;
@@ -25,14 +26,13 @@ enum class LockKind {
 // Holds a lock file. The destructor removes the file if it is certain that no other process holds the lock. The file
 // states which process took the lock last, on which host, and since when. The lock is the operating system's (flock; on
 // network file systems Linux turns it into a lock of the server). A process that dies therefore loses the lock and
-// leaves only a file that nobody holds. On a file system without locks no process can be kept from sharing the folder,
-// and a file that was taken alone counts as held if its process still runs on this host, or if it was written on
-// another host.
+// leaves only a file that nobody holds. On a file system without locks a shared lock keeps no process out, and a file
+// that was taken alone counts as held if its process still runs on this host, or if it was written on another host.
 class [[nodiscard]] FolderLock {
  public:
   // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below
   // it, none of which may be a link. Throws an InputError that names the holder if another process holds the lock;
-  // ForeignFile; and Error if the file cannot be created.
+  // ForeignFile; and Error if the file cannot be created or written.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

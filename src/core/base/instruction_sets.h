@@ -8,9 +8,9 @@
 // times as fast. All versions give the same bytes, since no operations are contracted and lanes are independent.
 //
 // Functions of other files are not compiled anew. GCC makes no versions of virtual functions: let a virtual function
-// call a plain function that has the macro. The macro is empty in three builds: for the host's own processor
-// (SCANMILL_NATIVE), where it has no use; with sanitizers, since the version is chosen before they are ready; and with
-// clang, which refuses the two attributes together.
+// call a plain function that has the macro. The macro is empty for processors other than x86-64 and systems other than
+// Linux, and in three builds: for the host's own processor (SCANMILL_NATIVE), where it has no use; with sanitizers,
+// since the version is chosen before they are ready; and with clang, which refuses target_clones beside flatten.
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && !defined(__AVX2__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SCANMILL_BEST_INSTRUCTIONS \

@@ -35,13 +35,13 @@ struct ModuleEntry {
   const void* object;      // points to an object of the module's interface
 };
 
-// Returns the folders in which the program looks for its libraries: the RUNPATH, to which the build and the
-// installation add the modules' folder. Throws Error.
+// Returns the folders in which the program looks for its libraries: those of LD_LIBRARY_PATH, of the RUNPATH, to which
+// the build and the installation add the modules' folder, and of the system. Throws Error.
 std::vector<std::string> programLibraryFolders();
 
 // Returns the module's object, from the first of `folders` that has the file. If the file is missing, cannot be loaded,
-// or was built from other sources than the program, throws an Error that says what fails without the module, in which
-// folders it was looked for and what to install.
+// or was built from other sources than the program, throws an Error that says what fails without the module, and what
+// to build or install.
 const void* loadModuleObject(const ModuleFile& file, const std::vector<std::string>& folders);
 
 template <class Interface>

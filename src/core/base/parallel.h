@@ -16,8 +16,8 @@ void parallelFor(std::size_t count, std::size_t grain, const std::function<void(
 // unrelated task, which could wait for a lock that this thread holds. parallelFor() needs no such call.
 void isolated(const std::function<void()>& work);
 
-// Runs work() within a call of tbb::collaborative_call_once(). Threads that wait for that call take part in the
-// parallelFor() loops of work(), and in no other tasks.
+// Calls work(). To be called within a call of tbb::collaborative_call_once(): threads that wait for that call then take
+// part in the parallelFor() loops of work(), and in no other tasks.
 void withWaiters(const std::function<void()>& work);
 // True on a thread within withWaiters(). A nested tbb::collaborative_call_once() on this thread must run without help:
 // threads that wait for the outer call cannot take part in loops of the nested call.

@@ -19,8 +19,9 @@ class Path {
   // straight back.
   explicit Path(const std::vector<Vec3d>& points);
   // Creates the straight lines through at least two points (m). A parabola rounds each corner: it leaves the lines
-  // `rounding` metres (above 0) before and behind the corner, or at half the distance to the neighbouring point if that
-  // is less. At a right angle the nearest point of the parabola is 0.35 times that distance from the corner.
+  // `rounding` metres (above 0) before and behind the corner, or half the distance to the nearer of the two
+  // neighbouring points if that is less. At a right angle it passes the corner at 0.35 times the length that it cuts
+  // off each line.
   static Path lines(const std::vector<Vec3d>& points, double rounding);
 
   double length() const { return travelled_.back(); }  // length of the path (m)

@@ -20,7 +20,8 @@ std::string shortTime(double seconds);
 // Returns a position to the centimetre: "[1.00, -2.50, 0.12]".
 std::string shortPlace(const Vec3d& place);
 
-// Returns the edges of a box along x, y and z in m, to three digits: "4.01 x 2.14 x 1.57 m"; "-" if it is empty.
+// Returns the edges of a box along x, y and z in m, such as "4.01 x 2.14 x 1.57 m", or "-" if the box is empty. Edges
+// have three significant digits; from 100 m on they are whole metres.
 std::string extentText(const Box& box);
 
 }  // namespace scanmill

@@ -48,10 +48,10 @@ const Value* findDrawnPerFrame(const Value& value);
 Value withDraws(const Value& value, const std::string& key, const RandomAddress& address,
                 std::vector<DrawnValue>& draws);
 
-// A distribution has ends: its least and greatest number, or each item of a choice. withCase() replaces each
-// distribution within the value by one of its ends, and over the cases 0 to countCases(value) - 1 every end occurs. If
-// a reader accepts all cases, it therefore accepts all random values, unless it checks two values against each other. A
-// value without distributions has one case.
+// A distribution has ends: its least and greatest number, or each item of a choice without "...". withCase() replaces
+// each distribution within the value by one of its ends, and over the cases 0 to countCases(value) - 1 every end
+// occurs. If a reader accepts all cases, it therefore accepts all random values, unless it checks two values against
+// each other. A value without distributions has one case.
 std::size_t countCases(const Value& value);
 [[nodiscard]] Value withCase(const Value& value, std::size_t number);
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the same hint as suggestion(). If a name is near and there are at most six names, the hint also lists them.
+// Returns the hint of suggestion(), and adds all names if one of them is near and there are at most six.
 std::string oneOf(std::string_view word, const std::vector<std::string>& names) {
   constexpr std::size_t kFew = 6;
   const std::string near = nearest(word, names);

@@ -50,8 +50,8 @@ fs::path ownPath(const Value& value, const fs::path& name) {
   return (value.folder.empty() ? fs::path(value.where.file).parent_path() : fs::path(value.folder)) / name;
 }
 
-// Returns a file that comes with the program, if `name` is a mere name ("os1_128", "sensors/os1_128.yaml"). A path that
-// starts with "." or ".." is not searched: if the file is absent, the message must say so.
+// Returns the file with this name, such as "os1_128" or "sensors/os1_128.yaml", that comes with the program; nullopt if
+// there is none. A path that is absolute or starts with "." or ".." is not such a name.
 std::optional<fs::path> builtIn(const fs::path& name, const fs::path& subfolder) {
   if (name.empty() || name.is_absolute() || *name.begin() == ".." || *name.begin() == ".") return std::nullopt;
   const fs::path root = resourceFolder();

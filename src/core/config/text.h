@@ -19,7 +19,7 @@ constexpr std::size_t kMaxYamlBytes = std::size_t{64} << 20;
 void checkText(std::string_view text, const std::string& file);
 
 // Replaces ${NAME} and ${NAME:-fallback} by environment variables, and $$ by a dollar. Throws InputError at `where` for
-// a variable that is not set and has no fallback.
+// a variable that is not set and has no fallback, and for ${...} in any other form.
 std::string expandVariables(std::string_view text, const Location& where);
 
 // Returns the text in quotes, on one line, and cut to a length that fits into a message.

@@ -115,7 +115,7 @@ struct PointKey {
 };
 
 // True if the beam of each point is known: in an organised scan from the order of its points, in a dense scan from its
-// columns ring and column. True for a scan without points.
+// columns ring and column. True for a dense scan without points.
 [[nodiscard]] bool knowsBeams(const Scan& scan);
 
 // Returns the key of a point; knowsBeams(scan) must be true. If a dense scan has no column `return`, every point counts

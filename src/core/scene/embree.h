@@ -29,7 +29,7 @@ inline EmbreeContext newEmbreeContext() {
   return context;
 }
 
-// Finds the first surface that the ray hits and that its filter function, if it has one, accepts.
+// Finds the nearest hit of a ray. Hits that the filter function of a geometry rejects do not count.
 inline void intersectOne(RTCScene scene, EmbreeContext& context, RTCRayHit& ray) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCIntersectArguments arguments;
@@ -55,7 +55,7 @@ inline void intersectPacket(RTCScene scene, EmbreeContext& context, const int* v
 #endif
 }
 
-// Sets the ray's far end to minus infinity if the ray hits any surface.
+// Sets the ray's far end to minus infinity if the ray has any hit that counts for intersectOne().
 inline void occludeOne(RTCScene scene, EmbreeContext& context, RTCRay& ray) {
 #if SCANMILL_EMBREE_MAJOR >= 4
   RTCOccludedArguments arguments;

@@ -55,7 +55,7 @@ struct Material {
   std::string name;
   float reflectance = 0.3f;       // near-infrared, 0 to 1
   float roughness = 1.0f;         // 0 mirror to 1 matt (glTF's perceptual roughness)
-  float metallic = 0.0f;          // 0 or 1, as in glTF
+  float metallic = 0.0f;          // 0 to 1, as in glTF
   float retroreflectance = 0.0f;  // added reflectance towards the sensor, in units of a white Lambertian target
   float transmission = 0.0f;      // part of the light that the inside of a pane lets through, 0 to 1; 0: opaque
   float index = 1.52f;            // refractive index

@@ -19,7 +19,7 @@ class Movement {
  public:
   // Moves in a straight line at this velocity (m/s, world axes), without turning.
   explicit Movement(const Vec3d& velocity);
-  // Moves along a path at a constant speed (m/s), from the distance `start` (m) to its end, and stops there.
+  // Moves along a path at a constant speed (m/s), from the distance `start` (m) to the path's end, and stops there.
   Movement(std::shared_ptr<const Path> path, double start, double speed);
   // Moves along a path. `travelled` has the distances along the path (m) at the times 0, interval, 2 interval, ... (s);
   // distances between these times are interpolated linearly. The object stops at the last distance.

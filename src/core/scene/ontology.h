@@ -41,15 +41,15 @@ struct Ontology {
   const SemanticClass& require(std::string_view nameOrAlias, const Location& where) const;
 };
 
-// Returns true if the ontologies have the same ids, names and `thing` flags; colours and aliases may differ.
+// Returns true if the ontologies have the same ids, names and `thing` flags in the same order. Other fields may differ.
 bool sameClasses(const Ontology& a, const Ontology& b);
 
-// Describes what is lost if the ontology `to` replaces `from`, one line each: classes that merge into one, and classes
-// that `to` does not have (a scene that uses them would be refused). Empty if nothing is lost.
+// Describes what is lost if the ontology `to` replaces `from`: one line for each class into which several merge, and
+// one line for all classes that `to` does not have (a scene that uses them would be refused). Empty if nothing is lost.
 std::vector<std::string> lostBetween(const Ontology& from, const Ontology& to);
 
-// Reads an ontology's file. Ids and names must be unique, ids at most 65535, and colours [r, g, b] from 0 to 255.
-// Throws InputError with the place in the file.
+// Reads an ontology's file. Ids, names and aliases must be unique, ids at most 65535, and colours [r, g, b] from 0 to
+// 255. Throws InputError with the place in the file.
 Ontology readOntology(const std::filesystem::path& path);
 
 }  // namespace scanmill

@@ -10,7 +10,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kMostCells = 512;  // largest number of cells along the longer side
+constexpr double kMostCells = 512;  // a cell is at least 1/512 as wide as the longer side of the grid
 constexpr std::size_t kMostTriangles = 10'000'000;
 
 double distanceToSegment(const Vec3d& p, const Vec3d& a, const Vec3d& b) {

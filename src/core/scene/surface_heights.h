@@ -50,7 +50,7 @@ class SurfaceHeights {
   // Adds the instances that were added to the scene since the last call, except moving instances.
   void update();
 
-  // Returns all surfaces at a point (m, world frame), the highest first.
+  // Returns all surfaces at a point (m, world frame) except vertical ones, the highest first.
   std::vector<Surface> at(double x, double y) const;
   // Returns the result of groundUnder() among the surfaces that satisfy `holds` and are at most 60 degrees steep.
   template <class Holds>

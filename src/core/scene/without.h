@@ -9,10 +9,10 @@
 
 namespace scanmill {
 
-// Takes out of the scene what the items of `what` name. A number is the instance id of a thing. A word is the
-// name of objects, which are taken out with all their copies, and of a class, whose triangles are taken out. All other
-// things keep their ids, and all other hits stay the same to the last bit. Throws an InputError at the place of an item
-// that is neither a class of the scene's ontology nor in the scene.
+// Takes out of the scene what the items of `what` name. A number takes out the thing with this instance id. A word
+// takes out the objects with this name and all their copies, the copy with this name (NAME#1), and the triangles of the
+// class with this name. All other things keep their ids, and all other hits stay the same to the last bit. Throws an
+// InputError at the place of an item that is neither a class of the scene's ontology nor in the scene.
 void takeOut(Scene& scene, const std::vector<Value>& what);
 
 }  // namespace scanmill

@@ -17,8 +17,8 @@
 namespace scanmill {
 namespace {
 
-constexpr std::uint64_t kTries = 30;       // tries per copy to find a free place, if `count` is given
-constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after which the search ends
+constexpr std::uint64_t kTries = 30;       // tries per copy, if `count` is given without `distance_from`
+constexpr std::uint64_t kMisses = 30'000;  // rejected places in a row after which the search for a `count` ends
 constexpr double kOverhead = 0.05;         // m; a surface is covered if another surface lies more than this above it
 constexpr double kSame = 1e-3;             // m; surfaces whose heights differ by less are the same surface
 

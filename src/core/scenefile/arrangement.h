@@ -47,9 +47,10 @@ class Arrangement {
     std::size_t number = 1;   // counts all copies from 1, including those that are left out
   };
 
-  // Returns every copy, each with a random index below `variants`. `heights`: the surfaces of `scene`, which has the
-  // objects listed before this one; required if needsSurfaces(). `lowest` returns the height of a copy's lowest point
-  // (m). Throws InputError if the scene has no surface of the required classes, or too little room.
+  // Returns the copies that `presence` and `stand_on` do not leave out, each with a random index below `variants`.
+  // `heights`: the surfaces of `scene`, which has the objects listed before this one; required if needsSurfaces().
+  // `lowest` returns the height of a copy's lowest point (m). Throws InputError if the scene has no surface of the
+  // required classes, or too little room.
   std::vector<Copy> places(const Placement& placement, const Scene& scene, const SurfaceHeights* heights,
                            std::uint64_t seed, std::uint32_t object, std::size_t variants,
                            const std::function<double(const Copy&)>& lowest) const;
@@ -64,8 +65,8 @@ class Arrangement {
     std::vector<std::uint16_t> classes;
     std::vector<Distance> distances;
     std::optional<std::uint64_t> count;
-    double density = 0;  // copies per m^2
-    double spacing = 0;  // m, least distance between copies
+    double density = 0;  // places per m^2, as seen from above
+    double spacing = 0;  // m, least distance between places, as seen from above
     double slope = 0;    // rad, steepest surface that gets copies
     std::optional<std::array<Vec3d, 2>> within;
     bool covered = false;

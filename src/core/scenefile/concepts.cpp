@@ -32,8 +32,9 @@ struct Match {
   bool better(const Match& other) const { return end != other.end ? end > other.end : length > other.length; }
 };
 
-// Finds the last place where a word of a concept occurs in a folded name. Returns the index at which the containing
-// word of the name ends, and the length of `word`; nothing if the name does not contain `word`.
+// Finds the last place where a word of a concept occurs in a folded name: as a word or its plural, or if `word` is long
+// (see kInside), within a word. Returns the index at which the containing word of the name ends, and the length of
+// `word`; nothing if there is no such place.
 std::optional<Match> lastMatch(std::string_view name, std::string_view word) {
   std::optional<Match> found;
   for (std::size_t at = name.find(word); at != std::string_view::npos; at = name.find(word, at + 1)) {
@@ -124,7 +125,7 @@ const SemanticClass* classOf(const Concept& what, const Ontology& ontology) {
 
 std::string foldedName(std::string_view name) {
   std::string out;
-  bool lower = false;  // true if the previous letter was a lower-case letter
+  bool lower = false;  // true if the previous character was a lower-case or accented letter
   const auto blank = [&] {
     if (!out.empty() && out.back() != ' ') out += ' ';
     lower = false;

@@ -30,8 +30,8 @@ struct SamePlace {
   bool operator()(const Vec3f& a, const Vec3f& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
 };
 
-// Returns the fraction of a box's footprint (as seen from above) that another box covers, at whatever height; 0 if the
-// boxes are more than `gap` (m) apart along some axis.
+// Returns the fraction of a box's footprint (as seen from above) that the footprint of another box covers, but at least
+// 1e-9; 0 if the boxes are more than `gap` (m) apart along some axis.
 double shareOver(const Box& box, const Box& other, double gap) {
   const auto overlap = [&](double Vec3d::*axis) {
     return std::min(box.high.*axis, other.high.*axis) - std::max(box.low.*axis, other.low.*axis);

@@ -20,10 +20,10 @@ struct ConnectedParts {
 ConnectedParts connect(const std::vector<const AssetPart*>& parts);
 
 // Groups connected parts into things by their boxes. Returns, for each connected part, the number of its thing, from 0.
-// A part is grouped with a larger part if their boxes are at most 5 cm apart and one of two conditions is true: a
-// quarter of the smaller part's footprint (as seen from above) lies within the larger box, as with the wheels of a car
-// and the tiers of a tree; or the smaller part's diagonal is less than 0.15 of the larger part's, as with mirrors of a
-// car.
+// A part is grouped with a larger part if their boxes are at most 5 cm apart and one of two conditions is true: at
+// least a quarter of the smaller box's footprint (as seen from above) lies within the larger one's, as with the wheels
+// of a car and the tiers of a tree; or the smaller box's diagonal is less than 0.15 of the larger one's, as with
+// mirrors of a car.
 std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected);
 
 }  // namespace scanmill

@@ -236,15 +236,15 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
   return objects;
 }
 
-// Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if none of the triangles can be traced.
-// Counts the triangles that it leaves out in `dropped`.
+// Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts the
+// triangles that cannot be traced in `dropped`.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                       const Labelling& labelling, const Location& where, RuleCounts& counts,
                                       Dropped& dropped) {
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
-    // Remove degenerate triangles first: one that is connected to no other triangle would become a thing.
+    // Remove triangles that cannot be traced first: one that is connected to no other triangle would become a thing.
     if (labelling.things.by == ThingBounds::By::Part) {
       std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
     }

@@ -35,7 +35,7 @@ struct PlacedMesh {
 // Adds an asset to the scene: Asset::parts as one mesh, and each entry of Asset::instanced as a further mesh. Triangles
 // without a class, from a rule or from the file, get class 0 and are counted as unlabelled. A part without a material
 // from a rule keeps the material of its file. Throws InputError at the rule for an unknown class or material, and at
-// `where` for an asset of which no triangle can be traced.
+// `where` for an asset of which no triangle remains.
 [[nodiscard]] std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Labelling& labelling,
                                                const Location& where);
 

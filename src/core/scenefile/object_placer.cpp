@@ -46,7 +46,7 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
     const Mesh& mesh = builder_.soFar().meshes[m.mesh];
     const Box box = mesh.bounds();
     const auto add = [&](const Affine& place) {
-      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // the lowest corner of a tilted box is lower than the mesh
+      if (place.linear.x.z != 0 || place.linear.y.z != 0) {  // a corner of a tilted box can be lower than the mesh
         for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, (place * Vec3d(p)).z);
         return;
       }
@@ -58,9 +58,9 @@ double ObjectPlacer::lowestOf(const std::vector<PlacedMesh>& meshes, const Affin
   return lowest;
 }
 
-// An object's random numbers depend only on the scene's seed and the object's name, so that other objects do not change
-// them. Objects with the same name get different numbers. Objects with the same `thing` share their numbers, so that
-// their n-th copies stay together.
+// An object's random numbers depend only on the scene's seed, the object's name, and how many earlier objects have that
+// name. Other objects do not change them. Objects with the same `thing` share their numbers, so that their n-th copies
+// stay together.
 std::vector<Arrangement::Copy> ObjectPlacer::placesOf(const Copies& copies, const std::string& name,
                                                       std::size_t variants, const Chosen& meshesOf) {
   const std::uint32_t object =

@@ -24,7 +24,7 @@
 //                                        # of a group of connected triangles; /chair_[0-9]+/: of all nodes with the
 //                                        # same match; object (default, except for point clouds): of the complete
 //                                        # asset. See scenefile/things.h
-//   thing: tree_1                        # the n-th copies of all objects with this key and name are one thing
+//   thing: tree_1                        # the n-th copies of all objects with the same `thing` are one thing
 //   points: {...}, heights: {...}        # for point clouds and height rasters: see scenefile/survey_options.h
 //   animation: {clip: walk}              # glTF: the clip loops, or is frozen at time_s if that is given
 //   rules: [...]                         # see scenefile/rules.h; match: {file: ...} tests `file` as written here
@@ -43,8 +43,8 @@
 //   street: {...}                        # see town/street/street.h
 //   town: {...}                          # see town/town.h
 //
-// Every object has a name, a position and copies (see scenefile/placement.h and scenefile/arrangement.h); objects other
-// than streets and towns may move:
+// Every object may have a name and a position. Objects other than streets and towns may have copies (see
+// scenefile/placement.h and scenefile/arrangement.h) and move:
 //
 //   facing: -y                           # the axis along which the model faces, for bounding boxes of objects
 //   moving: {velocity: [8, 0, 0]}        # see scene/movement.h; position and rotation are relative to the movement
@@ -410,7 +410,7 @@ class SceneReader {
   bool random_ = false;
 };
 
-// Returns the scene's objects with all random values drawn, and appends these values to `draws`.
+// Returns the scene's objects with a random value in place of each distribution, and appends these values to `draws`.
 Value objectsOf(const Value& root, std::uint64_t seed, std::vector<DrawnValue>& draws) {
   const Value* objects = root.find("objects");
   if (objects == nullptr) return {};

@@ -31,7 +31,7 @@ bool isChecksum(std::string_view text) {
   return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-// A table whose rows are sorted by their channel, or stay in the file's order if the file has no channels.
+// A table with one row per laser. If it has channels, its rows may be in any order.
 class BeamTableFile {
  public:
   explicit BeamTableFile(const std::filesystem::path& file) : bytes_(readFile(file)) {
@@ -67,8 +67,8 @@ class BeamTableFile {
     }
   }
 
-  // Returns the numbers of a column in the order of the channels. Channels are numbered from 1, or from 0 if the table
-  // has a channel 0.
+  // Returns the numbers of a column in the order of the channels, or of the lines if the table has no channels.
+  // Channels are numbered from 1, or from 0 if the table has a channel 0.
   std::vector<double> numbers(std::size_t column) const {
     const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
     for (const Row& row : rows_) {

@@ -13,11 +13,11 @@
 
 namespace scanmill {
 
-// Reads a table with one line per beam. The table's first line names the columns: azimuth_deg and elevation_deg, and
-// optionally time_us (since the start of the revolution), ring, column, and origin_x_m, origin_y_m, origin_z_m. Rings
-// and columns are numbered from 0, and every pair of ring and column must occur once; without them all beams form one
-// ring, in the order of the lines. No column may fire before its predecessor. Throws InputError with the file and its
-// line.
+// A sensor read from a table with one line per beam. The first line names the columns: azimuth_deg and elevation_deg,
+// and optionally time_us (since the start of the revolution), ring, column, and origin_x_m, origin_y_m, origin_z_m.
+// Rings and columns are numbered from 0, and every pair of ring and column must occur once; without them all beams form
+// one ring, in the order of the lines. No column may fire before its predecessor. readListedBeams() throws InputError
+// with the file and, if the fault is in one line, the line.
 struct ListedSensor {
   std::uint32_t rings = 0, columns = 0;
   ListedBeams beams;

@@ -70,7 +70,7 @@ struct BeamTable {
   // Shifts of the beam's origin per ring (m): to the left, perpendicular to the beam; and upwards, perpendicular to the
   // beam and to the left. Each array is empty if all its values are zero.
   std::vector<double> originLeft, originUp;
-  bool topDown = false;  // true if ring 0 is the highest beam
+  bool topDown = false;  // true if ring 0 is the highest ring; for listed beams, if it is above the last ring
 
   // Full width of the beam across (in azimuth) and up (in elevation): exit width + divergence * range. The width of a
   // Gaussian beam is measured where the power has fallen to 1/e^2 of the power in the middle. Zero if the sensor file
@@ -95,8 +95,8 @@ struct BeamTable {
   double columnTime(std::uint32_t column) const {
     return listed == nullptr ? column * columnPeriod() : columnStart[column / raysPerBeam];
   }
-  // Returns the time between neighbouring columns (s). In a field of less than a full circle the first and the last
-  // column are at the two edges.
+  // Returns the time between neighbouring columns (s; of listed beams the mean). In a field of less than a full circle
+  // the first and the last column are at the two edges.
   double columnPeriod() const {
     const std::uint32_t steps = fullTurn() || columns == 1 ? columns : columns - 1;
     return period * (field / (2 * kPi)) / steps;

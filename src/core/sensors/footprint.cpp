@@ -26,8 +26,8 @@ constexpr double kSecondMoment = 0.5;
 std::vector<GridPoint> hexagon(std::uint32_t rays, bool uniform) {
   int rings = 0;
   while (1 + 3 * rings * (rings + 1) < static_cast<int>(rays)) ++rings;
-  // With k rings of points, the corners of the hexagon are 2 k / (k + 1) half widths from the axis. Thus more rays
-  // sample a wider part of the beam.
+  // With k rings of points, the corners of the hexagon are 2 k / (k + 1) half widths from the axis, before `scale` is
+  // applied. Thus more rays sample a wider part of the beam.
   const double spacing = 2.0 / (rings + 1);
   std::vector<GridPoint> points;
   double sum = 0;

@@ -19,8 +19,8 @@ constexpr std::uint32_t kFootprintRays[] = {1, 7, 19, 37, 61, 91, 127};
 // The speed of light (m/s).
 constexpr double kLightSpeed = 299792458.0;
 
-// Returns the smallest distance (m) between two surfaces whose echoes overlap by less than half: c t / 2, for a pulse
-// of width t (s).
+// Returns the distance in range (m) of two surfaces whose echoes are one pulse width apart in time: c t / 2, for a
+// pulse of width t (s).
 constexpr double pulseLength(double width) {
   return kLightSpeed * width / 2;
 }
@@ -40,7 +40,7 @@ struct Footprint {
 // Returns rays through the points of a hexagonal grid across each beam, the axis first. A ray's weight is the beam's
 // power at its point. Each beam's grid is rotated about the axis by a random angle, which is the same in all frames.
 // The grid is scaled to the second moment of the beam. The echo of a slanted plane therefore has the right width for
-// any number of rays. Throws Error if `raysPerBeam` is not in kFootprintRays.
+// any number of rays above 1. Throws Error if `raysPerBeam` is not in kFootprintRays.
 Footprint makeFootprint(const BeamTable& beams, std::uint32_t raysPerBeam);
 
 // Turns hits of the footprint's rays into hits of the sensor's beams: sets Hits::columns, beamOfRay and weightOfRay.

@@ -24,7 +24,8 @@ struct Stand {
 };
 
 // Returns the height and slopes of the plane that best fits the ground under the four wheels; nothing if more than one
-// wheel has no ground. `height` returns the height of the ground at a position in the world frame.
+// wheel has no ground. Without wheels, the plane is horizontal and touches the ground under the pose. `height` returns
+// the height of the ground at a position in the world frame.
 template <typename Height>
 std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, const Height& height) {
   const Vec3d& at = pose.translation;

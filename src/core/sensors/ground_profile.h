@@ -52,8 +52,8 @@ class GroundProfile {
   // nearly straight and the speed nearly constant. Throws InputError at `where` for more than ten million positions.
   static std::vector<double> placesOf(const Way& way, const std::vector<double>& knots, const Location& where);
 
-  // Places a pose on the ground: the result has the pose's horizontal position and heading, and the ground's height,
-  // pitch and roll. `at`: the position on the path.
+  // Places a pose on the ground: the result has the pose's horizontal position and heading, the ground's pitch and
+  // roll, and lies GroundOptions::height above the ground. `at`: the position on the path.
   [[nodiscard]] Pose place(const Pose& pose, double at) const;
   // Returns the fraction of the path's samples that have no ground and therefore copy a neighbouring sample.
   double bare() const { return bare_; }

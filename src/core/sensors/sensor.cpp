@@ -300,7 +300,7 @@ void refuseBeside(Fields& fields, const char* key, std::initializer_list<const c
   }
 }
 
-// Fills the per-ring arrays with zeros, for patterns whose rings are not on cones.
+// Sets a full circle, and fills the per-ring arrays with zeros, for patterns whose rings are not on cones.
 void clearCones(BeamTable& table) {
   table.field = 2 * kPi;
   table.elevation.assign(table.rings, 0);

@@ -4,7 +4,7 @@
 //
 //   const std::shared_ptr<const BeamTable> beams = makeBeams(readYaml("pipelines/sensors/vlp_16.yaml"));
 //
-// The keys of a sensor file:
+// The keys of a sensor file, besides `pattern: flash`, `rosette` and `beams`, for which see beam_patterns.h:
 //
 //   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
 //   source: ...

@@ -9,8 +9,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStep = 0.25;   // m, distance between the positions where the speed is computed
-constexpr double kReach = 2;     // m of path before and behind a position, between which the curvature is measured
+constexpr double kStep = 0.25;   // m, largest distance between the positions where the speed is computed
+constexpr double kReach = 2;     // m; the curvature is measured from this far before to this far behind a position
 constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two places, so that a vehicle that starts or stops
                                  // takes a finite time
 

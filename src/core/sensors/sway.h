@@ -10,8 +10,8 @@
 
 namespace scanmill {
 
-// Roll, pitch and heave as sums of sinusoids of 0.6 to 2 Hz, the resonance frequencies of car bodies. The phases are
-// random and follow from a seed. The sums are smooth and nearly normally distributed over time.
+// Roll, pitch and heave as sums of sinusoids of 0.6 to 2 Hz, the resonance frequencies of car bodies. Frequencies and
+// phases are random and follow from a seed. The sums are smooth and nearly normally distributed over time.
 class Sway {
  public:
   Sway() = default;  // no sway

@@ -16,14 +16,14 @@ namespace scanmill {
 namespace {
 
 constexpr Range kInterval{1e-9, 1e9};  // limits of every_s (s) and every_m (m)
-constexpr double kLastTurn = 1;        // s; the path must be known until this long after the last frame's start; most
-                                       // revolutions are shorter
+constexpr double kLastTurn = 1;        // s; the path must be known until at least this long after the last frame's
+                                       // start; most revolutions are shorter
 constexpr double kWorthTelling = 0.2;  // m; a path that deviates more from the straight lines between its waypoints is
                                        // reported
 
 // Returns the largest distance (m) between a path through `points` and the straight lines between them.
 double farthestOffLines(const Path& path, const std::vector<Vec3d>& points) {
-  constexpr int kPlaces = 32;  // places tested between two points
+  constexpr int kPlaces = 32;  // number of equal parts between two points; the path is tested at their ends
   double farthest = 0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     const Vec3d chord = points[i + 1] - points[i];
@@ -193,7 +193,7 @@ Trajectory Trajectory::onGround(const Ground& ground) const {
       if (time > knots.back() && time < end) knots.push_back(time);
     }
   } else {
-    constexpr double kAboutStraight = 1;  // m, largest distance between knots, between which a path counts as straight
+    constexpr double kAboutStraight = 1;  // m, largest distance between knots; a path this short counts as straight
     const auto steps = static_cast<std::size_t>(std::min(std::ceil(end / kAboutStraight), 1e8));
     for (std::size_t k = 1; k < steps; ++k) knots.push_back(end * static_cast<double>(k) / static_cast<double>(steps));
   }

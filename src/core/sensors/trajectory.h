@@ -49,7 +49,7 @@ struct RandomWay {
 //   lane_changes: [{at: 80, left: 3, over: 30}]             # starts at 80 m of path, ends 30 m later 3 m to the left
 //   sway: {roll_deg: 0.4, pitch_deg: 0.3, heave_m: 0.01}    # see sway.h
 //   ground: drop                                            # see ground_profile.h
-//   every_s: 0.1 | every_m: 1.0                             # from frame to frame (poses: every_s only)
+//   every_s: 0.1 | every_m: 1.0                             # from frame to frame (poses, recorded: only every_s)
 //   frames: 40                                              # optional limit; default: to the end of the path
 //   name: loop                                              # optional
 class Trajectory {
@@ -65,7 +65,7 @@ class Trajectory {
   Pose pose(std::uint32_t frame, double dt) const;
 
   bool still() const { return !poses_.empty(); }  // true if the vehicle stands still in each frame
-  double pathLength() const;                      // m; 0 for listed poses
+  double pathLength() const;                      // m; 0 for listed or recorded poses, or if the path is not known yet
   const std::string& name() const { return name_; }
   // Returns the number of turns that a drive along the turns of a town makes; nothing for any other drive.
   std::optional<int> turns() const { return turns_; }
@@ -80,7 +80,7 @@ class Trajectory {
   const GroundOptions* ground() const { return ground_ ? &*ground_ : nullptr; }
   // Returns this trajectory along a path of waypoints (m), which must be at least as long as randomWay() requires.
   [[nodiscard]] Trajectory along(const std::vector<Vec3d>& way) const;
-  // Returns this trajectory placed on the ground. Throws InputError if no part of the path has ground.
+  // Returns this trajectory placed on the ground. Throws InputError if a listed pose or all of the path has no ground.
   [[nodiscard]] Trajectory onGround(const Ground& ground) const;
   // Returns the fraction of the path without ground; 0 before onGround().
   double bareShare() const { return profileOfGround_ ? profileOfGround_->bare() : 0; }
