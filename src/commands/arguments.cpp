@@ -87,7 +87,7 @@ int threadOption(const Arguments& arguments) {
   return threads;
 }
 
-// Reads the memory limit: "8G", "500M", "1.5 GiB", in multiples of 1024.
+// Returns the memory limit in bytes, read from "8G", "500M" or "1.5 GiB" (powers of 1024); 0 if it is not given.
 std::uint64_t memoryOption(const Arguments& arguments) {
   if (arguments.options.count("memory-limit") == 0) return 0;
   const auto text = arguments.options["memory-limit"].as<std::string>();

@@ -9,7 +9,7 @@ namespace scanmill {
 // right-aligned.
 std::string formatTable(const std::vector<std::vector<std::string>>& rows);
 
-// Returns "12.3 %".
+// Returns the share of `whole` in per cent, such as "12.30 %".
 std::string percent(double part, double whole);
 
 }  // namespace scanmill

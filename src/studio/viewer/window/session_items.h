@@ -23,7 +23,7 @@ constexpr ItemId cloudItem(std::size_t cloud) {
 constexpr ImageId kStripImage = 2;
 constexpr ItemId kLitItem = 1'000'000;  // the points of the instance under the pointer
 
-// An item of a canvas that may not exist. A canvas refuses to change such an item; the functions here then do nothing.
+// An item of a canvas that may not exist: a canvas refuses to change a missing item, the functions here do nothing.
 class CanvasItem {
  public:
   CanvasItem(Canvas& canvas, ItemId id) : canvas_(canvas), id_(id) {}
