@@ -97,7 +97,7 @@ int threadOption(const Arguments& arguments) {
   return threads;
 }
 
-// Reads the memory limit: "8G", "500M", "1.5 GiB", in multiples of 1024.
+// Returns the memory limit in bytes, read from "8G", "500M" or "1.5 GiB" (powers of 1024); 0 if it is not given.
 std::uint64_t memoryOption(const Arguments& arguments) {
   if (!arguments.has("memory-limit")) return 0;
   const std::string text = arguments.text("memory-limit");

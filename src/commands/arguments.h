@@ -35,9 +35,9 @@ struct Arguments {
   // Returns the only positional argument, which messages call `what`. Throws InputError for none or several.
   std::string positional(const std::string& what) const;
   // Returns the only positional argument as a path: the argument itself if it exists, otherwise the file of this name
-  // in the first of the program's folders that has one, otherwise the argument itself.
+  // in the first of these folders of the program that contains it. If none does, returns the argument itself.
   std::filesystem::path fileOrName(const std::string& what, std::initializer_list<std::string_view> folders) const;
-  // Returns the only positional argument as a pipeline: a file, or the name of one that comes with the program.
+  // Returns the file of the pipeline that the only positional argument names: a path, or a pipeline of the program.
   std::filesystem::path pipeline() const;
 };
 
@@ -64,7 +64,7 @@ Arguments parseArguments(CommandOptions& options, const std::vector<std::string>
 void addPipelineOptions(cxxopts::Options& options);
 std::vector<std::string> pipelineOverrides(const Arguments& arguments);
 
-// Applies --threads and --memory-limit, if the command has them, for the lifetime of the object.
+// Applies --threads and, if it is given, --memory-limit for the lifetime of the object.
 class ResourceLimits {
  public:
   explicit ResourceLimits(const Arguments& arguments);
@@ -78,7 +78,7 @@ class ResourceLimits {
 void addRecordingOptions(cxxopts::Options& options);
 // Returns the recording; null if neither option is given.
 std::shared_ptr<const Recording> recordingOf(const Arguments& arguments);
-// Returns the value of an option that is a whole number from 0. Throws InputError for any other value.
+// Returns the value of an option. Throws InputError if it is not a whole number of at least 0.
 std::uint64_t countOption(const Arguments& arguments, const char* name);
 
 // Returns the folder that an option names; empty if the option is not given. Throws InputError for an empty name.

@@ -27,7 +27,7 @@ namespace {
 // Least size (m) at which a single file is drawn as a place; a smaller one is drawn on a contact sheet.
 constexpr double kPlace = 60;
 
-// Replaces folders by the 3D files in them, in the order of their names.
+// Returns the named files, with each folder replaced by the 3D files in it, sorted by path.
 std::vector<std::filesystem::path> filesOf(const std::vector<std::string>& named) {
   std::vector<std::filesystem::path> files;
   for (const std::string& name : named) {
@@ -48,7 +48,7 @@ double longestEdge(const Box& box) {
   return std::max({size.x, size.y, size.z});
 }
 
-// Returns the name of the file with a star for each number: "leaves.*.obj".
+// Returns the path of the file with a star for each number in its name, such as "models/leaves.*.obj".
 std::string seriesOf(const std::filesystem::path& file) {
   std::string series;
   for (const char c : file.filename().string()) {
@@ -58,7 +58,7 @@ std::string seriesOf(const std::filesystem::path& file) {
   return (file.parent_path() / series).string();
 }
 
-// Prints a line for each file; files whose names differ by a number and whose guesses are the same share a line.
+// Prints a line per file. At least kSeries files share a line if their names differ only in numbers and guesses agree.
 void printFiles(const draft::Draft& made, const std::filesystem::path& out) {
   constexpr std::size_t kSeries = 4;
   std::map<std::pair<std::string, std::string>, std::vector<const draft::DraftedFile*>> series;

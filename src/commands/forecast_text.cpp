@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns "11 to 26 s": the unit is written once if both have the same.
+// Returns a range such as "11 to 26 s". The unit is written once if both ends have the same unit.
 std::string rangeText(const std::string& least, const std::string& most) {
   const std::size_t unit = least.find(' ');
   const bool same =

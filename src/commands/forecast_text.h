@@ -10,14 +10,15 @@
 
 namespace scanmill {
 
-// Measures the costs of the scenes and frames of the command's pipeline on this machine; `overrides`: all arguments of
-// --set. Returns nothing if the small town cannot represent the pipeline's scenes; `why` then gives the reason.
+// Measures the costs of the scenes and frames of the command's pipeline on this machine. `overrides`: see
+// pipelineOverrides(). Returns nothing if the pipeline cannot scan the small town that forecasts use; `why` then
+// receives the reason.
 std::optional<SampleCosts> sampleCosts(const Arguments& parsed, const Plan& plan, std::vector<std::string> overrides,
                                        std::string* why = nullptr);
 
-// Returns "17 s (11 to 26 s) on 2 threads".
+// Returns a text such as "17 s (11 to 26 s) on 2 threads".
 std::string timeText(const Forecast& forecast);
-// Returns "410 MiB (342 to 492 MiB)".
+// Returns a text such as "410 MiB (342 to 492 MiB)".
 std::string sizeText(const Forecast& forecast);
 
 }  // namespace scanmill

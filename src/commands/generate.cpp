@@ -29,7 +29,7 @@ namespace scanmill {
 
 namespace {
 
-// A forecast takes most of a second: for fewer rays it takes longer than the dataset itself.
+// Least number of rays to forecast: a forecast takes most of a second, longer than making a smaller dataset.
 constexpr double kRaysWorthAForecast = 1e7;
 
 std::string warningsText() {
@@ -79,7 +79,7 @@ void printSummary(const GenerateSummary& s, const GenerateOptions& options, cons
   }
 }
 
-// Returns the method that was chosen for the dataset in the folder, complete or not.
+// Returns the method that `auto` chose for the dataset in the folder, complete or not; nothing if it chose none.
 std::optional<MethodRecord> chosenBefore(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (isUnfinished(folder)) return DatasetFolder::planned(folder).chosen;
@@ -154,7 +154,7 @@ Plan planOf(const Arguments& parsed, const std::vector<std::string>& more) {
                   keeps ? recordedChannels() : Channels{});
 }
 
-// Makes one dataset. `overrides`: overrides in addition to those of --set.
+// Makes one dataset. `overrides`: overrides in addition to those of --set and --seed.
 void generateOne(const Arguments& parsed, const std::vector<std::string>& overrides,
                  const std::filesystem::path& folder) {
   GenerateOptions generateOptions;

@@ -150,8 +150,8 @@ std::string sizeText(const Box& box) {
   return fmt::format("{:.5g} x {:.5g} x {:.5g}", size.x, size.y, size.z);
 }
 
-// Prints the first placed objects, to reveal a wrong unit or axis. Copies of a mesh share one row, which shows the
-// first copy.
+// Prints the first kMostObjects meshes that are placed, to reveal a wrong unit or axis. Each has one row, which shows
+// its first copy.
 void printObjects(const Scene& scene) {
   constexpr std::size_t kMostObjects = 30;
   std::map<std::uint32_t, std::uint64_t> placed;
@@ -173,8 +173,8 @@ void printObjects(const Scene& scene) {
   if (firsts.size() > kMostObjects) printText("and {} more meshes\n", grouped(firsts.size() - kMostObjects));
 }
 
-// Returns the bounds of the static instances, or of all instances if none is static: moving instances may be
-// anywhere before they appear.
+// Returns the bounds of the static instances, since moving instances may be far away before they appear. If no instance
+// is static, returns the bounds of all.
 Box boundsAtRest(const Scene& scene) {
   Box box;
   for (const Instance& instance : scene.instances) {
@@ -272,10 +272,10 @@ void printClips(const std::filesystem::path& file) {
       "in a scene, `animation: {{clip: NAME}}` of the object plays an animation, and `time_s` holds it at that time\n");
 }
 
-// Prints the colours of triangles that rules of a scene can match, by material. Similar colours are counted together,
-// as the most frequent of them.
+// Prints the colours of triangles that rules of a scene can match, by material and texture. Similar colours share one
+// row, which shows the most frequent of them.
 void printColors(const Asset& asset) {
-  constexpr std::size_t kMostColors = 12;  // greatest number of colours to print per material
+  constexpr std::size_t kMostColors = 12;  // greatest number of colours to print per material and texture
   using Counts = std::map<Rgb, std::uint64_t>;
   std::map<std::pair<std::string, std::string>, Counts> byMaterial;
   const auto count = [&](const AssetPart& part) {

@@ -4,7 +4,7 @@
 
 namespace scanmill {
 
-// Print `scanmill info` of a recording's folder, and of one image of passes or hits.
+// Print what `scanmill info` shows of a recording's folder, and of one EXR image of passes or hits.
 void printRecording(const std::filesystem::path& folder);
 void printExr(const std::filesystem::path& file);
 

@@ -42,7 +42,7 @@ Rows columnRows() {
   return rows;
 }
 
-// Prints the keys of each entry in a pipeline, a line each.
+// Prints for each entry the keys that a pipeline can set, one per line.
 template <class Entries>
 void printKeys(const Entries& entries) {
   printText("\nkeys, with their defaults (more in docs/keys.md):\n");

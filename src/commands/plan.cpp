@@ -60,8 +60,8 @@ void printSequences(const Pipeline& pipeline) {
   printText("\n");
 }
 
-// Prints what each feature adds to a frame, in ms and in per cent of the frame. Features that cost less than repeated
-// measurements differ share one line.
+// Prints the time (ms, and per cent of the frame) and the bytes that each feature adds to a frame. Features whose time
+// is less than repeated measurements differ share one line.
 void printFeatures(const FeatureCosts& costs) {
   if (costs.points == 0) {
     warn(fmt::format("no beam of {} hits anything: the costs of features are not measured", costs.frame));
@@ -94,7 +94,7 @@ void printFeatures(const FeatureCosts& costs) {
             lost);
 }
 
-// Shows a progress bar on a terminal; the bar ends before anything else is printed.
+// Measures the costs of features. Shows a progress bar on a terminal, which ends before anything else is printed.
 FeatureCosts measured(const Pipeline& pipeline) {
   FeatureEffort effort;
   effort.seconds = 20;
@@ -108,7 +108,7 @@ FeatureCosts measured(const Pipeline& pipeline) {
   return costs;
 }
 
-// Returns "6 shards: train 4, val 1, test 1".
+// Returns the numbers of shards in all and per split, such as "6 shards: train 4, val 1, test 1".
 std::string shardsText(const Plan& plan) {
   std::vector<std::pair<std::string, std::size_t>> splits;
   const std::vector<ShardJob> jobs = shardJobs(plan);
@@ -123,7 +123,7 @@ std::string shardsText(const Plan& plan) {
   return text;
 }
 
-// Prints the number of seeds recommended for a dataset with this number of frames, and its resulting cost.
+// Prints the number of seeds that give at least `frames` frames, and the resulting time and size of the dataset.
 void printSeeds(const Plan& plan, std::uint64_t frames, const std::optional<SampleCosts>& costs) {
   const Pipeline& pipeline = plan.pipeline;
   std::set<std::filesystem::path> files;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostScenes = 20;  // greatest number of scenes to load; further scenes seldom show other faults
 
-// Prints the triangles without a class by file, material and texture, the largest group first.
+// Prints the numbers of triangles without a class by file, material and texture, the largest number first.
 void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
   constexpr std::size_t kMostRows = 20;
   if (unlabeled.empty()) {
@@ -56,7 +56,7 @@ void printUnlabeled(const std::map<UnlabeledPart, std::uint64_t>& unlabeled) {
     printText("and {} more combinations of file, material and texture\n", sorted.size() - kMostRows);
 }
 
-// Returns in words the kind of place that the seed selects at random.
+// Returns in words what the seed selects at random: the kind of place, and values of the scene file's keys.
 std::string placeOf(const Scene& scene) {
   std::string words = scene.about;
   for (const DrawnValue& draw : scene.draws) {
@@ -77,7 +77,7 @@ SceneFindings checkScenes(ShotSource& source) {
   std::uint64_t more = 0;       // number of scenes that are not loaded
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];
-    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // checked with the scene's first sequence
+    if (i > 0 && s.sameScene(pipeline.sequences[i - 1])) continue;  // the scene was checked with its first sequence
     if (scenes.size() > kMostScenes) {
       ++more;
       continue;
@@ -106,7 +106,7 @@ SceneFindings checkScenes(ShotSource& source) {
     }
     for (const auto& [what, triangles] : scene.unlabeled) unlabeled[what] += triangles;
     if (method == nullptr) continue;
-    // Counts differ from scene to scene: report each feature once, for the first scene that has it.
+    // The counts in these lines differ from scene to scene: report each feature once, for the first scene that has it.
     for (const std::string& line : method->modelled()) {
       const auto feature = [](const std::string& text) { return text.substr(0, text.find(':')); };
       const auto isSame = [&](const std::string& known) {
@@ -119,7 +119,7 @@ SceneFindings checkScenes(ShotSource& source) {
     found.bytes = std::max(found.bytes, method->memoryBytes());
   }
   for (const std::string& line : rules) warn(line);
-  // Only procedural towns have a kind of place.
+  // Leave out the column "place" if the seed selects nothing at random in any scene.
   const bool places =
       std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
   for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);

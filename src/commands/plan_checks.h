@@ -12,7 +12,7 @@ namespace scanmill {
 
 struct SceneFindings {
   std::vector<std::string> modelled;  // lines of modelled(), then the method's lines about these scenes
-  std::uint64_t bytes = 0;            // memory that the method takes for the largest scene; 0: not measured
+  std::uint64_t bytes = 0;            // largest memory that the method takes for a scene; 0: not measured
 };
 
 // Prints a table of the scenes and their unlabelled geometry, and warns of legal but rarely intended contents: paths

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kMostScans = 100;  // the greatest number of scans in a set; all are kept in memory
+constexpr std::size_t kMostScans = 100;  // greatest number of scans per path; callers keep all of them in memory
 
 }  // namespace
 

@@ -28,7 +28,7 @@ namespace {
 
 constexpr const char* kResultFile = "repeatability.json";
 
-// Formats a fitness (m²) in cm², with as many decimals as `like` needs for three digits.
+// Formats a fitness (m²) in cm², with the decimals that show `like` with three significant digits.
 std::string squareCentimetres(double fitness, double like) {
   constexpr double kSquareCentimetres = 1e4;  // square centimetres per square metre
   constexpr int kMostDecimals = 4;            // largest number of decimals; further decimals are rounding errors
@@ -65,7 +65,7 @@ void printResult(const Repeatability& result, const std::string& date) {
   printText("{}\n", formatTable(rows));
 }
 
-// Writes the figures last: if they exist, the report is complete.
+// Writes kResultFile last: if this file exists, the report is complete.
 void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
   std::vector<Chart> charts = repeatabilityCharts(result, 0);
   if (result.levels.size() > 1) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostSamples = 64;  // greatest number of pictured samples; they make the page large
 
-// Returns the name of the report's file, such as "small_report.html" for a dataset named "small"; never a path.
+// Returns the report's file in the current folder, such as "small_report.html" for a dataset in the folder "out/small".
 std::string defaultName(const std::filesystem::path& folder) {
   std::filesystem::path whole = std::filesystem::absolute(folder).lexically_normal();
   if (!whole.has_filename()) whole = whole.parent_path();

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostSets = 1000;
 
-// Returns a name that is valid for folders everywhere: letters, digits, dots, plus, minus and underscores.
+// Returns the text with only characters that are valid in folder names everywhere, shortened to 40 characters.
 std::string plainName(const std::string& text) {
   constexpr std::size_t kLongest = 40;
   std::string name;
@@ -33,7 +33,7 @@ std::string plainName(const std::string& text) {
   return name.empty() ? "none" : name.substr(0, kLongest);
 }
 
-// Returns "preset" for sensors.0.preset, and "effects.2" for effects.2.
+// Returns the last name of a key and the indices after it: "preset" for sensors.0.preset, "effects.2" for effects.2.
 std::string shortKey(const std::string& key) {
   const std::size_t dot = key.rfind('.');
   if (dot == std::string::npos) return key;

@@ -7,7 +7,7 @@ namespace scanmill {
 
 // One dataset of a sweep.
 struct SweepSet {
-  std::string folder;                  // the dataset's folder within the sweep's: "preset=os1_128,severity=heavy"
+  std::string folder;  // folder of the dataset in the sweep's folder, such as "preset=os1_128,severity=heavy"
   std::vector<std::string> overrides;  // overrides as arguments of --set
 };
 
@@ -16,7 +16,7 @@ struct SweepSet {
 // key that is swept twice, or more than 1000 combinations.
 std::vector<SweepSet> sweepSets(const std::vector<std::string>& sweeps);
 
-// Returns the sweep over no corruption and all corruptions that come with the program, see pipeline/read/corruption.h.
+// Returns the argument of --sweep for no corruption and for all corruptions of the program in all severities.
 std::string corruptionSweep();
 
 }  // namespace scanmill

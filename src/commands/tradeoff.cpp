@@ -143,7 +143,7 @@ std::string pictureFile(std::size_t index) {
   return fmt::format("errors-{}.png", index + 1);
 }
 
-// Reads a study that was measured before, to write its report again. Missing files of pictures are left out.
+// Reads a study that was measured before, to write its report again. Pictures whose files are missing are left out.
 Study readStudy(const std::filesystem::path& file) {
   Study study = parseStudy(readFile(file), file.string());
   std::vector<ErrorPicture> found;
@@ -162,7 +162,7 @@ Study readStudy(const std::filesystem::path& file) {
   return study;
 }
 
-// Writes the figures last: if they exist, the report is complete.
+// Writes kStudyFile last: if this file exists, the report is complete.
 void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);

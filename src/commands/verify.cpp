@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-// Runs the check with a progress bar that ends before anything else is printed. Calls verify(folder, progress).
+// Returns verify(folder, progress), which updates a progress bar; the bar ends before anything else is printed.
 template <class Verify>
 auto withProgress(const Verify& verify, const std::string& folder, const char* unit, bool quiet) {
   Progress progress("verify", 0, unit, unit, quiet);
@@ -28,7 +28,7 @@ auto withProgress(const Verify& verify, const std::string& folder, const char* u
   });
 }
 
-// Prints the problems. Returns the exit code.
+// Prints the problems, then `counts` and the number of problems. Returns the exit code.
 int report(const std::vector<std::string>& problems, const std::string& counts) {
   for (const std::string& problem : problems) printError("{}\n", oneLine(problem));
   printText("{}: {}\n", counts, problems.empty() ? "sound" : fmt::format("{} problems", problems.size()));

@@ -30,14 +30,14 @@ namespace {
 
 constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"};
 constexpr int kTickMs = 15;
-constexpr double kFarthestPlace = 1e5;  // largest coordinate of a close-up in the sensor's frame (m)
+constexpr double kFarthestPlace = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
 // Outputs that replace the window; all may be empty.
 struct Outputs {
   std::filesystem::path screenshot;
   std::filesystem::path turntable;
   int frames = 72;
-  std::optional<std::pair<int, int>> pick;  // pixel of the picture whose point is printed
+  std::optional<std::pair<int, int>> pick;  // pixel of the picture; the point or triangle there is printed
   bool wholeRangeImage = false;             // the screenshot is the range image alone, in full size
   bool contactSheet = false;                // the screenshot is a sheet of the scene's objects
 
@@ -78,7 +78,7 @@ ScaleRange readScale(const std::string& text) {
                   text));
 }
 
-// Reads X,Y,Z.
+// Parses X,Y,Z, the value of --at.
 Vec3d readPlace(const std::string& text) {
   const auto place = readNumbers<double, 3>(text);
   if (place && std::ranges::all_of(*place, [](double value) { return std::abs(value) <= kFarthestPlace; })) {
@@ -210,7 +210,7 @@ std::unique_ptr<Canvas> openCanvas(const std::filesystem::path& file, const Pict
   return openWindow(fmt::format("scanmill view {}", file.string()), size.width, size.height);
 }
 
-// Acts like a click of the left button.
+// Sends the session the events of a click with the left button.
 void clickAt(ImageSession& session, const std::pair<int, int>& pixel) {
   CanvasEvent event{.kind = CanvasEvent::Kind::Move, .x = pixel.first, .y = pixel.second, .button = 1};
   session.handle(event);
@@ -269,7 +269,7 @@ void drawSheet(const std::filesystem::path& file, const Arguments& parsed, const
                "a cell for each object of " + file.string());
 }
 
-// Shows an EXR image, or the folder of a recording.
+// Shows an EXR image or the images of a recording, or writes a picture of one.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
   for (const char* option :
@@ -325,7 +325,8 @@ void viewFrames(const ViewInput& input, const ViewOptions& view, const PictureSi
   const std::shared_ptr<const FrameSource> source = openFrames(input);
   const std::vector<std::filesystem::path> old = turntableBefore(outputs.turntable, overwrite);
   auto loader = std::make_unique<FrameLoader>(source);
-  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);  // loads while the canvas opens
+  // The frame loads while the canvas opens.
+  if (!source->keys().empty()) loader->want(findFrame(*source, view.sample), 0);
   const std::unique_ptr<Canvas> canvas = openCanvas(input.path, size, outputs.window());
   ViewSession session(source, std::move(loader), *canvas, view);
   if (outputs.window()) return canvas->run(kTickMs, [&](const CanvasEvent& event) { return session.handle(event); });

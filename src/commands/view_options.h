@@ -17,14 +17,14 @@
 
 namespace scanmill {
 
-// Returns the index of a word in `names`. Throws InputError that names the option.
+// Returns the index of a word in `names`. Throws an InputError that names the option if the word is not in it.
 std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names);
 
 // Reads the value of --color: one of colorNames(), or the name of a column of a recorded file that the table of columns
-// lacks. Throws InputError for a word that is nearly one of the names.
+// lacks. Throws InputError for a word that is empty or nearly one of colorNames().
 ColorBy readColor(const std::string& word);
 
-// Reads numbers with a separator between them: "8,-3.5,-1". Absent if the text is anything else.
+// Reads kCount numbers with a separator between them, such as "8,-3.5,-1". Returns nothing for any other text.
 template <class T, std::size_t kCount>
 std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char separator = ',') {
   std::array<T, kCount> values{};
@@ -39,7 +39,7 @@ std::optional<std::array<T, kCount>> readNumbers(std::string_view text, char sep
   return values;
 }
 
-// Returns the value of an option, a number within bounds (inclusive). Throws InputError.
+// Returns the value of an option. Throws InputError if it is not from `least` to `most`.
 double numberWithin(const Arguments& parsed, const std::string& option, double least, double most);
 
 // The size of --size WxH (pixels).
@@ -50,9 +50,9 @@ struct PictureSize {
 PictureSize readPictureSize(const std::string& text);
 
 bool isExr(const std::filesystem::path& file);
-// Returns the value of --ontology: a file, or a name from `scanmill list ontologies`. Empty if the option is not given.
+// Returns the file that --ontology names, by a path or a name of `scanmill list ontologies`; empty if not given.
 std::filesystem::path ontologyOption(const Arguments& parsed);
-// Opens the EXR images of a file or of a recording's folder, with --sample as the first and --ontology for the classes.
+// Opens an EXR image or the images in a recording's folder. --sample names the first to show, --ontology the classes.
 ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed);
 
 }  // namespace scanmill

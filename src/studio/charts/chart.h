@@ -19,14 +19,14 @@ enum class AxisScale { Linear, Log };
 struct ChartAxis {
   std::string title{};  // title with the unit, such as "range error, 99th percentile (m)"
   AxisScale scale = AxisScale::Linear;
-  // The unit of the numbers. Units such as "m", "s" and "B" get SI prefixes (10 µm, 1 mm); with "%", numbers from 0 to
-  // 1 are written in per cent. Without a unit, numbers are written like 0.001 and 10 k.
+  // The unit of the numbers. Units such as "m", "s" and "B" get SI prefixes (10 µm, 1 mm); with "%", numbers are
+  // fractions and are written in per cent (0.1 as 10 %). Without a unit, numbers are written like 0.001 and 10 k.
   std::string unit{};
   // The ends of the axis. If one is absent, the data determine it. If data lie beyond an end, the axis is extended.
   std::optional<double> low{}, high{};
-  // A logarithmic axis shows values of zero and below on a separate line beside the axis; this is the line's label.
+  // A logarithmic axis shows all values of zero and below at one place, in a band before its low end, with this label.
   std::string zero = "0";
-  // Labels for the values 0, 1, 2 and so on, instead of numbers. On a y axis, value 0 is at the top.
+  // Labels for the values 0, 1, 2 and so on, instead of numbers. In a page, value 0 of a y axis is at the top.
   std::vector<std::string> names{};
 };
 
@@ -35,12 +35,12 @@ enum class ChartMark { Dots, Line, LineAndDots, Bars };
 struct ChartSeries {
   // The name in the legend; empty: the legend omits the series. Series with the same name and colour share an entry.
   std::string name{};
-  // Index in the palette, whose colours colour-blind people can distinguish (Okabe and Ito). It also determines the
-  // shape of the marks.
+  // Index in the palette, whose colours colour-blind people can distinguish (Okabe and Ito). The index also determines
+  // the shape of the marks and the dashes of the lines.
   std::size_t color = 0;
   ChartMark mark = ChartMark::Dots;
-  bool emphasised = false;      // drawn larger and above other series, for instance the Pareto front
-  bool labelsFirst = false;     // labels are placed before other series' labels, and drawn even if there is little room
+  bool emphasised = false;   // drawn larger and above other series, for instance the Pareto front
+  bool labelsFirst = false;  // labels are placed before other series' labels, and farther away if there is little room
   std::vector<Vec2d> points{};  // points that are not finite are left out; lines are interrupted there
   // Each of the following lists is empty or has one entry per point.
   std::vector<Vec2d> spans{};          // low and high end of an error bar in y
@@ -50,14 +50,14 @@ struct ChartSeries {
 };
 
 struct Chart {
-  std::string name{};  // name of the chart's file, and id of its element in a page
+  std::string name{};  // name of the chart's file without suffix, and id of its element in a page
   std::string title{};
   std::string note{};  // text below the title: what is shown, from which data
   ChartAxis x{}, y{};
   // The series of the chart. A vertical bar is drawn at the name with index point.x on the x axis. If the y axis has
-  // names, bars are horizontal and are drawn at the name with index point.y.
+  // names, pages draw bars horizontally at the name with index point.y.
   std::vector<ChartSeries> series{};
-  bool stacked = false;  // stacks the bars that several series have at one name of an axis; not for logarithmic axes
+  bool stacked = false;  // pages stack the bars at one name of an axis; not for logarithmic axes
   int width = 860;       // width of the drawing in pixels
   int height = 480;      // height of the drawing in pixels
 };
@@ -68,7 +68,7 @@ bool hasPoints(const Chart& chart);
 // Formats a number like the labels of an axis with this unit, such as "0.001", "10 k", "1 M", "10 µm" or "0.1 %".
 std::string axisNumber(double value, const std::string& unit);
 
-// Returns an SVG document with a light and a dark colour scheme, of which the viewer shows the preferred one. Labels
+// Returns an SVG document with a light and a dark colour scheme; the reader's settings decide which is shown. Labels
 // are text elements, not outlines. If no point is finite, the chart shows "no data".
 std::string drawSvg(const Chart& chart);
 

@@ -23,8 +23,8 @@ bool isDrawn(const Vec2d& p) {
 }
 
 // The palette of M. Okabe and K. Ito, Color Universal Design, 2008, in the same order as in charts.js. Black is
-// replaced by the ink colour. Yellow comes last, since it is hardly visible on a white page. Blue is lighter on a dark
-// page.
+// replaced by the ink colour. Yellow comes last, since it is hardly visible on a white page. On a dark page, both
+// blues, vermilion and green are lighter.
 struct ChartPalette {
   const char *page, *ink, *muted, *grid, *axis, *band;
   std::array<const char*, kChartColors> colors;
@@ -392,7 +392,7 @@ class SvgDrawing {
     for (const Vec2d& point : s.points) {
       if (isDrawn(point)) {
         const Vec2d p = pixel(point);
-        // For label placement. Emphasised lines are staircases, so the box of each step has no width or no height.
+        // Labels avoid emphasised lines. These are staircases, so the box of each segment has no width or no height.
         if (open && s.emphasised) {
           lines_.push_back(
               {std::min(p.x, before.x), std::min(p.y, before.y), std::max(p.x, before.x), std::max(p.y, before.y)});
@@ -446,7 +446,7 @@ class SvgDrawing {
   ChartBox area_;            // rectangle of the plot, without title, legend and axis labels
   const ChartScale *x_ = nullptr, *y_ = nullptr;
   std::vector<ChartBox> taken_;  // boxes of marks and labels, which new labels must not overlap
-  std::vector<ChartBox> lines_;  // boxes of lines, which labels avoid if there is room elsewhere
+  std::vector<ChartBox> lines_;  // boxes of emphasised lines, which labels avoid if there is room elsewhere
   std::string out_;
 };
 

@@ -12,9 +12,9 @@
 namespace scanmill::draft {
 namespace {
 
-// True if the models are parts of one place and share its coordinates: most of them do not contain the origin and are
-// not inside of one another. Models of separate objects usually contain the origin of their file, or overlap if all are
-// equally far from it.
+// True if the models are parts of one place and share its coordinates: most of their boxes neither contain the origin
+// (x, y) nor have their centre in another box. Models of separate objects usually contain the origin of their file, or
+// overlap if all are equally far from it.
 bool areOnePlace(const std::vector<Model>& models) {
   std::vector<Box> away;
   for (const Model& m : models) {

@@ -31,11 +31,11 @@ struct Draft {
   bool onePlace = false;  // true: the files are parts of one place and keep their coordinates
 };
 
-// Drafts a scene with one object per file. Objects are placed side by side on the ground. If most of the files are away
-// from the origin, at different positions, they are treated as parts of one place and keep their coordinates. `folder`:
-// future folder of the scene file, to which paths of assets are relative. `ontologyName`: the ontology's name in the
-// scene file. `name`: name of the scene. `allowOutside`: see AssetOptions. Throws InputError for a file that cannot be
-// read.
+// Drafts a scene with one object per file. If most of the files are away from the origin, at different positions, all
+// files count as parts of one place and keep their coordinates. Otherwise several objects are placed side by side on
+// the ground. `folder`: future folder of the scene file, to which paths of assets are relative. `ontologyName`: the
+// ontology's name in the scene file. `name`: name of the scene. `allowOutside`: see AssetOptions. Throws InputError for
+// a file that cannot be read.
 Draft draftScene(const std::vector<std::filesystem::path>& files, const std::vector<Concept>& concepts,
                  const Ontology& ontology, const std::string& ontologyName, const std::string& name,
                  const std::filesystem::path& folder, bool allowOutside = false);

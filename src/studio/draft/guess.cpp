@@ -113,8 +113,8 @@ std::string sizeWith(const FrameGuess& guess, double unit) {
                      guess.longest, guess.longest * unit, guess.what->size->low, guess.what->size->high);
 }
 
-// Sets the unit of a file: metres if they result in a usual size of its concept, otherwise the common unit with which
-// the size is nearest to the middle of the usual sizes.
+// Sets the unit of a file: metres if its concept then has a usual size, otherwise the common unit that gives a usual
+// size nearest to the middle of the range. If no unit does, keeps metres and marks them as doubtful.
 void guessUnit(FrameGuess& guess) {
   if (fits(guess, 1, 1)) return;
   const Between& usual = *guess.what->size;
@@ -203,8 +203,9 @@ FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts)
 
 namespace {
 
-// Sets the same unit for all files and returns true, if the unit gives usual sizes to at least the fraction `most` of
-// the files whose concepts have usual sizes, and there are at least `fewest` such files. Otherwise returns false.
+// Considers the files whose concepts have usual sizes. If there are at least `fewest`, and one unit gives usual sizes
+// to at least the fraction `most` of them, sets this unit for all files and returns true; files that it would make far
+// too large or small get a unit of their own. Otherwise returns false.
 bool guessUnits(const std::vector<FrameGuess*>& files, double most, std::ptrdiff_t fewest) {
   const auto known = [](const FrameGuess* f) { return f->what != nullptr && f->what->size && f->longest > 0; };
   const auto sized = std::count_if(files.begin(), files.end(), known);
@@ -322,10 +323,10 @@ std::optional<Plate> plateOf(const std::vector<Concept>& concepts, const Asset& 
   std::map<int, double> areas;
   for (const auto& [height, both] : facing) areas[height] = std::max(both[0], both[1]);
   constexpr double kLeastCover = 0.8;   // a plate covers at least this fraction of the footprint
-  constexpr int kGreatestHeight = 250;  // a plate is at most this high, in thousandths of the asset's height
+  constexpr int kGreatestHeight = 250;  // a plate starts at most this high, in thousandths of the asset's height
   // Maximum height difference within a plate, with kerbs and pavements, in thousandths of the asset's height.
   constexpr int kThick = 100;
-  constexpr double kAbove = 0.02;  // fraction of the asset's height that is added above the plate
+  constexpr double kAbove = 0.02;  // margin above the plate's highest triangle, as a fraction of the asset's height
   std::optional<int> level;
   for (const auto& [height, first] : areas) {
     double area = 0;

@@ -31,7 +31,7 @@ struct FrameGuess {
   double unit = 1;  // length of the file's unit (m)
   std::string whyUnit;
   bool doubtfulUnit = false;
-  const Concept* what = nullptr;   // concept of most triangles; null: unknown, or a place with many objects
+  const Concept* what = nullptr;   // main concept of the asset; null: unknown, or a place with several objects
   double longest = 0;              // longest edge of the bounding box, in the file's units
   std::array<double, 3> extent{};  // size along x, y and z as the file was read, in the file's units
   char read = 'z';                 // up axis that was assumed when the file was read
@@ -42,9 +42,9 @@ struct FrameGuess {
 FrameGuess guessUp(const Asset& asset, const std::vector<const Concept*>& parts);
 
 // Guesses the units of files that have the same format and folder, such that the objects have usual sizes. If one unit
-// suits most of the files, all get this unit. Otherwise one unit is guessed for the tiles, which are files with about
-// the same footprint, and one for the remaining files. If this fails too, each file gets its own unit. A file with a
-// doubtful up axis gets the axis of most other files.
+// suits most of the files, they share it. Otherwise one unit is guessed for the tiles, which are files with about the
+// same footprint, and one for the remaining files. Files that no shared unit suits get a unit of their own. A file with
+// a doubtful up axis gets the axis of most other files.
 void guessTogether(const std::vector<FrameGuess*>& files);
 
 // Returns the ground in the file's name if the name contains both a ground and an object, such as "grass-trees";
@@ -54,7 +54,7 @@ const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesys
 // The horizontal surface at the bottom of a tile on which objects stand.
 struct Plate {
   const Concept* ground = nullptr;
-  double height = 0;  // height of the plate's upper side above the asset's lowest point, in the file's units
+  double height = 0;  // height of the plate's upper side, with a margin, above the asset's lowest point (file's units)
 };
 
 // Returns the plate of an asset if groundIn() finds a ground in its name and horizontal triangles near its bottom cover

@@ -46,8 +46,8 @@ struct ColorOfId {
   std::uint64_t points = 0;
 };
 
-// Appends to `colors` the colour of each point's id, and returns all ids that occur. idOf(i) returns the id of point i;
-// colorOf(id) its colour.
+// Appends to `colors` the colour of each point's id, and returns the ids that finite points have. idOf(i) returns the
+// id of point i; colorOf(id) its colour.
 template <class IdOf, class ColorOf>
 std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, const ColorOf& colorOf,
                                          std::vector<Rgb>& colors) {

@@ -108,16 +108,17 @@ struct ColorContext {
 // Colours the points of a scan by `colorBy`. If it is absent, colours by class, otherwise by intensity, otherwise by
 // range, depending on which columns the scan has. Throws InputError if the scan does not have the column.
 //
-// The legend lists the classes that occur in the scan, sorted by id. The table of columns states which values a
+// A legend of classes lists those that occur in the scan, sorted by id. The table of columns states which values a
 // column's scale covers: minimum to maximum, 1st to 99th percentile (computed from every n-th point if there are
 // millions), or all valid values. For foreign columns, range and height, the scale covers these percentiles. The scales
 // of intensity, range and error are proportional to the square root, since intensity decreases with the square of the
 // distance, and most points are near. The scale of errors starts at 0. Values beyond a scale get the colour of its
 // nearer end.
 //
-// If the context has no errors, a point's error is its distance from the sensor's origin minus `range_true`. This is
-// inexact if beams do not start at the sensor's origin, or if points are deskewed. If a scan has no column `return`,
-// all points are first returns, unless the scan is organised in several planes, one per return. Uses all threads.
+// If the context has no errors, a point's error is the absolute difference between its distance from the sensor's
+// origin and `range_true`. This is inexact if beams do not start at the sensor's origin, or if points are deskewed. If
+// a scan has no column `return`, all points are first returns, unless the scan is organised in several planes, one per
+// return. Uses all threads.
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology);
 

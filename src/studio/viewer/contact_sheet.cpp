@@ -48,7 +48,7 @@ struct InstanceName {
 InstanceName nameOf(const std::string& instance) {
   static const std::regex form("((?:.*?[^ #])?)(?:#([0-9]+))?(?:/[^/]* [0-9]+)?",
                                std::regex::ECMAScript | std::regex::optimize);
-  constexpr std::size_t kLongest = 4096;  // characters; std::regex recurses for each character
+  constexpr std::size_t kLongest = 4096;  // longest name to match (characters); std::regex recurses for each character
   std::smatch match;
   if (instance.size() > kLongest || !std::regex_match(instance, match, form)) return {instance, true, true};
   return {match[1].str(), !match[2].matched || match[2] == "1", match[1].length() == match[0].length()};

@@ -209,7 +209,7 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
 
 // Planes are scaled without interpolation, since ids must not be interpolated.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
-  constexpr double kReadableShare = 1.0 / 7;  // least height of a plane divided by its width
+  constexpr double kReadableShare = 1.0 / 7;  // least height of a plane of hits divided by its width
   constexpr int kInOneRow = 4;
   constexpr double kLetter = 18;      // height of letters in pixels
   constexpr int kTitleHeight = 30;    // height of the title in pixels

@@ -29,7 +29,7 @@ std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 
 // Returns the diameter (pixels) with which a point is drawn, so that it fills the gap to neighbouring beams, which
-// grows with the range. `scale`: pixels per metre at the point. `unit`: pixels per pixel of a picture 850 pixels high.
+// grows with the range. `scale`: pixels per metre at the point. `unit`: 1/850 of the picture's height, at least 0.5.
 double pointDiameter(double range, double scale, double factor, double unit) {
   constexpr double kWorldDiameter = 0.05;  // diameter of a point near the sensor (m)
   // Increase of the diameter per range (m/m); beams 0.2 degrees apart nearly touch.

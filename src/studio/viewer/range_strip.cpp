@@ -43,7 +43,7 @@ void requireFitting(const GridSize& size) {
                                size.columns, kMostPictureSide, kMostPictureSide));
 }
 
-// Returns the numbers of rings and columns of the sensor.
+// Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
 GridSize gridOf(const Scan& scan) {
   std::size_t rings = scan.rings;
   std::size_t columns = scan.columns;

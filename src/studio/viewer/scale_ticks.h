@@ -14,8 +14,8 @@ struct ScaleTick {
   std::string figure;
 };
 
-// Returns at most six ticks at round values, which are multiples of 1, 2 or 5 times a power of ten. If the legend's
-// values are integers, so are the ticks. A scale with a single value has one tick, in the middle.
+// Returns at most six ticks at multiples of 1, 2 or 5 times a power of ten; if the scale has no such value, at its
+// ends. If the legend's values are integers, so are the ticks. A scale with a single value has one tick, in the middle.
 std::vector<ScaleTick> scaleTicks(const Legend& legend);
 
 // Returns the legend's title, with a remark if colours are not proportional to values or the user has chosen the ends,

@@ -62,7 +62,7 @@ class AzimuthGrid {
  private:
   std::size_t rings_;
   std::size_t columns_;
-  std::vector<float> azimuth_;  // azimuth of each point (rad); NaN: no hit
+  std::vector<float> azimuth_;  // azimuth of each beam (rad); NaN: no hit, or a hit on the z axis
 };
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
@@ -107,7 +107,7 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
     near += static_cast<std::size_t>(
         std::count_if(strays[r].begin(), strays[r].end(), [&](double s) { return std::abs(s - offset) <= reach; }));
   }
-  constexpr double kFollowing = 0.6;  // least fraction of a ring's points that must be near the ring's azimuths
+  constexpr double kFollowing = 0.6;  // least fraction of all points that must be near the azimuths of their rings
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
   // If too few points are near these azimuths, the columns may be those of a camera image, whose azimuths are not
   // evenly spaced. The rings of such an image are not shifted.

@@ -31,7 +31,7 @@ struct CloseUp {
   bool holds(const Vec3d& point) const { return length(point - at) <= within; }
 };
 
-// A pinhole or orthographic camera. Points are in the sensor frame (m): x forward, y left, z up.
+// A pinhole or orthographic camera. Points are in the sensor frame or the canvas frame (m): x forward, y left, z up.
 struct ViewCamera {
   bool orthographic = false;
   Vec3d eye;

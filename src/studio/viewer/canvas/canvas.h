@@ -1,10 +1,10 @@
 #pragma once
 
 // A canvas is a window, or an image without a window, on which VTK draws points, triangles and lines. It does not
-// depend on scans. All coordinates are in metres in one frame, the canvas frame (float32 near its origin); each item
-// may have a pose in this frame. Pixel coordinates start at the upper left corner. All functions of a canvas must be
-// called on the thread that opened it. Only one window can be open at a time. VTK is in a plug-in
-// (viewer/canvas/canvas_interface.h), which is loaded when the first canvas is opened.
+// depend on scans. All coordinates are in metres in one frame, the canvas frame; they are float32, so they are exact
+// only near its origin. Each item may have a pose in this frame. Pixel coordinates start at the upper left corner. All
+// functions of a canvas must be called on the thread that opened it. Only one window can be open at a time. VTK is in a
+// plug-in (viewer/canvas/canvas_interface.h), which is loaded when the first canvas is opened.
 
 #include <array>
 #include <cstdint>
@@ -118,8 +118,7 @@ class Canvas {
   virtual std::string device() const = 0;  // name of the device that draws, for reports
   virtual int width() const = 0;           // width in pixels
   virtual int height() const = 0;
-  // Returns the display's scale factor for text: 1 for usual displays, 2 for the highest resolutions; 1 if there is no
-  // window.
+  // Returns the display's scale factor for text, such as 2 for a display of high resolution; 1 if there is no window.
   virtual double scale() const = 0;
   virtual void resize(int width, int height) = 0;
   // Sets the views that are drawn: at most kCanvasViews rectangles, which must not overlap. Pixels outside of all views

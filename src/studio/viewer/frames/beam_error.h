@@ -23,9 +23,9 @@ namespace scanmill {
 // Returns nothing if the scans cannot be compared; then `why` receives the reason as a text for the user.
 std::vector<float> referenceErrors(const Scan& scan, const Scan& reference, std::string& why);
 
-// Returns the difference (m) between each point's range and its column `range_true`; NaN if a point has no range.
-// Ranges are measured from the beam's origin, or from the sensor's origin if `beams` is null. Returns nothing if the
-// scan has no column `range_true`.
+// Returns the absolute difference (m) between each point's range and its column `range_true`; NaN if a point has no
+// range. Ranges are measured from the beam's origin, or from the sensor's origin if `beams` is null or the scan does
+// not assign points to beams. Returns nothing if the scan has no column `range_true`.
 std::vector<float> rangeErrors(const Scan& scan, const BeamTable* beams);
 
 }  // namespace scanmill

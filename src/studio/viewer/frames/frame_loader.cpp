@@ -51,7 +51,7 @@ struct FrameLoader::State {
 
   State(std::shared_ptr<const FrameSource> from, std::uint64_t limit) : source(std::move(from)), keptBytes(limit) {}
 
-  // The caller must hold `mutex` when calling the following functions.
+  // The caller must hold `mutex` when calling the following functions, except run().
 
   bool has(std::size_t number) const { return kept.contains(number); }
 
@@ -69,8 +69,8 @@ struct FrameLoader::State {
   }
   bool meshMissing() const { return wantedMesh && !meshShows(*wantedMesh); }
 
-  // True if the frame must stay in the cache: a thread waits for it, it is the frame shown, or it is between the frame
-  // shown and the next frame to read ahead.
+  // True if the frame must stay in the cache: a thread waits for it, it was requested last, or it is between the frame
+  // requested last and the next frame to read ahead.
   bool isNeeded(std::size_t number) const {
     if (awaited.contains(number)) return true;
     if (!wanted) return false;
@@ -85,7 +85,7 @@ struct FrameLoader::State {
     return bytes;
   }
 
-  // Removes the least recently used frames until `bytes` more bytes fit into the cache. False if this is not possible.
+  // Removes the least recently used frames that are not needed until `bytes` more bytes fit in. False if impossible.
   bool makeRoom(std::uint64_t bytes) {
     std::uint64_t held = total();
     while (held + bytes > keptBytes) {
@@ -233,7 +233,7 @@ void FrameLoader::wantMesh(const SceneChoice& scene) {
   const std::lock_guard lock(state_->mutex);
   state_->wantedMesh = scene;
   state_->work.notify_all();
-  state_->done.notify_all();  // threads that wait for a frame must request it again
+  state_->done.notify_all();  // threads that wait for another mesh must request it again
 }
 
 std::shared_ptr<const ViewMesh> FrameLoader::mesh(const SceneChoice& scene) {

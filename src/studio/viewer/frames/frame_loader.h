@@ -38,8 +38,8 @@ class FrameLoader {
   // Waits until the mesh is loaded and returns it.
   std::shared_ptr<const ViewMesh> waitMesh(const SceneChoice& scene);
 
-  // Returns the name of the frame or scene that is being loaded, such as "street-s1-lane-000012" or "scene street";
-  // empty if nothing is.
+  // Returns the name of the requested frame or scene that is being loaded, such as "street-s1-lane-000012" or "scene
+  // street"; empty if nothing is.
   std::string busy() const;
 
  private:

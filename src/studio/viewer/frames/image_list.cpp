@@ -35,8 +35,8 @@ std::size_t findImage(const ImageList& list, const std::string& wanted) {
 std::vector<std::string> ImageList::materials(std::size_t file) const {
   std::vector<std::string> known;
   if (!recording) return known;
-  // Each scene and seed has a table of materials. If a file's name starts with two scenes' names ("town" and
-  // "town-s1-old"), the longer one is right.
+  // Each scene and seed has a table of materials. If a file's name starts with the names of two scenes ("town" and
+  // "town-s1-old"), the longer name is right.
   const RecordedSequence* best = nullptr;
   std::size_t longest = 0;
   for (const RecordedSequence& s : recording->sequences) {

@@ -19,7 +19,7 @@ struct ImageList {
   std::vector<std::string> names;            // file names without suffix
   std::size_t first = 0;                     // index of the image that is shown first
   std::optional<Ontology> ontology;
-  std::optional<Recording> recording;  // the recording to which the files belong; absent for a single image
+  std::optional<Recording> recording;  // the recording in the files' folder; absent if there is none
 
   // Returns the names of the materials in an image by material id; empty if they are unknown.
   std::vector<std::string> materials(std::size_t file) const;

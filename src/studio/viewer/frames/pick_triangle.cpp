@@ -1,4 +1,4 @@
-// Finds the first triangle of a mesh that a ray hits.
+// Finds the nearest triangle of a mesh that a ray hits.
 
 #include <algorithm>
 #include <cmath>

@@ -65,7 +65,7 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
     const Value* file = entry.find("scene");
     if (file == nullptr) continue;
     const fs::path name = fs::path(file->text).filename();
-    // Names occur without and with ".yaml".
+    // Keys may contain the scene's name without or with ".yaml".
     for (const std::string& scene : {keyPart(name.stem().string()), keyPart(name.string())}) {
       const auto seed = seedBehind(key, scene);
       if (!seed || !hasSeed(entry, *seed) || scene.size() < bestLength) continue;

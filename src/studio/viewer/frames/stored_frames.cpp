@@ -63,8 +63,8 @@ std::string differenceOf(const Ontology& a, const Ontology& b) {
   return {};
 }
 
-// True if the scan's points were transformed to the sensor's frame at the start of the revolution (deskewed). Then
-// ranges from the beams' origins cannot be computed.
+// True if the scan's points were transformed to the sensor's frame at the start of the revolution (deskewed) and the
+// sensor moved. Then ranges from the beams' origins cannot be computed.
 bool movedToStart(const Manifest* manifest, const ScanRecord* record) {
   return manifest != nullptr && manifest->deskewed && record != nullptr && record->worldFromSensor.size() > 1 &&
          record->worldFromSensor.front() != record->worldFromSensor.back();
@@ -287,7 +287,7 @@ std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& 
 
 // Returns the objects in the sample's list, with their tracks over the neighbouring frames.
 std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vector<std::string>& problems) const {
-  constexpr std::ptrdiff_t kNeighbours = 10;  // number of frames before, and number of frames after
+  constexpr std::ptrdiff_t kNeighbours = 10;  // number of frames before the sample, and after it
   const std::string& key = keys().at(frame);
   std::vector<ViewObject> all;
   const auto sequence = sequences_.find(partsOfKey(key).sequence);
@@ -319,7 +319,7 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
   return all;
 }
 
-// Returns the sensor pose of the sample's first scan that is shown; null if this pose is unknown.
+// Returns the sensor pose of the sample's first shown scan whose pose is known; null if there is none.
 const Pose* StoredFrames::poseOf(const SampleRecord& sample) const {
   for (const ScanRecord& scan : sample.scans) {
     const bool shown = input_.sensor.empty() || lowerCase(scan.sensor) == lowerCase(input_.sensor);

@@ -28,7 +28,7 @@ struct ViewSurface {
 struct ViewMesh {
   std::string name;
   // The reason why there is no mesh: the scene could not be read, or is too large. If it is not empty, all other
-  // members are empty.
+  // members except `name` are empty.
   std::string problem;
   Vec3d origin;                         // origin of all coordinates of this mesh, in the world frame (m)
   std::vector<Vec3f> corners;           // three per triangle, relative to `origin`, along the world's axes (m)
@@ -73,7 +73,7 @@ struct MeshHit {
   std::size_t triangle = 0;
   double distance = 0;  // distance from the ray's origin (m)
 };
-// Returns the first triangle that a ray hits; nothing if it hits none. `origin`: relative to mesh.origin (m).
+// Returns the nearest triangle that a ray hits; nothing if it hits none. `origin`: relative to mesh.origin (m).
 std::optional<MeshHit> pickTriangle(const ViewMesh& mesh, const Vec3d& origin, const Vec3d& direction);
 
 }  // namespace scanmill

@@ -37,7 +37,7 @@ struct PanelLabel {
   bool mark = true;  // draws a small ring at (x, y)
 };
 void drawLabels(const std::vector<PanelLabel>& labels, const PixelRect& within);
-// Draws the name of a view among several.
+// Draws the name of one of several views and, if `active` is true, a frame around the view.
 void drawCaption(const PixelRect& view, const std::string& text, bool active);
 // Draws the reason why a view is empty, in large letters in the middle of the view.
 void drawMessage(const PixelRect& view, const std::string& text);

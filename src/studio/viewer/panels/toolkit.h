@@ -29,8 +29,8 @@ class Toolkit {
   // Calls `panels`, which draws with Dear ImGui, and sets the resulting triangles as the canvas's overlay. Sizes that
   // depend on a panel's contents are right from the second frame on.
   void frame(const std::function<void()>& panels);
-  // Refer to the last frame. hasPointer() is true if the pointer was over a panel or dragged a part of a panel.
-  // hasKeys() is true if the user was typing text into a panel.
+  // These functions describe the last frame. hasPointer() is true if the pointer was over a panel or dragged a part of
+  // a panel. hasKeys() is true if the user was typing text into a panel.
   bool hasPointer() const;
   bool hasKeys() const;
   // Closes open menus and lists. Returns false if none was open.

@@ -34,12 +34,12 @@ class CanvasScene {
 
   int width() const { return width_; }
   int height() const { return height_; }
-  // These functions have the same effects as the functions of Canvas with the same names.
+  // Implement the functions of Canvas; set() implements setPoints(), setTriangles() and setLines().
   void resize(int width, int height);
   void setViews(std::span<const CanvasView> views);
   void set(ItemId item, ItemKind kind, std::span<const Vec3f> corners, std::span<const Rgb> colors);
   void setColors(ItemId item, std::span<const Rgb> colors);
-  // Draws only the elements with these indices (ascending); nullopt: all elements.
+  // Implements showOnly(): draws only the elements with these indices (ascending); nullopt: all, as showAll().
   void show(ItemId item, std::optional<std::vector<std::uint32_t>> indices);
   void setLook(ItemId item, const ItemLook& look);
   void drop(ItemId item);

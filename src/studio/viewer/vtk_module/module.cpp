@@ -168,7 +168,7 @@ class VtkCanvas final : public Canvas {
     }
   }
 
-  // Calls `work`, which changes the scene, with the context current and VTK's messages collected.
+  // Calls `work`, which changes or reads the scene, with the context current and VTK's messages collected.
   template <class Work>
   void change(const Work& work) {
     told([&] {

@@ -16,7 +16,7 @@ class ClassFilter {
  public:
   ClassFilter() = default;
   // `names`: names, aliases or ids of classes. These classes are hidden; if `only` is true, all others are hidden.
-  // Throws InputError if the ontology does not list a class; without an ontology only ids are accepted.
+  // Throws InputError for a name that the ontology lacks; without an ontology only ids are accepted.
   ClassFilter(const std::vector<std::string>& names, bool only, const Ontology* ontology);
 
   bool shows(std::uint16_t id) const { return listed_.contains(id) == only_; }

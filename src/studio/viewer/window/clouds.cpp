@@ -28,7 +28,7 @@ ScaleRange changedScale(const Legend& legend, KeyAction change) {
     case KeyAction::RaiseHighEnd:
       scale.high = scale.high > 0 ? scale.high * 2 : scale.low + 2 * span;
       break;
-    case KeyAction::LowerLowEnd:  // the low end does not become negative
+    case KeyAction::LowerLowEnd:  // a low end of at least 0 stays at least 0
       scale.low = scale.low >= 0 ? std::max(scale.low - span / 3, 0.0) : scale.low - span / 3;
       break;
     default:

@@ -24,7 +24,7 @@ class DrawPace {
 
  private:
   static constexpr double kWantedMs = 30;
-  static constexpr std::uint64_t kLeast = 150'000;  // least number of points to draw; about one scan
+  static constexpr std::uint64_t kLeast = 150'000;  // least limit for the points of all items together; about one scan
   static constexpr double kSlowest = 500;
   static constexpr double kFastest = 1e6;
   double pointsPerMs_ = 20'000;

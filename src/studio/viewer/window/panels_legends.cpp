@@ -44,7 +44,7 @@ void Panels::completeClasses(Legend& legend) const {
 }
 
 // Collects the legends of all views. Views whose colours have the same meaning share one legend, which has the numbers
-// of points in the active view; they are 0 if no view is active.
+// of points in the active view; they are 0 if none of these views is active.
 void Panels::collectLegends() {
   legends.clear();
   for (std::size_t v = 0; v < panes.size() && context_.options.legends; ++v) {

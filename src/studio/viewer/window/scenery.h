@@ -84,7 +84,7 @@ struct Scenery {
 
   OrbitCamera camera;
   std::vector<Pose> trajectory;         // sensor poses (worldFromSensor) in all frames of the sequence
-  std::optional<Pose> worldFromAnchor;  // pose of the frame's first scan that has a pose
+  std::optional<Pose> worldFromAnchor;  // sensor pose of the frame's first scan whose pose is known
   bool world = false;                   // true: the camera stays in the world; false: it follows the sensor
   Affine canvasFromWorld;
   Vec3d ground;                          // point of the ground below the first scan's sensor (canvas frame)

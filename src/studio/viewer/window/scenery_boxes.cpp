@@ -16,7 +16,7 @@ namespace {
 constexpr Rgb kUnknownClass{200, 200, 200};
 constexpr double kFaint = 0.75;  // fraction of the background in the colour of objects that the sensor does not see
 constexpr double kUnseenWithin = 40;    // largest distance (m) of drawn objects that the sensor does not see
-constexpr std::size_t kMostNames = 30;  // largest number of labels
+constexpr std::size_t kMostNames = 30;  // largest number of objects with a label
 
 }  // namespace
 

@@ -63,7 +63,7 @@ void Scenery::lookAtCloseUp() {
   const std::optional<CloseUp>& closeUp = context_.options.closeUp;
   if (!closeUp || framed_ || clouds_.list.empty()) return;
   framed_ = true;
-  constexpr double kFilled = 0.85;  // fraction of the picture's shorter side that the ball fills; panels cover the rest
+  constexpr double kFilled = 0.85;  // fraction of the picture's shorter side that the ball fills; panels need the rest
   const int width = context_.canvas.width();
   const int height = context_.canvas.height();
   OrbitCamera chosen = camera;

@@ -30,7 +30,7 @@ struct ViewOptions {
   std::vector<ColorBy> colors{};      // quantities that the views' colours show; the viewer chooses missing ones
   std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
   ViewLayout layout = ViewLayout::One;
-  // If a scene is shown without scans, a named view shows all of it, and the target is in the scene's coordinates.
+  // If a scene is shown without scans, a named view is fitted to it, and a given target is in the scene's coordinates.
   CameraChoice camera{};
   std::string sample{};  // key or index of the first frame; empty: the middle frame, or the first that can be read
   double pointSize = 0;  // side of a drawn point (pixels); 0: depends on the canvas's height
@@ -66,7 +66,7 @@ struct PickedThing {
 
 class ViewSession {
  public:
-  // Throws InputError if an option names a sample, a class or a column that does not exist.
+  // Throws InputError if an option names a sample or a class that does not exist, or colours that a scene cannot have.
   ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options);
   // Uses a loader that may have been started before the canvas was opened. Throws InputError in the same cases.
   ViewSession(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
@@ -79,8 +79,8 @@ class ViewSession {
   bool handle(const CanvasEvent& event);
   // Waits until everything is loaded, and draws the picture with all points.
   void settle();
-  // Must be called after settle(). Throws InputError if the scans lack a column that the options name; throws Error if
-  // nothing of the frame could be loaded.
+  // Must be called after settle(). Throws InputError if the scans lack a column that the options name, or if no point
+  // is in the close-up; throws Error if nothing of the frame could be loaded.
   void check() const;
   // Returns the picture that settle() has drawn.
   Image picture();

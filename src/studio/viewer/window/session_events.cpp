@@ -31,7 +31,7 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Down:
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
-      // Panels receive the event first; views receive it only if no panel uses it.
+      // Panels receive the event first. Views receive a press or the wheel only if no panel uses it, but every release.
       panels.toolkit.take(event);
       runPanels();
       context.changes.panels = true;

@@ -21,9 +21,10 @@ constexpr ItemId cloudItem(std::size_t cloud) {
   return static_cast<ItemId>(100 + cloud);
 }
 constexpr ImageId kStripImage = 2;
-constexpr ItemId kLitItem = 1'000'000;  // the points of the instance under the pointer
+constexpr ItemId kLitItem = 1'000'000;  // outline of the instance that is under the pointer or was clicked
 
-// An item of a canvas that may not exist. A canvas refuses to change such an item; the functions here then do nothing.
+// An item of a canvas that may not exist. The canvas refuses to change a missing item; here, changes do nothing until
+// setPoints() or setTriangles() has created the item.
 class CanvasItem {
  public:
   CanvasItem(Canvas& canvas, ItemId id) : canvas_(canvas), id_(id) {}

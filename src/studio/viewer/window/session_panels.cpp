@@ -113,7 +113,7 @@ void ViewSession::State::drawMenus() {
   ImGui::EndMainMenuBar();
 }
 
-// Draws the menu of quantities that colours can show: those of colorNames(), and the scan's foreign columns.
+// Draws the menu of quantities that colours can show: those of colorsOf() that the scan has, or kMeshColorNames.
 void ViewSession::State::drawColumns() {
   std::vector<ColorBy> all;
   std::string shown;
