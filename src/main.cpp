@@ -59,7 +59,7 @@ int dispatch(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // If these are ignored, writing to a pipe without a reader, or beyond `ulimit -f`, is an ordinary error.
+  // If these signals are ignored, writing to a pipe without a reader, or beyond `ulimit -f`, is an ordinary error.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   try {

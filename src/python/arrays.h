@@ -22,9 +22,9 @@ pybind11::array_t<T> arrayOf(std::vector<T>&& values, const std::vector<pybind11
   return pybind11::array_t<T>(shape, data, owner);
 }
 
-// Returns a dictionary of arrays: "xyz", float32 of the shape (points, 3), and each column of the scan by its name, of
-// the column's type and the shape (points,). If the scan is organised, the shapes are (planes * rings, columns, 3) and
-// (planes * rings, columns).
+// Returns a dictionary of arrays. The array "xyz" is float32 and has the shape (points, 3). Each column of the scan has
+// an array with the column's name and type, and the shape (points,). If the scan is organised, the shapes are
+// (planes * rings, columns, 3) and (planes * rings, columns).
 inline pybind11::dict arraysOf(Scan&& scan) {
   static_assert(sizeof(Vec3f) == 3 * sizeof(float));
   std::vector<pybind11::ssize_t> shape;

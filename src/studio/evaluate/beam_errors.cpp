@@ -44,7 +44,7 @@ struct Outcome {
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // absolute error (m); 0 if only one or none has a hit
+  float range = 0;               // absolute error (m) if both have a hit; otherwise 0
   float intensity = kUnknown;    // absolute error; NaN if not known
   float nearestTo = kUnknown;    // distance from the true point to the nearest tested point (m); NaN if not known
   float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known
@@ -205,7 +205,7 @@ class BeamErrorSum::Impl {
     for (std::size_t i = 0; i < errors.byIncidence.size(); ++i) spread(incidences_[i], errors.byIncidence[i].errors);
     auto byClass = errors.byClass.begin();
     for (const auto& entry : classes_) spread(entry.second, (byClass++)->errors);
-    // Sorting takes most of the time. Each group is sorted by one thread, since there are few groups and all are large.
+    // Computing percentiles takes most of the time, so several threads do it, each for one list of errors at a time.
     parallelFor(spreads.size(), 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const auto& [values, result] = spreads[i];

@@ -44,8 +44,8 @@ struct GroupErrors {
 
 struct ErrorGroup {
   std::string name;  // name of the group, such as "10 to 20 m", "60 to 75 deg", "edges" or "car"
-  // The ends of the band, in metres or degrees. The upper end is excluded; it is infinite for the last band of ranges.
-  // Both are 0 if the group is not a band.
+  // The ends of the band, in metres or degrees. The upper end belongs to the next band, if there is one; it is infinite
+  // for the last band of ranges. Both are 0 if the group is not a band.
   double low = 0;
   double high = 0;
   GroupErrors errors;
@@ -57,7 +57,7 @@ struct SizeRecall {
   std::string name;
   double low = 0, high = 0;       // ends of the size range (m); the upper end is excluded
   std::uint64_t things = 0;       // number of instances of this size
-  std::uint64_t thingsFound = 0;  // number of instances of this size that a beam of the tested method hits too
+  std::uint64_t thingsFound = 0;  // number of these instances with at least one of the beams counted in `beamsFound`
   std::uint64_t beams = 0;        // number of beams whose true hit is on an instance of this size
   std::uint64_t beamsFound = 0;   // number of beams counted in `beams` whose tested hit is on the same instance
 };
@@ -78,7 +78,7 @@ struct BeamErrors {
 // A shot with the exact hits of its beams, and data that are derived from these hits.
 struct TrueShot {
   Shot shot;
-  ExactHits truth;  // exact hits with the channels kErrorChannels
+  ExactHits truth;  // exact hits with at least the channels kErrorChannels
   // For each beam 1 if it is near an edge, see edgeBeams(); empty if no beam is near an edge.
   std::vector<std::uint8_t> edges;
   std::vector<float> intensity;  // the noise-free intensity of each beam; empty if intensities are not compared
@@ -99,7 +99,8 @@ class BeamErrorSum {
   // Adds a shot. `tested`: hits with the channels Range, Instance and Semantic; a range of NaN counts as a miss.
   // `intensity`: tested intensity of each beam; empty if not compared. `nearestTo`: distance (m) from each beam's true
   // point to the nearest tested point. `nearestFrom`: distance from each beam's tested point to the nearest true point.
-  // Unknown distances are NaN; both lists may be empty. Throws Error if the sizes differ.
+  // Unknown distances are NaN; both lists may be empty. Throws Error if a list or `tested` has another size than
+  // `truth`.
   void add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
            std::span<const float> nearestTo = {}, std::span<const float> nearestFrom = {});
   BeamErrors finish() const;

@@ -203,7 +203,7 @@ class Features {
   }
 
   // Adds a variant for each column, with the column added or removed. The intensity is skipped, since it is removed
-  // together with its effect.
+  // together with its effect. The power is skipped if no effect sets the intensity.
   void addColumns() {
     for (std::size_t c = 0; c < kColumnCount; ++c) {
       if (c == kIntensity.index || (c == kPower.index && !setsIntensity(pipeline_))) continue;

@@ -67,8 +67,8 @@ bool holds(const Limit& limit, double value, double allowed) {
   return limit.atLeast() ? value >= allowed : value <= allowed;
 }
 
-// Returns the factor by which a limit is exceeded; 1 if it is kept. For agreements, the fractions that disagree are
-// compared: 98 % instead of 99 % is a factor of 2. A limit of zero is replaced by 1e-6 (m, or a fraction).
+// Returns the factor by which a limit is exceeded; 1 if it is kept, infinity if the value is NaN. For agreements, the
+// fractions that disagree are compared: 98 % instead of 99 % is a factor of 2. Upper limits below 1e-6 count as 1e-6.
 double excess(const Limit& limit, double value, double allowed) {
   constexpr double kLeast = 1e-6;
   if (holds(limit, value, allowed)) return 1;

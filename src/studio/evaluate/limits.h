@@ -33,8 +33,8 @@ struct Candidate {
   GroupErrors errors;
 };
 
-// Returns a text for each limit that a candidate exceeds, such as "p99 31 mm, 20 mm allowed"; empty if it keeps all
-// limits.
+// Returns a text for each limit that a candidate exceeds, such as "p99 31 mm, but at most 20 mm are allowed"; empty
+// if it keeps all limits.
 std::vector<std::string> broken(const Candidate& candidate, const ErrorLimits& limits);
 
 // Returns a text for each limit that is set, whether kept or exceeded, with the candidate's value, such as "p99 1.2 mm,
@@ -53,8 +53,8 @@ std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, 
 // Returns the index of the cheapest candidate that keeps all limits, the first of several with equal cost; nothing if
 // there is none.
 std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const ErrorLimits& limits);
-// Returns the index of the candidate that comes nearest to keeping all limits. For each candidate, the largest factor
-// by which it exceeds a limit is compared; the smallest wins.
+// Returns the index of the candidate that comes nearest to keeping all limits: the candidate for which the largest
+// factor by which it exceeds a limit is smallest.
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits);
 
 // Returns the indices of the Pareto front of two costs, sorted by increasing `a`. An item is on the front if no other

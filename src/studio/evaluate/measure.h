@@ -40,7 +40,7 @@ struct Measurement {
 };
 
 struct MeasureOptions {
-  int repeats = 3;  // number of timed scans per shot, after one that is not timed; 0: no timing
+  int repeats = 3;  // least number of timed scans per shot, after one that is not timed; 0: no timing
   // Scans of a shot are repeated until they took this time (s), but at most 30 times, since other processes easily
   // disturb measurements of a few milliseconds.
   double leastSeconds = 0;
@@ -68,7 +68,7 @@ bool anyHit(std::span<const TrueShot> shots);
 // Traces the exact hits of shots, and finds their edges and, if `options` asks for them, intensities.
 std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, const MeasureOptions& options);
 
-// Measures the method that `make` creates; its creation is timed as set-up. All shots must be in `scene`.
+// Measures the method that `make` creates; its creation is timed as set-up. All shots must belong to `scene`.
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
                     std::span<const TrueShot> shots, const MeasureOptions& options);
 

@@ -17,7 +17,7 @@ namespace scanmill {
 // A method with its options, as texts.
 struct Setting {
   std::string name;    // name of the setting, such as "depth_camera resolution=512 sampling=nearest"; only the method's
-                       // name if all options have their defaults
+                       // name if no options are given
   std::string method;  // the method's name in the table methods()
   std::string options;  // options as YAML text, such as "{resolution: 512, sampling: nearest}"; "{}": all defaults
 
@@ -32,7 +32,7 @@ struct MethodSetting {
   MethodChoice choice;
 };
 
-// Returns the list. Throws InputError with `what`, its name, if it is no list or an empty one.
+// Returns `list`. Throws InputError if it is not a list or is empty. `what`: name of the list in the message.
 const Value& requireItems(const Value& list, const std::string& what);
 
 // Returns a map for each combination of items of the map's lists, one item from each list. The item of the last list

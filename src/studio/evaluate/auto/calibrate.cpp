@@ -49,7 +49,8 @@ GroupErrors worstOf(const GroupErrors& a, const GroupErrors& b) {
   return e;
 }
 
-// Returns the indices of at most `most` sequences with different scenes, spread over all sequences of the pipeline.
+// Returns the indices of sequences with different scenes, spread over all sequences of the pipeline: at most `most` and
+// at most kMostScenes.
 std::vector<std::size_t> sequencesOf(const Pipeline& pipeline, std::size_t most) {
   std::vector<std::size_t> firsts;
   for (std::size_t s = 0; s < pipeline.sequences.size(); ++s) {
@@ -103,8 +104,8 @@ class Calibrator {
     return !broken(row.candidate, errors).empty();
   }
 
-  // Excludes methods that ignore motion if objects of the scene move. The other methods are measured with all objects
-  // at their positions at time 0 s.
+  // Excludes methods that ignore motion; called if objects of the scene move. The other methods are measured with all
+  // objects at their positions at time 0 s.
   static void refuseStill(Calibration& calibration) {
     for (CalibratedSetting& row : calibration.settings) {
       const MethodEntry& entry = *row.setting.choice.entry;

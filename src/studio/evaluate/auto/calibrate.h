@@ -8,14 +8,15 @@
 //       max_error: {p99: 2cm, miss_rate: 0.1%, labels: 99.5%}   # see evaluate/limits.h
 //       min_rate: 5e6            # beams/s for tracing and all set-ups, without effects and encoding
 //       settings: [...]          # candidates, see evaluate/settings.h (default: a few of each method)
-//       shots: 3                 # number of frames on which settings are measured, spread over all sequences
+//       shots: 3                 # number of frames on which settings are measured, in at most three scenes
 //
 // Every setting is measured on these frames, and its hits are compared with exact hits (evaluate/exact/exact.h). The
-// errors of a setting are the largest over all measured scenes; its cost is the time that the complete pipeline would
-// take. A setting that is not exact enough on one scene is not measured on further scenes. Costs that differ by less
-// than a tenth count as equal, because of timing noise; among equal costs the most exact setting is chosen. If the
-// pipeline limits only the rate, the most exact setting that is fast enough is chosen. Since times are measured, the
-// choice may differ from run to run if two settings are about equally good.
+// range and intensity errors of a setting are the largest over all measured scenes; its miss rate and its labels are
+// those of all measured beams. Its cost is the time that the complete pipeline would take. A setting that is not exact
+// enough on one scene is not measured on further scenes. Costs that differ by less than a tenth count as equal, because
+// of timing noise; among equal costs the most exact setting is chosen. If the pipeline limits only the rate, the most
+// exact setting that is fast enough is chosen. Since times are measured, the choice may differ from run to run if two
+// settings are about equally good.
 
 #include <atomic>
 #include <string>
@@ -56,8 +57,8 @@ struct Calibration {
 };
 
 // Measures the settings of a plan with `method: auto`, and chooses one of them. Throws Error if no setting keeps the
-// limits; the message states the setting that comes nearest and the limits that it exceeds. Also throws Error if
-// `*stop` becomes true; `stop` may be null.
+// limits; the message states the setting that comes nearest to this and the limits that it exceeds. Also throws Error
+// if `*stop` becomes true; `stop` may be null.
 Calibration calibrate(const Plan& plan, bool quiet, const std::atomic<bool>* stop = nullptr);
 
 // Returns the index of the setting to choose from measured settings, by the rules at the top of this file. `where`:

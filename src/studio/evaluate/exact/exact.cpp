@@ -56,7 +56,7 @@ struct ExactWorld {
 struct Found {
   double range;            // distance of the hit along the beam (m)
   std::uint32_t placed;    // index into World::placed
-  std::uint32_t triangle;  // index in its block
+  std::uint32_t triangle;  // index in the block of `placed`
 };
 
 // The data of a ray for Embree's callbacks.
@@ -262,8 +262,8 @@ class ExactTracer::Impl {
     std::copy_n(resolved.range, tile.width, &out.range[std::size_t{tile.ring} * out.hits.columns + tile.column]);
   }
 
-  // Returns the cached or new world whose origin is nearest to the sensor. Its radius includes all points from which
-  // beams of the shot start.
+  // Returns the world at the possible origin that is nearest to the sensor; builds it if it is not cached. Its radius
+  // includes all points from which beams of the shot start.
   std::shared_ptr<const ExactWorld> near(const Shot& shot) const {
     const auto cell = [](double d) { return std::round(d / kGrid) * kGrid; };
     const Vec3d offset = shot.worldFromSensor.front().translation - anchor_;

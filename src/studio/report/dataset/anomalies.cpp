@@ -110,7 +110,7 @@ class AnomalySearch {
   bool isPlain(const ThingSummary& thing) const { return !mixed_.contains({thing.sequence, thing.id}); }
 
   // True if only a few objects of the class have an instance id, so that ids are probably an error. False for classes
-  // of parts of other objects, such as trunks.
+  // that usually share objects with another class, such as trunks.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
     constexpr double kFewShare = 0.02;  // a class with at most this fraction of all instances counts as rare
@@ -180,9 +180,9 @@ class AnomalySearch {
   const DatasetSummary& sum_;
   // Instances, as (sequence, id), about which there is a MixedInstance warning already.
   std::set<std::pair<std::string, std::uint32_t>> mixed_;
-  std::set<std::uint16_t> parts_;  // ids of classes that are parts of other classes' objects
+  std::set<std::uint16_t> parts_;  // ids of classes that usually share objects with another class
   std::map<std::uint16_t, std::vector<std::size_t>> thingsOf_;
-  bool counts_ = false;  // true: the ontology marks classes as things
+  bool counts_ = false;  // true: at least one class with instances is a thing in the ontology
   std::set<std::uint16_t> uncounted_;
   std::vector<Anomaly> anomalies_;
 };

@@ -34,7 +34,7 @@ struct ClassSummary {
   std::uint64_t objects = 0;
   // Number of (instance, scan) pairs in which the scan shows points of the class on the instance.
   std::uint64_t views = 0;
-  double medianPoints = 0;  // median number of points of the class over all (instance, scan) pairs
+  double medianPoints = 0;  // median number of points of the class over the pairs in `views`
   std::uint64_t pointsWithoutId = 0;
 };
 

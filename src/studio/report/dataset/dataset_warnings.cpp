@@ -108,8 +108,8 @@ class Warnings {
     }
   }
 
-  // Returns the number of returns without a class that come from no surface (false positives and weather), as far as
-  // the dataset records this.
+  // Returns how many points have no class since they come from no surface (false positives and weather), as far as the
+  // dataset records this.
   std::uint64_t fromNothing() const {
     std::uint64_t beams = 0;
     for (const SensorSummary& sensor : sum_.sensors) {

@@ -21,9 +21,9 @@ struct ScanPlace {
 // Returns all scans, or `most` of them, evenly distributed over the dataset; sorted.
 std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most);
 
-// Returns one scan from each of `count` random samples. Splits and sensors alternate, so that a few samples include all
-// of them. Skips scans without points and scans in damaged shards. `sound`: for each shard, whether it is undamaged.
-// The same seed chooses the same scans.
+// Returns one scan from each of at most `count` random samples. Splits and sensors alternate, so that a few samples
+// include all of them. Skips scans without points and scans in damaged shards. `sound`: for each shard, whether it is
+// undamaged. The same seed chooses the same scans.
 std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<bool>& sound, std::size_t count,
                                    std::uint64_t seed);
 

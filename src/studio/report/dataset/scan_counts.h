@@ -23,8 +23,8 @@ struct RangeSteps {
   }
 };
 
-// Returns bins for ranges up to `farthest` (m): at most 120 bins of 0.1, 0.2, 0.5, 1, 2, 5 or so on metres, and one bin
-// for larger ranges.
+// Returns bins for ranges up to `farthest` (m): at most 120 bins of 0.1, 0.2, 0.5, 1, 2, 5, ... metres, and one bin for
+// larger ranges.
 RangeSteps rangeStepsFor(double farthest);
 
 // Returns the key under which an intensity is counted: the upper 16 bits of its float32 value; 0 if it is not positive.

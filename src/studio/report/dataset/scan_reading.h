@@ -29,7 +29,7 @@ struct ScanReading {
 
 // Reads the scans at `places`. If a scan is stored in several formats, uses the most exact format that can be decoded.
 // Returns the faults, one line each with the shard's name: missing scans, scans that cannot be decoded, and shards that
-// are not tar files.
+// are damaged or not tar files. Missing shards are not among them; shardFaults() reports these.
 std::vector<std::string> readScans(const std::filesystem::path& folder, const Manifest& manifest,
                                    const std::vector<ScanPlace>& places, const ScanReading& reading);
 

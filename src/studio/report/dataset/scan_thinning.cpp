@@ -30,7 +30,7 @@ void addRare(const Scan& scan, const std::vector<Value>& values, const std::vect
 }
 
 double weightOf(const Vec3f& position) {
-  constexpr double kLeast = 1e-3;  // m2; a point at the sensor needs a weight greater than zero
+  constexpr double kLeast = 1e-3;  // least weight (m²): a point at the sensor must not have the weight zero
   const Vec3d p(position);
   return std::max(dot(p, p), kLeast);
 }

@@ -126,8 +126,8 @@ class ViewData {
     json_["instance"] = narrowColumn(indices);
   }
 
-  // Adds a column of values. Integers are stored exactly; other values are quantised to 65534 steps, with one
-  // additional code for values that are not finite.
+  // Adds a column of values. If all are integers from 0 to 65534, they are stored exactly; otherwise they are quantised
+  // to 65534 steps, with one additional code for values that are not finite.
   template <class Number>
   void numbers(std::string_view name, std::string_view unit, const std::vector<Number>& values, double factor) {
     if (values.empty()) return;

@@ -22,13 +22,13 @@ struct ViewedScan {
 inline constexpr std::size_t kMostViewedPoints = 60'000;
 
 // Returns the JSON that scan_view.js draws, escaped for a <script> element; empty if there are no scans. Its structure
-// is {viridis: [[r, g, b] ...], scans: [{title, points, shown, box: {low, step}, position, classes, class, instances,
-// instance, values}]}. `position` and each column are {type, data}: base64 of little-endian "u8", "u16" or "u32"
-// numbers. A position consists of three numbers, coordinate = low + step * number (m). `class` and `instance` are
-// indices in the lists `classes`, {id, name, color, points in the complete scan}, and `instances`, {ids, colors}.
-// `values` are further columns, {name, unit, whole, low, step, type, data}; if `whole` is false, 65535 means that there
-// is no value. Columns that a scan does not have are omitted. Scans with more than kMostViewedPoints points are thinned
-// by pointsToView().
+// is {viridis: [[r, g, b] ...], background: [r, g, b], none: [r, g, b], scans: [{title, points, shown, box: {low,
+// step}, position, classes, class, instances, instance, values}]}. `position` and each column are {type, data}: base64
+// of little-endian "u8", "u16" or "u32" numbers. A position consists of three numbers, coordinate = low + step * number
+// (m). `class` and `instance` are indices in the lists `classes`, {id, name, color, points in the complete scan}, and
+// `instances`, {ids, colors}. `values` are further columns, {name, unit, whole, low, step, type, data}; if `whole` is
+// false, 65535 means that there is no value. Columns that a scan does not have are omitted. Scans with more than
+// kMostViewedPoints points are thinned by pointsToView().
 std::string scanView(const std::vector<ViewedScan>& scans, const Ontology& ontology);
 
 // Contents of files that CMake embeds in the program:

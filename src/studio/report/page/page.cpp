@@ -22,7 +22,7 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\n") + 1 - first);
 }
 
-// Splits a line into the parts between " | ".
+// Returns the four parts of a line, which are separated by " | "; missing parts are empty.
 std::vector<std::string> partsOf(const std::string& line) {
   std::vector<std::string> parts;
   for (std::size_t at = 0; at != std::string::npos;) {
@@ -38,8 +38,8 @@ std::string attribute(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, value);
 }
 
-// Returns the HTML attribute with the value by which a table cell is sorted. It is the unformatted value of the first
-// figure in the cell's template; empty if there is none.
+// Returns the HTML attribute with the value by which a table cell is sorted: the unformatted value of the first figure
+// in the cell's template. Empty if the template has no figure.
 std::string orderOf(const std::string& cell) {
   static const std::regex figure(R"(\{\{([^{}#^/:!>&]+(/[^{}:]+)?):[^{}]*\}\})");
   std::smatch found;
@@ -115,7 +115,7 @@ std::string scriptSource(const std::string& script) {
   return fmt::format(" 'sha256-{}'", base64(bytes));
 }
 
-// Removes all <template id="name">text</template> from the body and stores the texts in `values` under their names.
+// Returns the body without all <template id="name">text</template>; stores the texts in `values` under their names.
 std::string withoutPartials(std::string body, Json& values) {
   constexpr std::string_view kBegin = "<template id=\"", kEnd = "</template>\n";
   for (std::size_t at = body.find(kBegin); at != std::string::npos; at = body.find(kBegin)) {

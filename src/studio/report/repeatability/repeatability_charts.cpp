@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();  // charts do not draw points with this value
 constexpr double kRounding = 1e-12;     // fitness (m²) below which values are rounding errors
-constexpr std::size_t kMostPlaces = 7;  // maximum number of poses in one chart, each of which is a line
+constexpr std::size_t kMostPlaces = 7;  // maximum number of poses in one chart; each pose is a line
 
 using OfLevels = FitnessSpread LevelFitness::*;
 
@@ -23,7 +23,7 @@ ChartSeries line(std::string name, std::size_t color) {
   return {.name = std::move(name), .color = color % kChartColors, .mark = ChartMark::LineAndDots};
 }
 
-// Adds a point at the mean, with an error bar of one standard deviation in each direction.
+// Adds a point at the mean, with an error bar of one standard deviation up and down, but not below the smallest value.
 void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
   const bool any = spread.count > 0;
   const bool spreads = any && spread.mean >= kRounding;

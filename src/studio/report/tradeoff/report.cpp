@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kMostColumns = 6;
 
-// Returns the figures in the file's JSON together with derived figures. Spreads without values are omitted.
+// Returns `errors`, which is the JSON of `e` in tradeoff.json, with derived figures and without empty spreads.
 Json errorsJson(Json errors, const GroupErrors& e) {
   for (const char* spread : {"range_m", "intensity", "nearest_to_m", "nearest_from_m"}) {
     if (errors.at(spread).at("count") == 0) errors.erase(spread);
@@ -36,8 +36,8 @@ Json errorsJson(Json errors, const GroupErrors& e) {
   return errors;
 }
 
-// Returns the figures of the group with this name; an empty object if the group has no beams. `groups`: the file's JSON
-// of the groups `own`.
+// Returns the figures of the group with this name; an empty object if the group has no beams. `groups`: the JSON of the
+// groups `own` in tradeoff.json.
 Json groupJson(const Json& groups, const std::vector<ErrorGroup>& own, const std::string& name) {
   for (std::size_t i = 0; i < own.size(); ++i) {
     if (own[i].name == name && own[i].errors.beams > 0) return errorsJson(groups[i].at("errors"), own[i].errors);

@@ -18,7 +18,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestInGroup = 50;  // least number of patches per group and band of ranges, in each set
+constexpr std::size_t kFewestInGroup =
+    50;  // least number of patches of each set in a band; with fewer, it has no figure
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 // The group number of each patch. Equal numbers mean the same group in both sets.

@@ -63,9 +63,9 @@ struct SetComparison {
   std::vector<std::string> unknown;   // classes of one set that are missing in the ontology of the other set
   std::vector<Separation> features;   // separations over all groups together, the strongest first
   // For each feature, the strength with which it separates the odd from the even scans of the real set: differences
-  // that are due to the places alone. NaN if there is only one scan.
+  // that are due to the places alone. NaN if there is only one scan, or too few patches.
   std::array<double, kFeatureCount> withinReal{};
-  std::vector<GroupComparison> groups;  // groups sorted by their number of patches, the largest first
+  std::vector<GroupComparison> groups;  // sorted by the larger of realShare and simulatedShare, descending
   std::vector<BandComparison> ranges;
   std::vector<IntensityRow> intensityByRange, intensityByIncidence;
   std::vector<KeyChange> advice;

@@ -12,8 +12,8 @@
 namespace scanmill {
 
 // Returns the suggested changes. `own`: effects of the simulated sensor, as returned by sensorEffectItems(). Nothing is
-// suggested for effects that the sensor lacks, for keys that are lists or random, or for figures that differ by less
-// than a tenth.
+// suggested for effects that the sensor lacks, for keys that are missing or not a positive number (0, lists, random
+// values), or for figures that differ by less than a tenth.
 std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vector<Value>& own);
 
 // Returns an argument of --set that applies all advice, such as "effects=[sensor, ring_bias: {gain_sigma: 0.07}]".

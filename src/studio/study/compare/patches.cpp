@@ -201,8 +201,8 @@ class PatchReader {
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // Returns the mean intensity of the middle five pixels of the row `dr` above or below the patch's point. Only returns
-  // on the same surface are used; nothing if there are fewer than four, or if all have the intensity 0.
+  // Returns the mean intensity of the middle five pixels of the row that is `dr` rows below the patch's point. Only
+  // returns on the same surface are used; nothing if there are fewer than four, or if all have the intensity 0.
   std::optional<double> meanIntensity(int dr) const {
     constexpr int kOwn = 2;
     double sum = 0;

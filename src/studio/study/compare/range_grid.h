@@ -11,9 +11,9 @@
 
 namespace scanmill {
 
-// Rows are rings from top to bottom; columns are azimuth steps in the firing order. Rows are shifted such that a column
-// has the same azimuth in all rows, to within half a step; this matters for sensors with lasers side by side,
-// whose columns differ in azimuth. If a beam has several returns, the pixel has the nearest.
+// Rows are rings, or steps of elevation, from top to bottom; columns are successive azimuth steps. Rows are shifted
+// such that a column has the same azimuth in all rows, to within half a step; this matters for sensors with lasers side
+// by side, whose columns differ in azimuth. If a beam has several returns, the pixel has the nearest.
 struct RangeGrid {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 

@@ -42,7 +42,7 @@ struct ScanCounts {
   std::uint64_t beams = 0, returns = 0;
   std::uint64_t below = 0, missing = 0, inRuns = 0, single = 0;
   double slope = kNaN, residual = kNaN;  // slope of the ground plane; standard deviation from the plane (m)
-  std::vector<double> relief;            // deviation of the heights in each cell (m)
+  std::vector<double> relief;            // standard deviation of the heights from each cell's plane (m)
   std::uint32_t rows = 0;
   bool knowsRings = false, knowsMisses = false, labelled = false;
   Patches patches;
@@ -109,12 +109,12 @@ double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& poi
   return std::sqrt(squares / (static_cast<double>(points.size()) - freedom));
 }
 
-// Measures the ground, which is the level surface below the sensor. Fits a plane to the lowest points, then a second
-// plane to the points within 0.5 m of the first.
+// Measures the ground, which is the level surface below the sensor. Fits a plane to the lowest points, then three times
+// a plane to the points within 0.5 m of the previous one, and last a plane to the points in cells without objects.
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
-  constexpr double kBelow = 0.3, kOff = 0.5;  // least depth below sensor, largest distance from the first plane (m)
+  constexpr double kBelow = 0.3, kOff = 0.5;  // least depth below the sensor, largest distance from a plane (m)
   constexpr std::size_t kFewest = 200, kFewestInCell = 6;
-  constexpr double kFewestSpread = 0.05;  // least standard deviation of a cell's points in both directions (m)
+  constexpr double kFewestSpread = 0.05;  // least standard deviation of a cell's points in x and in y (m)
   std::vector<Vec3d> points;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.point[i] == RangeGrid::kNone) continue;
@@ -165,7 +165,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
       p = p - middle;
       spread += Vec3d{p.x * p.x, p.y * p.y, 0} * (1 / static_cast<double>(own.size()));
     }
-    // All points are on one ring, which does not determine a plane.
+    // Skips cells whose points are nearly on a line, such as those of one ring: they do not determine a plane.
     if (std::sqrt(std::min(spread.x, spread.y)) < kFewestSpread) continue;
     counts.relief.push_back(deviationFrom(levelPlane(own), own, 3));
   }

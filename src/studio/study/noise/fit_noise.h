@@ -54,7 +54,7 @@ struct NoiseFit {
   double sensorReach = 0;              // maximum range in the beam table (m)
   std::vector<PatchGroup> bands;       // bands of range; only patches with incidences up to mostIncidence
   std::vector<PatchGroup> incidences;  // bands of incidence; only patches in ranges that the fit uses
-  // Bands of intensity; only patches in ranges that the fit uses; empty without intensities.
+  // Bands of intensity; only patches with ranges and incidences that the fit uses; empty without intensities.
   std::vector<PatchGroup> intensities;
 
   // The model sigma(r) = base + growth * r, fitted by least squares with the weights 1 / (the band's error)^2.

@@ -18,7 +18,7 @@ constexpr std::uint32_t kColumnStep = 3;     // columns from one examined window
 constexpr double kReturned = 0.6;            // least fraction of the tested half that must have returns
 constexpr std::size_t kFewestMeasured = 14;  // least number of returns in the measured half
 constexpr double kFewestFreedom = 6;
-// Least cosine of the incidence angle of a patch; flatter views say little about noise.
+// Least cosine of the incidence angle of a patch; more grazing views say little about noise.
 constexpr double kEdgeOn = 0.02;
 constexpr double kDeepest = 3;         // largest ratio between the farthest and the nearest range in a patch
 constexpr double kPlaneTolerance = 3;  // largest deviation from the plane, as a multiple of the usual deviation

@@ -58,7 +58,7 @@ struct FlatPatch {
   double planeFreedom = 0;
   // Deviations from the lines (m), divided by sqrt(1 - leverage), which makes their variances equal.
   std::vector<double> residuals;
-  std::uint32_t enclosed = 0;  // number of measured beams whose neighbours have returns on the plane
+  std::uint32_t enclosed = 0;  // number of measured beams with at least three neighbouring returns, all on the plane
   std::uint32_t holes = 0;     // number of enclosed beams that have no return
 };
 
@@ -86,8 +86,8 @@ class BeamImage {
 // Returns the range (m) at which a beam hits a plane; zero or negative if the beam does not hit the plane.
 double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& plane);
 
-// Measures one window, flat or not. Returns nothing if the window has too few returns, or if its plane is seen edge-on
-// or from behind.
+// Measures one window, flat or not. Returns nothing if the window has too few returns, if its ranges differ too much,
+// or if its plane is seen edge-on or from behind.
 std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,
                                       const PatchWindow& window);
 

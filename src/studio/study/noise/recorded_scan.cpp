@@ -54,9 +54,9 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
   return rings;
 }
 
-// Returns a scan with columns for a scan that has only rings: each point gets the column of its azimuth about the z
-// axis of the scan's frame. The frame may be rotated relative to the sensor's frame; alignedFrame() finds this rotation
-// later.
+// Returns the scan with the sensor's ring numbers instead of its own, and with a column number for each point, which
+// follows from the point's azimuth about the z axis of the scan's frame. This frame may be rotated relative to the
+// sensor's frame; alignedFrame() finds the rotation later.
 Scan withColumns(const Scan& scan, const BeamTable& beams) {
   Scan known = scan;
   const std::vector<std::uint16_t> rings = ringsByElevation(scan, beams);

@@ -84,7 +84,7 @@ PatchView viewOf(const BeamTable& beams, const BeamImage& image, const RecordedS
 }
 
 // Adds a patch to the normal equations. `ring`, `values`: ring and measured value of each return. `columns`: basis of
-// the functions (a plane, or a slope) that are fitted to each patch separately and removed from the values.
+// the functions (a plane, or a line) that are fitted to each patch separately and removed from the values.
 void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std::vector<double>& values,
            const Eigen::MatrixXd& columns) {
   std::vector<std::uint32_t> rings = ring;

@@ -20,7 +20,7 @@ struct RingSpread {
   // Correlation between the errors measured on the odd patches and those measured on the even patches. Near 1: the
   // errors belong to the sensor. Near 0: they are noise.
   double agreement = 0;
-  std::size_t rings = 0;  // number of rings in the patches
+  std::size_t rings = 0;  // number of rings that both the odd and the even patches contain
 };
 
 struct RingErrors {

@@ -43,7 +43,7 @@ struct ScanPair {
 };
 
 // Returns all ordered pairs, sorted by source level, target level, source and target. Pairs with the same seed are left
-// out, since their noise is the same.
+// out, since their random numbers are the same.
 std::vector<ScanPair> scanPairs(std::size_t levels, std::size_t scans) {
   std::vector<ScanPair> pairs;
   for (std::size_t a = 0; a < levels; ++a) {

@@ -25,7 +25,7 @@ struct PointCount {
 // The fitness of all ordered pairs of scans with different seeds, for one noise level of the source and one of the
 // target. The fitness is the mean squared distance (m²) from the source's points to the nearest points of the target.
 struct LevelFitness {
-  FitnessSpread registered;  // fitness after ICP; only pairs with at least three points in each scan, which ICP needs
+  FitnessSpread registered;  // fitness after ICP; only pairs for which ICP finds a motion, see Registered::moved
   FitnessSpread unmoved;    // fitness without ICP (both scans have the same pose); only pairs with points in both scans
   std::uint64_t pairs = 0;  // number of all pairs
 };

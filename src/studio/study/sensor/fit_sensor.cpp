@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kFewestInRing = 20;  // least number of points in a ring that is used
 // Columns whose angle differs by at most this fraction from a full revolution count as a full revolution.
 constexpr double kNearlyWhole = 0.015;
-constexpr double kSpreadWanted = 1;    // least spread of the distances (m) in a ring to find the beams' origin
+constexpr double kSpreadWanted = 1;    // least standard deviation (m) of a ring's axis distances, to find the origin
 constexpr double kSurely = 3;          // number of standard errors from which an offset counts as not zero
 constexpr double kLeastOffset = 2e-3;  // smaller offsets (m) count as zero
 
@@ -138,7 +138,8 @@ class Fitter {
     }
   }
 
-  // Calls visit(a, b) for all pairs of points in the same ring whose columns differ by `apart`.
+  // Calls visit(a, b) for pairs of points in the same ring, where b is `apart` columns after a. If a column has several
+  // points, only the last of them is used.
   template <class Visit>
   void forPairs(std::uint32_t apart, const Visit& visit) const {
     std::vector<const Point*> byColumn(fit_.columns);
@@ -259,7 +260,7 @@ class Fitter {
     fit_.elevationSpread = medianOf(off);
   }
 
-  // Sets the elevations of rings with too few points from the line through the two nearest other rings.
+  // Sets the elevations of rings with too few points from the line through the two nearest rings with enough points.
   void fillBare() {
     const auto known = [&](std::int64_t ring) {
       return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewestInRing;

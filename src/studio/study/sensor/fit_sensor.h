@@ -31,9 +31,9 @@ struct SensorFit {
 
 // Estimates a sensor from its scans. The scans must be in the sensor's frame, not deskewed, and assign each point to a
 // beam: they are organised, or have the columns ring and column. All points of a beam lie on one line, whatever the
-// noise of the ranges, so in each ring the height of a point is linear in its distance from the axis. The slope of this
-// line gives the elevation; the intercept gives the origin of the beams. All estimates are medians or trimmed fits.
-// Throws InputError if the scans do not suffice; the message says what is missing.
+// noise of the ranges, so in each ring the height of a point is linear in its distance from the axis. The slopes and
+// intercepts of these lines give the origin of the beams; angles and times are medians. Throws InputError if the scans
+// do not suffice; the message says what is missing.
 SensorFit fitSensor(const std::vector<Scan>& scans);
 
 // Returns the text of a sensor file. `source`: description of the scans, which the file's comment names as its origin.

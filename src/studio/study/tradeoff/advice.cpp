@@ -172,10 +172,10 @@ class Comparison {
   bool worse(std::size_t i, std::size_t other) const {
     return rangesWorse(i, other) || labelsWorse(i, other) || missesWorse(i, other);
   }
-  // True if setting `i` is at least as fast as `other` and at least as exact in ranges, labels and misses.
+  // True if setting `i` is not notably slower than `other`, and not less exact in ranges, labels or misses.
   bool beats(std::size_t i, std::size_t other) const { return !notablyFaster(other, i) && !worse(i, other); }
 
-  // Returns the fastest setting that dominates `i`: at least as fast, worse in no respect, and better in at least one.
+  // Returns the fastest setting that dominates `i`: it beats `i`, and is notably faster or in one respect more exact.
   // Returns nothing if no setting dominates `i`.
   std::optional<std::size_t> dominator(std::size_t i) const {
     std::optional<std::size_t> best;

@@ -110,7 +110,7 @@ class StudyRun {
   }
 
   // Selects the frames to measure: as many as the time budget probably allows, but at most `most`. The time per frame
-  // is estimated from one scan with each method's first setting.
+  // is estimated from one frame with each method's first setting.
   void takeShots(std::uint32_t most) {
     const std::vector<Shot> first = source_.frame(choice_.sequence, sequence_.spreadFrames(1).front()).shots;
     double setup = 0;
@@ -290,7 +290,7 @@ class StudyRun {
     }
   }
 
-  // Measures on one frame only: its reference scan has 127 rays per beam and takes as long as 127 scans.
+  // Measures one frame only, since its reference scan may have 127 rays per beam and then takes as long as 127 scans.
   void takeSensing() {
     std::vector<Shot> shots;
     for (const TrueShot& t : truth_) {

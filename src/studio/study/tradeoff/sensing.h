@@ -18,7 +18,7 @@ namespace scanmill {
 // A variation compared with the truth, by the nearest return of each beam.
 struct SensingResult {
   std::string name;           // what the variation simplifies, such as "7 rays a beam"
-  std::string failure;        // why the variation could not be measured; then all other members are empty
+  std::string failure;        // why the variation could not be measured; then the members below are empty
   double traceSeconds = 0;    // time per scan with all threads (s)
   double effectsSeconds = 0;  // time per scan with one thread (s)
   std::uint64_t beams = 0;

@@ -10,7 +10,7 @@
 //     rings: [16, 64, 256]          # numbers of rings with which each method is also timed (default: none)
 //     sequence: street-s1-lane      # key of the sequence to scan (default: the first)
 //     shots: 8                      # maximum number of frames to scan
-//     repeats: 3                    # number of timed scans per frame
+//     repeats: 3                    # least number of timed scans per frame
 //     budget_s: 300                 # approximate duration of the study
 
 #include <cstdint>
@@ -42,8 +42,8 @@ struct StudyChoice {
 // `auto`. Throws InputError with file and line.
 StudyChoice readStudyChoice(const Pipeline& pipeline);
 
-// Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations of
-// each with one shortcut at a time.
+// Returns the settings that are measured if the pipeline lists none: all methods with their defaults, and variations
+// with one or several options changed.
 std::vector<MethodSetting> defaultSettings();
 
 }  // namespace scanmill

@@ -59,7 +59,7 @@ struct EncodingResult {
 struct StudyMachine {
   std::string processor;  // name of the processor, such as "AMD EPYC 9B14"
   int threads = 0;
-  std::string renderer;  // name of the OpenGL device; empty if no method used OpenGL
+  std::string renderer;  // name of the OpenGL device; empty if there is none or no method uses it
 };
 
 struct StudyScene {
@@ -103,10 +103,10 @@ struct Study {
   // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
   std::vector<std::string> refused;
   std::vector<RingFit> rings;
-  // The time to show a scan on the screen, depending on the number of rings (`setting` is empty). Measured with the
-  // first setting by StudyOptions::showScan; absent if it was not measured.
+  // The time of StudyOptions::showScan to show a scan on the screen, depending on the number of rings. The scans are
+  // those of the first setting, but the member `setting` is empty. Absent if the time was not measured.
   std::optional<RingFit> showing;
-  std::vector<std::string> left;  // lines about measurements that were omitted for lack of time
+  std::vector<std::string> left;  // lines about what the study left out, such as settings for lack of time
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;
 
@@ -117,13 +117,13 @@ struct Study {
 // A paragraph of advice: which setting to use for a need, and its drawbacks.
 struct Advice {
   std::string need;     // a heading such as "For exact ranges and labels" or "What not to take"
-  std::string setting;  // name of the recommended setting, see Setting::name; empty if no setting is good enough
+  std::string setting;  // name of the recommended setting, see Setting::name; empty if none is recommended
   std::string text;
 };
 std::vector<Advice> advise(const Study& study);
 
 struct StudyOptions {
-  double budgetSeconds = 0;  // maximum time of the study (s); 0: the pipeline's budget, or 300 s
+  double budgetSeconds = 0;  // approximate duration of the study (s); 0: the pipeline's budget, or 300 s
   bool quiet = false;
   const std::atomic<bool>* stop = nullptr;  // if it becomes true, runStudy() throws Error; may be null
   // Shows a scan on the screen; its duration is stored in Study::showing. If empty, showing is not measured.

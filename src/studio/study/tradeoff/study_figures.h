@@ -12,7 +12,7 @@
 
 namespace scanmill {
 
-// Range errors below this (m) count as zero: scans are stored in single precision, whose resolution at 100 m is no
+// Range errors below this (m) count as zero: scans are stored in single precision, whose resolution at 100 m is hardly
 // finer.
 inline constexpr double kExactRange = 1e-5;
 
@@ -26,7 +26,8 @@ const GroupErrors* awayFromEdges(const BeamErrors& errors);
 double wrongShare(const GroupErrors& errors);
 // Returns the number of false negatives divided by the number of beams with a true hit.
 double falseNegativeShare(const GroupErrors& errors);
-// Returns the 99th percentile of the range error (m); 0 if it is below kExactRange; NaN if no beam hits in both scans.
+// Returns the 99th percentile of the range error (m); 0 if it is below kExactRange; NaN if no beam hits in truth and
+// test.
 double rangeP99(const GroupErrors& errors);
 // Returns the mean distance (m) from true points to the nearest points of the setting; 0 if it is below kExactRange;
 // NaN if there are no points.
@@ -34,7 +35,7 @@ double nearestMean(const GroupErrors& errors);
 
 // Returns how many beams per second the setting traces, without the time for its set-up.
 double beamsPerSecond(const Study& study, const SettingResult& result);
-// True if all options of the setting have their defaults.
+// True if the setting gives no options, so that all have their defaults.
 bool isDefault(const Setting& setting);
 
 // Returns the indices in Study::settings of the settings that were measured.
