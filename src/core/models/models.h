@@ -207,8 +207,8 @@ struct Block {
   std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
   std::vector<std::vector<Point2>> courts;  // clockwise
   int floors = 2;                           // 0: a shed without windows
-  double height = 0;                        // m, top of the walls, 0.35 m above the roof; 0: follows from `floors`
-  Point2 entrance;                          // the door is in the wall nearest to this point
+  double height = 0;                        // m, top of the walls; 0: follows from `floors`
+  Point2 entrance;                          // the door is in the wall whose middle is nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
 };

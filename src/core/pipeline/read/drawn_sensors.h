@@ -29,7 +29,7 @@ class DrawnSensors {
   struct Written {
     Value effects;              // the pipeline's key `effects`; Null: no effects
     std::vector<Value> mounts;  // mount of each sensor
-    // One map of keys per sensor. The key `effects` may contain distributions.
+    // MountedSensor::description of each sensor. Its key `effects` may contain distributions.
     std::vector<Value> descriptions;
   };
 
@@ -50,7 +50,7 @@ class DrawnSensors {
   // Returns test cases: together they contain both ends of each distribution and each item of each random choice.
   const std::vector<SensorDraw>& cases() const { return cases_; }
 
-  // Returns a line for each distribution, such as "drawn for each sequence: effects.1.speckle.looks {uniform: [1, 8]}".
+  // Returns lines such as "random for each sequence: effects.1.speckle.looks {uniform: [1, 8]}", one per distribution.
   std::vector<std::string> lines() const;
 
  private:

@@ -83,7 +83,7 @@ class RecordingCheck {
   }
 
  private:
-  // The contents of a recorded scan's file.
+  // What checkScan() finds in the file of a recorded scan.
   struct Scan {
     std::string file;
     bool missing = false;

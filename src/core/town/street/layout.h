@@ -87,7 +87,7 @@ struct Layout {
 
 Model makeGround(SceneBuilder& builder, const Layout& layout);
 Model makeMarkings(SceneBuilder& builder, const Layout& layout);
-// Places everything in the scene except ground and houses.
+// Places everything in the scene except ground, markings and houses.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
 
 }  // namespace scanmill::street
