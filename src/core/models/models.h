@@ -1,8 +1,8 @@
 #pragma once
 
-// Builds the objects of procedural scenes: random numbers, a mesh under construction, and one function per kind of
-// object. Frame of an object: metres, x forward, z up, ground at z = 0. Outside this folder only town/ and tests
-// include this header.
+// Tools that build the objects of procedural scenes: random numbers, a mesh under construction, and one function per
+// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Outside this folder only town/ and
+// tests include this header.
 
 #include <algorithm>
 #include <array>

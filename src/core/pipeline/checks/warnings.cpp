@@ -21,7 +21,7 @@ constexpr double kLargest = 5000;   // maximum extent of a mesh that causes no w
 constexpr double kSmallest = 1e-3;  // minimum extent of a mesh that causes no warning (m)
 constexpr std::size_t kMostLines = 5;
 constexpr double kTown = 30;         // a mesh of at least this size (m) is taken to hold more than one object instance
-constexpr std::size_t kSeveral = 3;  // least number of nodes that count as many
+constexpr std::size_t kSeveral = 3;  // least number of nodes of a class for which one shared instance causes a warning
 constexpr double kMostBlocked = 0.5;
 constexpr double kUnusual = 3;  // factor by which a size may differ from the usual sizes of its class
 // A box points sideways if its width exceeds kWider times its length. Models that are about square may face either way.

@@ -36,8 +36,8 @@ class DrawnSensors {
   // True if any of the values contains a distribution.
   static bool draws(const Written& written);
 
-  // Checks the mounts and effects of all cases(). Of `pipeline`, everything that effects depend on must have been read.
-  // Throws InputError.
+  // Checks the mounts and effects of all cases(). Everything in `pipeline` that effects depend on must have been read
+  // before. Throws InputError.
   DrawnSensors(Written written, const Pipeline& pipeline);
 
   bool drawsMounts() const { return drawsMounts_; }
