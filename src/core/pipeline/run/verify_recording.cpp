@@ -83,7 +83,7 @@ class RecordingCheck {
   }
 
  private:
-  // What checkScan() finds in the file of a recorded scan.
+  // The result of checkScan() for the file of a recorded scan.
   struct Scan {
     std::string file;
     bool missing = false;
