@@ -1,4 +1,4 @@
-// Builds animals that stand or graze. Trunk and neck are pipes; a head, legs and a tail are added.
+// Builds animals that stand or graze, from pipes: trunk, neck, head, legs and tail.
 
 #include <array>
 #include <cmath>
@@ -18,7 +18,7 @@ struct AnimalForm {
   double head;      // length of the head
   double leg;       // radius of a leg
   double tail;      // length of the tail
-  double tailRise;  // direction of the tail: 1 up, -1 down
+  double tailRise;  // slope of the tail: 1 points up, -1 hangs down
   double ear;
 };
 

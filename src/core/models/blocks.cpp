@@ -11,7 +11,7 @@ namespace {
 
 namespace gtl = boost::polygon;
 
-constexpr double kBelowSlopes = -3;  // m, lower edge of the walls on sloping ground
+constexpr double kBelowSlopes = -3;  // m, lower edge of the walls, low enough for sloping ground
 constexpr double kRooms = 3.6;       // m, depth of the rooms behind the walls
 constexpr double kUnit = 1e-3;       // m per unit of the integer coordinates of Boost.Polygon
 

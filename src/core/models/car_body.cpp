@@ -1,5 +1,5 @@
 // A body is lofted: cross-sections along x follow a side profile (bonnet, windscreen, roof, rear) and leave out the
-// wheel arches. The position on the surface decides whether it is paint or glass.
+// wheel arches. The position along x and around the cross-section determines the material.
 
 #include "models/car_body.h"
 

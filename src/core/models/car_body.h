@@ -13,7 +13,7 @@ struct BodyForm {
   const char* className = "car";
   double length = 4.3, width = 1.78;
   double floor = 0.2;
-  double belt = 0.92, beltRise = 0.02;       // lower edge of the windows amidships; its rise per metre to the rear
+  double belt = 0.92, beltRise = 0.02;       // lower edge of the windows at x = 0; its rise per metre to the rear
   double roofHalf = 0.56;                    // half of the roof's width
   double noseTaper = 0.13, tailTaper = 0.1;  // fraction of the width lost at the nose and at the tail
   double bulge = 0.09;                       // how far the bumpers protrude

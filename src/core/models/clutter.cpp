@@ -102,7 +102,7 @@ void appendShed(Shape& s, Draw& draw) {
   const double top = draw.in(1.9, 2.2);
   const int boards = static_cast<int>(2 * x / 0.16);
   s.box(wood, {0, 0, top / 2 - 0.2}, {2 * x - 0.04, 2 * y - 0.04, top + 0.4});
-  for (int k = 0; k < boards; ++k) {  // boards protrude from the wall, with gaps
+  for (int k = 0; k < boards; ++k) {  // boards in front of the wall, with gaps between them
     const double at = -x + (k + 0.5) * 2 * x / boards;
     for (const double side : {-y, y}) s.box(wood, {at, side, top / 2 - 0.2}, {0.11, 0.03, top + 0.4});
   }

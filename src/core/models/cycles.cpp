@@ -14,7 +14,7 @@ Affine upright(const Vec3d& center) {
   return {{{1, 0, 0}, {0, 0, -1}, {0, 1, 0}}, center};
 }
 
-// Appends half of a ring over a wheel, as a thin strip with two sides. `from` and `to` are angles (rad).
+// Appends a thin strip along an arc over a wheel. `from` and `to` are the angles of the arc's ends (rad).
 void appendMudguard(Shape& s, SurfaceIndex surface, const Vec3d& hub, double radius, double width, double from,
                     double to) {
   std::vector<std::vector<Vec3d>> rows;

@@ -69,7 +69,7 @@ class Details {
     }
   }
 
-  // Adds curtains at both sides of a front window, or a blind that is partly lowered.
+  // Adds curtains to a front window, or a blind that is partly or fully lowered, or neither.
   void curtains(int floor, int column) {
     const bool door = floor == 0 && column == h_.doorColumn;
     if (door || (floor == 0 && h_.shop) || !draw_.chance(0.6)) return;
@@ -254,8 +254,8 @@ class Details {
     }
   }
 
-  // Adds a garage at the end of the driveway, at the right of the house as seen from the street. Its gate is 6.2 m
-  // behind the house's front.
+  // Adds a garage at the end of the driveway, at the right of the house as seen from the street. Its front is
+  // kGarageFrom behind the house's front.
   void garage() {
     constexpr double kWallFoot = -1.5;
     const double x0 = h_.width + kGarageBeside;

@@ -1,8 +1,8 @@
 #pragma once
 
-// Builds the objects of procedural scenes: random numbers, a mesh under construction, and one function per kind of
-// object. Frame of an object: metres, x forward, z up, ground at z = 0. Outside this folder only town/ and tests
-// include this header.
+// Tools that build the objects of procedural scenes: random numbers, a mesh under construction, and one function per
+// kind of object. Frame of an object: metres, x forward, z up, ground at z = 0. Outside this folder only town/ and
+// tests include this header.
 
 #include <algorithm>
 #include <array>
@@ -207,8 +207,8 @@ struct Block {
   std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
   std::vector<std::vector<Point2>> courts;  // clockwise
   int floors = 2;                           // 0: a shed without windows
-  double height = 0;                        // m, top of the walls, 0.35 m above the roof; 0: follows from `floors`
-  Point2 entrance;                          // the door is in the wall nearest to this point
+  double height = 0;                        // m, top of the walls; 0: follows from `floors`
+  Point2 entrance;                          // the door is in the wall whose middle is nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
 };

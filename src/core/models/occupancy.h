@@ -68,7 +68,7 @@ class Occupancy {
 
  private:
   std::vector<Footprint> taken_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices of rectangles near a cell
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices in taken_, by key of a near cell
 };
 
 }  // namespace scanmill::models

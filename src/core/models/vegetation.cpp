@@ -1,6 +1,6 @@
-// Builds trees, bushes and hedges with leaves of their own: small folded polygons, denser towards the outside of a
-// crown, without alpha testing. A leaf polygon is about 15 cm long and represents several leaves, so that a crown of
-// 6000 polygons has the leaf area of a tree (leaf area index 3 to 5).
+// Builds trees, bushes and hedges. Each leaf is a small folded polygon, so that no alpha testing is needed. Leaves are
+// denser towards the outside of a crown. A leaf polygon is about 15 cm long and represents several leaves, so that a
+// crown of 6000 polygons has the leaf area of a tree (leaf area index 3 to 5).
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ struct Habit {
   double leaf;  // length of a leaf polygon, m
 };
 
-// Heights and radii vary by 12 % with the seed.
+// Heights and crown radii vary by up to 12 % with the seed.
 constexpr std::array<Habit, kTreeForms> kHabits{{
     {"lime", false, 9.0, 2.6, 2.7, 0.16, 22, 0.42, 6000, 0.16},
     {"maple", false, 7.0, 2.2, 2.3, 0.12, 18, 0.45, 5600, 0.16},
@@ -101,7 +101,7 @@ class Raggedness {
  private:
   double share_;
   Draw draw_;
-  double heavy_ = 0, long_ = 0;  // azimuths, rad
+  double heavy_ = 0, long_ = 0;  // azimuths of the heavier side and of the longer axis, rad
 };
 
 void appendBroadleaf(Shape& s, Draw& draw, const Habit& habit, double height, double radius, double foliage,

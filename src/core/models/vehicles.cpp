@@ -96,7 +96,7 @@ const char* paintOf(std::uint64_t seed, int number) {
                                                                    {0.10, "car_paint_blue"},
                                                                    {0.09, "car_paint_silver"},
                                                                    {0.08, "car_paint_red"}}};
-  constexpr std::uint32_t kPaintDraw = 1000000;  // own random stream: shapes do not depend on it
+  constexpr std::uint32_t kPaintDraw = 1000000;  // added to a car's number to get a separate random stream
   double left = Draw(seed, Kind::Car, kPaintDraw + static_cast<std::uint32_t>(number)).next();
   for (const auto& [share, paint] : kPaints) {
     left -= share;

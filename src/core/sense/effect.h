@@ -31,7 +31,7 @@ class Effect {
   // Returns the channels of Hits that apply() reads. Every effect needs the ranges.
   virtual Channels reads() const { return Channel::Range; }
   virtual bool setsIntensity() const { return false; }     // apply() fills Returns::power and Returns::intensity
-  virtual double intensityFullScale() const { return 1; }  // value of the intensity that stands for 1
+  virtual double intensityFullScale() const { return 1; }  // full scale of the intensity: 255 for bytes, else 1
   virtual bool needsIntensity() const { return false; }    // apply() requires an earlier effect with setsIntensity()
   virtual bool setsSnr() const { return false; }           // apply() fills Returns::snr
   virtual bool needsSnr() const { return false; }          // apply() requires an earlier effect with setsSnr()
@@ -62,7 +62,7 @@ struct EffectEntry {
   std::string_view summary;
   std::string_view keys;  // the options, as "name: default, meaning; ..."
   int stage;  // effects run by ascending stage, whatever their order in the YAML: 0 beams, lasers, surfaces, weather
-              // and speckle, 1 intensity, 2 detection and dropout, 3 range noise, 4 quantisation, 5 pointing
+              // and speckle, 1 intensity, 2 detection and dropout, 3 range errors, 4 quantisation, 5 pointing
   std::unique_ptr<Effect> (*make)(Fields& options);
 };
 
@@ -79,10 +79,10 @@ using Effects = std::vector<ChosenEffect>;  // ordered by stage, as they run
 using EffectList = std::span<const ChosenEffect>;
 
 // The requirements of all effects of a sensor together.
-std::uint32_t raysPerBeam(EffectList effects);                     // rays that sample a footprint; 1: no effect does
+std::uint32_t raysPerBeam(EffectList effects);                     // rays per beam; 1: no effect samples footprints
 const LightPaths* lightPaths(EffectList effects);                  // null: rays end at their first hit
-std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // returns of a beam whose rays hit `met` surfaces
-double intensityFullScale(EffectList effects);                     // intensity that stands for 1; 0: no effect sets it
+std::uint32_t mostReturns(EffectList effects, std::uint32_t met);  // largest number if each ray hits `met` surfaces
+double intensityFullScale(EffectList effects);                     // full scale of the intensity; 0: no effect sets it
 
 std::span<const EffectEntry> effects();
 const EffectEntry& requireEffect(std::string_view name, const Location& where);

@@ -191,7 +191,7 @@ void placeGardenThings(Placer& placer, Store& store) {
   }
 }
 
-// Places a fountain in the middle of squares, and benches and planters around it.
+// Places a fountain in the middle of about half of the squares, and benches and planters around the middle of each.
 void placeSquares(Placer& placer, Store& store) {
   const Layout& l = placer.layout;
   std::uint32_t square = 0;
@@ -235,7 +235,7 @@ void placeClutter(Placer& placer) {
   placeSquares(placer, store);
 }
 
-// Places dogs and cats on pavements and in front gardens; in rural towns also herds behind the gardens.
+// Places dogs and cats within 3 m of the main road's curb; in rural towns also herds farther from the road.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters().people <= 0) return;

@@ -30,8 +30,8 @@ Nearest nearestOn(const Line& line, const Point2& p);
 // Returns points on the line about `step` apart, with rounded corners: each point is averaged with its neighbours. The
 // ends do not move.
 [[nodiscard]] Line smoothLine(const Line& line, double step);
-// Returns the parts of a line that lie in the square about the origin with sides of 2 * half. Successive points in the
-// square form a part.
+// Returns the parts of a line in the square about the origin with sides of 2 * half: each run of successive points in
+// the square.
 std::vector<Line> runsWithin(const Line& line, double half);
 
 // True if the point is inside by the even-odd rule over all rings.

@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kPoints = 6;  // m between the points of a lane
 
-// Returns points that continue a way beyond the end of a road: down, round, and back far below the ground, where
-// vehicles are hidden before they arrive or after they have left.
+// Returns points that continue a way beyond the end of a road: down, in a half circle, and back far below the ground,
+// where vehicles are hidden before they arrive or after they have left.
 std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
   std::vector<Vec3d> more;
   if (reach <= 0) return more;

@@ -141,7 +141,7 @@ double Layout::heightAt(GroundKind kind, const Beside& b, const Point2& p) const
   const double edge = b.known ? b.edge : 1e3;
   const bool low = kind == GroundKind::Road || kind == GroundKind::Parking;
   if (low) {
-    // Adds the crown of the road, a gutter, and ruts.
+    // Adds the crown of the road, wear and potholes.
     const double crown = 0.02 * std::min(-edge, 5.0);
     const double worn = 0.012 * relief(seed_ * 4 + 3, p.x, p.y, 7) + 0.006 * relief(seed_ + 7, p.x, p.y, 1.7);
     double hole = 0;

@@ -91,7 +91,7 @@ class Layout {
   const std::vector<Point2>& trees() const { return trees_; }
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Pothole>& potholes() const { return potholes_; }
-  // True if a pothole's rim is within `reach` (m) of the point.
+  // True if the point is in a pothole, or less than `reach` (m) from its rim.
   bool nearPothole(const Point2& p, double reach) const;
   // Returns the ends of the built-up part of the main road (m along its line).
   double mainFrom() const { return mainFrom_; }

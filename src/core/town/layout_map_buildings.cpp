@@ -76,8 +76,8 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 
 }  // namespace
 
-// Turns rectangular buildings of a house's size into houses and all others into blocks. Buildings that face a road get
-// a plot.
+// Turns rectangular buildings of a house's size into houses and all others into blocks. Buildings that face a road,
+// except sheds, get a plot.
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
@@ -125,7 +125,7 @@ void Layout::takeBuildings(const MapPlace& map) {
   arrangePlots();
 }
 
-// Covers a building and its walls with small rectangles.
+// Adds small rectangles to covers_ that together cover a building and its walls.
 void Layout::cover(const MapBuilding& b, const Footprint& about) {
   constexpr double kCell = 1.6;  // m, side of the small rectangles
   std::vector<const Polygon*> rings{&b.outline};

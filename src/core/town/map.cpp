@@ -189,7 +189,7 @@ std::optional<models::Roof> roofOf(const std::string& shape) {
   return found == kShapes.end() ? std::nullopt : std::optional(found->second);
 }
 
-// Returns the usual height (m) of a pitched roof over a rectangle. Returns 0 for other outlines, which have flat roofs.
+// Returns the usual height (m) of a pitched roof; 0 for flat roofs, and for outlines that are wide or not rectangular.
 double usualRise(const Polygon& outline, const std::optional<models::Roof>& roof) {
   constexpr double kSlope = 0.75;
   constexpr double kWidest = 18;  // m, width of the widest building with a pitched roof

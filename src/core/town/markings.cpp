@@ -56,7 +56,7 @@ void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road&
   s.quad(paint, corner(from, right), corner(to, right), corner(to, left), corner(from, left));
 }
 
-// Paints a dashed line in the middle of roads that are wide enough for two lanes; in rural towns also edge lines.
+// Paints stop lines, and dashed middle lines on some roads with two lanes; some rural roads also get edge lines.
 void placeMarkings(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "road markings");

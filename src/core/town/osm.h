@@ -48,7 +48,7 @@ struct OsmArea {
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
   std::vector<OsmWay> ways;      // ways with the key highway or barrier
-  std::vector<OsmArea> areas;    // areas with the key building, landuse, leisure, natural or amenity
+  std::vector<OsmArea> areas;    // areas with the key building, landuse, leisure, natural or amenity; areas of roads
 };
 
 }  // namespace scanmill::town

@@ -50,7 +50,7 @@ void placeCars(Placer& placer, Fleet& fleet) {
     Draw draw(l.seed(), Kind::Car, 50000000 + index++);
     if (!patch.parks || !draw.chance(c.parked > 0 ? std::min(0.6, 0.1 + c.parked) : 0)) continue;
     const Model& car = fleet.anyCar(draw);
-    const double yaw = patch.place.yaw + kPi / 2;  // the car's x axis points to the house
+    const double yaw = patch.place.yaw + kPi / 2;  // direction from the road to the house
     const double in = patch.place.halfY - 3 - draw.in(0, 1);
     const Spot spot{{patch.place.center.x + std::cos(yaw) * in, patch.place.center.y + std::sin(yaw) * in},
                     yaw + (draw.chance(0.6) ? 0 : kPi) + draw.in(-0.03, 0.03),

@@ -70,7 +70,7 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   if (!place) return false;
   const double way = freeWay(placer, *place, kMost);
   if (way < kLeast) return false;
-  // The path leads to the end of the way, turns within half a step and leads back, as often as the duration needs.
+  // The path leads to the end of the way, turns in its last 0.25 m and leads back, as often as the duration needs.
   constexpr double kAside = 0.15;  // m, distance of the path from the middle of the way
   const auto pieces = static_cast<int>(way / kPiece);
   const auto at = [&](double done, double left) {

@@ -21,13 +21,13 @@ constexpr double kLargest = 5000;   // maximum extent of a mesh that causes no w
 constexpr double kSmallest = 1e-3;  // minimum extent of a mesh that causes no warning (m)
 constexpr std::size_t kMostLines = 5;
 constexpr double kTown = 30;         // a mesh of at least this size (m) is taken to hold more than one object instance
-constexpr std::size_t kSeveral = 3;  // least number of nodes that count as many
+constexpr std::size_t kSeveral = 3;  // least number of nodes of a class for which one shared instance causes a warning
 constexpr double kMostBlocked = 0.5;
 constexpr double kUnusual = 3;  // factor by which a size may differ from the usual sizes of its class
 // A box points sideways if its width exceeds kWider times its length. Models that are about square may face either way.
 constexpr double kWider = 1.1;
 constexpr double kDriving = 0.5;   // minimum speed of vehicles whose heading is checked (m/s)
-constexpr double kAhead = 0.7071;  // cosine of 45 degrees: the largest angle between the velocity and the box's x axis
+constexpr double kAhead = 0.7071;  // cosine of 45 degrees; at larger angles to its box, a vehicle drives sideways
 // Times at which velocities are checked (s). A vehicle may stand still at first and drive later.
 constexpr double kTimes[] = {0, 1, 3, 10};
 
@@ -76,7 +76,7 @@ bool drivesSideways(const ThingBoxes& boxes, std::size_t thing) {
   });
 }
 
-// Returns the first lines; if there are more, also their number and what the others are.
+// Returns the first kMostLines lines and, if there are more, a line that says how many `others` follow.
 std::vector<std::string> firstOf(std::vector<std::string> lines, const Scene& scene, std::string_view others) {
   if (lines.size() <= kMostLines) return lines;
   const std::size_t more = lines.size() - kMostLines;

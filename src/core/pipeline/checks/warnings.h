@@ -11,16 +11,16 @@
 
 namespace scanmill {
 
-// Warns of objects whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh, for
-// the first five meshes.
+// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh; at
+// most five, then a line with the number of further ones.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // Warns of damaged meshes, some triangles of which were left out: a corner of the triangle is not finite or does not
 // exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
 
-// Warns of object instances far smaller or larger than the usual size of their class in labels/words.yaml, such as a
-// bus of 12 cm or a tree of 2 km. Returns at most one line per mesh and class, for the first five.
+// Warns of object instances far smaller or larger than usual for their class (labels/words.yaml), such as a bus of 12
+// cm. Returns one line per mesh and class; at most five, then a line with the number of further ones.
 std::vector<std::string> thingSizeWarnings(const Scene& scene);
 
 // Returns a warning for each vehicle model whose front is not on the side that the scene file states; at most five,
@@ -33,7 +33,8 @@ std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& b
 std::vector<std::string> unlabeledWarnings(const Scene& scene);
 
 // Warns of labelling rules without effect: rules that match nothing, or only triangles that earlier rules have
-// labelled. Also warns of files in which all nodes of a class form a single instance although there are many nodes.
+// labelled. Also warns of meshes of at least 30 m that are one object instance although three or more nodes have the
+// same class.
 std::vector<std::string> ruleWarnings(const Scene& scene);
 
 // Warns if the pipeline removes classes from the scene (scene/without.h) that the scene does not have.
@@ -43,10 +44,10 @@ std::vector<std::string> withoutWarnings(const Scene& scene);
 // all seeds.
 std::vector<std::string> seedWarnings(const Pipeline& pipeline, const Sequence& sequence, const Scene& scene);
 
-// Warns of drives that are asked to turn in a town without junctions, and of recorded drives that are implausible.
+// Warns of drives with `along: turns` that do not turn, and of recorded drives that are implausible.
 std::vector<std::string> driveWarnings(const Pipeline& pipeline);
 
-// Warns of each sensor most of whose rays hit the ego vehicle. `blocked`: the result of ShotSource::blockedShares().
+// Warns of sensors at least half of whose rays hit the ego vehicle. `blocked`: result of ShotSource::blockedShares().
 std::vector<std::string> vehicleWarnings(const Pipeline& pipeline, const std::vector<double>& blocked);
 
 }  // namespace scanmill

@@ -22,7 +22,7 @@ constexpr double kFarAbove = 50;              // height above the surface (m); a
 constexpr double kOnGround = 0.05;            // a sensor at most this far (m) from the ground causes a warning
 constexpr double kReach = 1e5;                // length of test rays (m)
 constexpr double kStep = 0.5;                 // maximum distance between the poses that are checked along a path (m)
-constexpr std::size_t kMostPlaces = 400'000;  // maximum number of poses that are checked along a path
+constexpr std::size_t kMostPlaces = 400'000;  // after this many poses the rest of a path is not checked
 // Height above the vehicle's origin (m) of a point that is tested for passing through walls.
 constexpr double kBody = 0.6;
 constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor

@@ -20,7 +20,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns the names of effects that the sensors' files list and the pipeline removes, as with `speckle: none`.
+// Returns the names of the effects that the pipeline removes, as with `speckle: none`.
 std::vector<std::string> leftOutOf(const Pipeline& pipeline) {
   std::vector<std::string> names;
   for (const Value& item : pipeline.effectItems) {

@@ -61,8 +61,8 @@ void checkRays(const Pipeline& pipeline) {
 constexpr std::uint64_t kProgramBytes = std::uint64_t{72} << 20;
 constexpr std::uint64_t kBeamBytes = sizeof(Vec3d) + sizeof(Vec3f) + sizeof(float);  // memory per beam of a beam table
 
-// Throws InputError if the scenes have different ontologies, since a dataset has a single one. Reads only the ontology
-// of each scene file, so that errors are found before hours of work.
+// Throws InputError if the scenes have different classes, since a dataset has a single ontology. Reads only the
+// ontology of each scene file, so that errors are found before hours of work.
 void checkOntologies(const Pipeline& pipeline) {
   if (!pipeline.ontology.empty() || pipeline.recording != nullptr) return;
   std::map<std::filesystem::path, Ontology> known;  // each scene file's ontology
@@ -83,7 +83,7 @@ void checkOntologies(const Pipeline& pipeline) {
   }
 }
 
-// True if the ontology has separate classes for moving objects.
+// True if the scans have labels from an ontology with separate classes for moving objects.
 bool tellsMovingClasses(const Pipeline& pipeline) {
   if (pipeline.recording != nullptr || !pipeline.output.layout.columns.has(kLabel)) return false;
   const Ontology ontology = pipeline.ontology.empty() ? readSceneOntology(pipeline.sequences.front().sceneFile)
@@ -92,7 +92,8 @@ bool tellsMovingClasses(const Pipeline& pipeline) {
                      [](const SemanticClass& c) { return c.movingOf.has_value(); });
 }
 
-// Throws InputError if the output needs the poses or motions of objects, which a recording does not have.
+// Throws InputError if the output needs what recordings lack: boxes or motions of objects, or geometry that no beam
+// hit.
 void checkObjects(const Pipeline& pipeline) {
   if (pipeline.recording == nullptr) return;
   if (pipeline.output.objects) {

@@ -32,12 +32,12 @@ struct Plan {
   std::vector<PlannedSensor> sensors;
   Channels channels;  // channels to trace: those that effects, columns, formats and recordings read
 
-  // Returns the scans' columns besides the position: the columns that the pipeline asks for, without the intensity if
-  // no effect sets it.
+  // Returns the scans' columns besides the position: the columns that the pipeline asks for, without intensity and
+  // power if no effect sets them.
   ColumnSet columns() const;
 
-  // Throws InputError if the method renders no passes that could be saved. Also throws for `method: auto` if it may
-  // choose such a method.
+  // Throws InputError if no passes are rendered that could be saved: for recorded scans, for a method without passes,
+  // and for `method: auto`, which may choose such a method.
   void requirePasses() const;
   // Throws InputError if beams may fire several rays, if there is an ego vehicle, or if mounts are random. Hits and
   // passes cannot be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.
@@ -45,8 +45,8 @@ struct Plan {
 
   // Returns an upper bound of the memory that a frame takes while it is computed (bytes).
   std::uint64_t bytesPerFrameInMemory() const;
-  // Returns how many frames are computed at a time: one for each thread, but no more than fit into half of the memory
-  // limit.
+  // Returns how many frames are computed at a time: one for each thread, or fewer if these do not fit into half of the
+  // memory that the program leaves free, but at least one.
   std::size_t framesInFlight() const;
   // Returns the memory that the program takes in total while it computes framesInFlight() frames (bytes). `scenes`:
   // bytes of the loaded scenes, including what methods have built from them.
@@ -57,8 +57,8 @@ struct Plan {
 };
 
 // Makes the plan of a pipeline. `kept`: channels that a recording saves beyond those that the scans need. Throws
-// InputError if the scenes' ontologies differ, if the method cannot do what the pipeline asks for, or if a frame does
-// not fit into this machine's memory.
+// InputError if the plan cannot be carried out, for instance since the scenes' ontologies differ, the method cannot do
+// what the pipeline asks for, or a frame exceeds the memory limit.
 Plan makePlan(Pipeline pipeline, Channels kept = {});
 
 // Returns the plan with a method and its options in place of `method: auto`; the record says what was chosen and why.

@@ -67,8 +67,8 @@ std::string planHash(const Plan& plan) {
   return hash.hex();
 }
 
-// Sorts samples by random numbers. The number of a sample depends only on the seed and the sample's address, not on
-// other samples.
+// Sorts samples by random numbers. The random number of a sample depends only on the seed, the sample's sequence and
+// its frame, not on other samples.
 void shuffle(std::uint64_t seed, std::vector<SampleAddress>& samples) {
   const auto rank = [&](const SampleAddress& sample) {
     const RandomBlock random = randomBlock({.seed = seed,

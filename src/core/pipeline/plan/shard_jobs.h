@@ -26,9 +26,9 @@ struct ShardJob {
 
 // Returns all shards, split by split. If the pipeline has the key `output.shard_samples`, each shard has this number of
 // samples, except that the last shard of a split may have fewer. Otherwise the samples of a split are distributed
-// evenly over as few shards as possible such that no shard can exceed `output.shard_mb`, whatever the beams hit; a
-// split of two or more samples gets at least two shards, since data loaders assign shards to workers. With
-// `output.shuffle`, the samples of each shard are chosen from the split at random, with the pipeline's seed.
+// evenly over as few shards as possible such that no shard of several samples can exceed `output.shard_mb`, whatever
+// the beams hit; a split of two or more samples gets at least two shards, since data loaders assign shards to workers.
+// With `output.shuffle`, the samples of each shard are chosen from the split at random, with the pipeline's seed.
 std::vector<ShardJob> shardJobs(const Plan& plan);
 
 // Returns the description of a plan that is stored with each part of a dataset. Its hash identifies the dataset. The

@@ -94,7 +94,7 @@ void DrawnSensors::forEachKey(const Visit& visit) const {
 }
 
 // Makes the mounts and effects of a frame. `change` takes a value, its key and the list of random values to append to,
-// and returns the value with its distributions replaced by numbers.
+// and returns the value with each of its distributions replaced by one value.
 template <class Change>
 SensorDraw DrawnSensors::made(const Pipeline& pipeline, const Change& change) const {
   SensorDraw drawn;

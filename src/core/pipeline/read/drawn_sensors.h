@@ -29,15 +29,15 @@ class DrawnSensors {
   struct Written {
     Value effects;              // the pipeline's key `effects`; Null: no effects
     std::vector<Value> mounts;  // mount of each sensor
-    // One map of keys per sensor. The key `effects` may contain distributions.
+    // MountedSensor::description of each sensor. Its key `effects` may contain distributions.
     std::vector<Value> descriptions;
   };
 
   // True if any of the values contains a distribution.
   static bool draws(const Written& written);
 
-  // Checks the mounts and effects of all cases(). Of `pipeline`, everything that effects depend on must have been read.
-  // Throws InputError.
+  // Checks the mounts and effects of all cases(). Everything in `pipeline` that effects depend on must have been read
+  // before. Throws InputError.
   DrawnSensors(Written written, const Pipeline& pipeline);
 
   bool drawsMounts() const { return drawsMounts_; }
@@ -50,7 +50,7 @@ class DrawnSensors {
   // Returns test cases: together they contain both ends of each distribution and each item of each random choice.
   const std::vector<SensorDraw>& cases() const { return cases_; }
 
-  // Returns a line for each distribution, such as "drawn for each sequence: effects.1.speckle.looks {uniform: [1, 8]}".
+  // Returns lines such as "random for each sequence: effects.1.speckle.looks {uniform: [1, 8]}", one per distribution.
   std::vector<std::string> lines() const;
 
  private:

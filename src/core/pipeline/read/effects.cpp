@@ -31,7 +31,7 @@ bool meansNone(const NamedOptions& item) {
   return item.options.kind == Value::Kind::Scalar && item.options.text == "none";
 }
 
-// Replaces the name of a class by its id. Throws InputError for an id that no class has.
+// Replaces the name of a class by its id. Throws InputError for a name or an id that no class has.
 void resolveLabel(Value& label, const EffectClasses& classes) {
   if (label.kind != Value::Kind::Scalar) return;
   const Ontology* const ontology = classes.find();
@@ -91,7 +91,8 @@ void addDetection(std::vector<MadeEffect>& made) {
   made.push_back({{detection, detection->make(options), ""}, several->where});
 }
 
-// Returns the effects sorted by their stages, in which they run, whatever their order in the file.
+// Returns the effects in the order of their stages, with `detection` if it is needed. Throws InputError if an effect
+// needs another one that is missing.
 Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
   std::stable_sort(made.begin(), made.end(),

@@ -59,7 +59,7 @@ namespace {
 
 constexpr double kDefaultMaxRays = 1e11;
 
-// Returns a text so that it can follow "# " in a YAML comment: "# " is inserted at the start of each further line.
+// Returns a text with "# " inserted at the start of each line but the first, so that it can follow "# " in a comment.
 std::string commented(const std::string& text) {
   std::string comment;
   for (const char c : text) {

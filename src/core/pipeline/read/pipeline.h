@@ -79,8 +79,8 @@ struct Pipeline {
   // The list `effects` with the corruption applied, with the random values of the first frame of the first sequence.
   // The word `sensor` in it is not replaced yet. Studies vary this list.
   std::vector<Value> effectItems;
-  // Random mounts and effects; then `sensors` has the values of the first frame of the first sequence. Null: mounts and
-  // effects are the same in all frames.
+  // Random mounts and effects, of which `sensors` has the values in the first frame of the first sequence. Null: mounts
+  // and effects are the same in all frames.
   std::shared_ptr<const DrawnSensors> drawn;
   Motion motion;
   MethodChoice method;

@@ -28,8 +28,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kStartSeconds = 0.1;  // time for reading the pipeline and finishing the dataset (s)
-// Height above the vehicle's origin (m). The origin is on the ground; lower sensors count as mounted at the origin.
-constexpr double kLowMount = 0.5;
+constexpr double kLowMount = 0.5;      // m above the vehicle's origin; lower sensors count as mounted on the ground
 
 // Factors by which the costs of the small town are multiplied for a kind of scene, and spreads: the factors by which
 // measured values were above or below forecasts. All were fitted to the pipelines that come with the program (2 cores
@@ -128,7 +127,7 @@ void measure(const Plan& plan, SampleCosts& costs) {
   for (const double b : bytes) costs.frameBytes += b / made;
 }
 
-// Multiplies the costs of the small town by the factors of the pipeline's scenes, averaged over the scenes.
+// Scales the costs of the small town to the pipeline's scenes, by the factors of these scenes.
 void scale(const Pipeline& pipeline, SampleCosts& costs) {
   SceneFactors mean{0, 0, 0, 1, 1};
   std::optional<std::pair<std::filesystem::path, SceneFactors>> known;

@@ -68,8 +68,8 @@ class DatasetRun {
     summary_.manifest = base_;
   }
 
-  // Makes the shards that this process has to make, waits for shards that other processes make, and writes the
-  // manifest.
+  // Makes the shards that this process has to make, waits for shards that other processes make, and writes the manifest
+  // if the dataset is then complete.
   GenerateSummary run() {
     if (folder_.isWhole()) return endedByOthers();
     std::vector<std::size_t> left = chosenJobs();

@@ -32,7 +32,7 @@ class SceneObjects {
 
   const ThingBoxes& boxes() const { return boxes_; }
   const Unobstructed& unobstructed() const { return unobstructed_; }
-  // Returns the memory of this object in bytes, without the memory of the method.
+  // Returns the memory of the hierarchies that this object has built (bytes); 0 if it uses those of the method.
   std::uint64_t memoryBytes() const;
   std::shared_ptr<const BeamGrid> gridOf(const std::shared_ptr<const BeamTable>& beams) const;
 

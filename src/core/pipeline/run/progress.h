@@ -12,7 +12,7 @@ namespace scanmill {
 class Progress {
  public:
   // `what`: name of the work. `total`: count at which the work is done. `unit`: unit of the count, such as "frames".
-  // `workUnit`: unit of the rate, such as "rays". `quiet`: shows nothing.
+  // `workUnit`: unit of the work, such as "rays", which is shown per second. `quiet`: shows nothing.
   Progress(std::string what, std::uint64_t total, std::string unit, std::string workUnit, bool quiet);
   ~Progress();
   Progress(const Progress&) = delete;

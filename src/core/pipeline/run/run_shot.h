@@ -23,7 +23,7 @@ struct ShotSetup {
   const Footprint* footprint = nullptr;  // the rays that sample a beam's width; null: each beam fires one ray
   const Hits* vehicle = nullptr;         // hits of the sensor's rays on the ego vehicle; null: no ego vehicle
   const LightPaths* paths = nullptr;     // how rays continue behind a hit; null: rays end at their first hit
-  const Scene* moving = nullptr;         // the scene, if the scan has columns about its objects' motion; otherwise null
+  const Scene* moving = nullptr;         // the scene, if columns or classes of scans depend on motion; otherwise null
 };
 
 // Returns the setup of a sensor for a frame. `sensor`: index in Pipeline::sensors. `settings`: the frame's settings,

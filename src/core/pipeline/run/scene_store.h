@@ -54,10 +54,10 @@ class SceneStore {
   void leave(std::size_t sequence);
 
   // Returns the scene of a sequence; loads it if needed. The scene stays loaded as long as the returned pointer exists,
-  // and longer if more frames of it are expected and the program takes less than half of its memory limit. Blocks while
-  // another scene does not fit into memory beside the scenes in use. A thread that holds a scene must therefore not
-  // wait for another thread's enter(): both could deadlock. Also checks the scene and the sequence for warnings().
-  // Throws InputError for scenes and methods that cannot be used.
+  // and longer, if more frames of it are expected, until another scene needs the memory. Blocks while the scene does
+  // not fit into memory beside the scenes in use. A thread that holds a scene must therefore not wait for another
+  // thread's enter(): both could deadlock. Also checks the scene and the sequence for warnings(). Throws InputError for
+  // scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);
 
   // Adds the method's account of a frame of a sequence to the account of the scene.

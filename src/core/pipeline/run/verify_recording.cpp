@@ -83,7 +83,7 @@ class RecordingCheck {
   }
 
  private:
-  // The contents of a recorded scan's file.
+  // The result of checkScan() for the file of a recorded scan.
   struct Scan {
     std::string file;
     bool missing = false;

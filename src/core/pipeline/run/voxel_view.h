@@ -22,7 +22,7 @@ namespace scanmill {
 // - `unseen` is set for voxels that no beam's axis passes through or ends in, empty or not. The axis goes from the
 //   sensor, at the time when the beam fires, to the first hit; if the beam has a single ray, it continues through clear
 //   glass. If there is no hit, the axis goes to the sensor's maximum range, even if a surface nearer than the minimum
-//   range may block the beam. Beams that have no hit because the ego vehicle blocks them are ignored.
+//   range may block the beam. Beams that are unresolved, or without a hit because of the ego vehicle, are ignored.
 // - `invalid` is set for unseen voxels that no sensor could see, and for voxels whose surfaces have no class. An empty
 //   voxel is called open if a chain of empty voxels that share faces connects it to a voxel that a beam passes through.
 //   Unseen empty voxels are invalid if they are not open: they are under ground or inside of closed solids. Unseen

@@ -19,9 +19,9 @@ Hits traceVehicle(const Scene& vehicle, const BeamTable& rays, const Pose& vehic
 // Returns the fraction of the rays that hit the vehicle.
 double blockedShare(const Hits& vehicle);
 
-// Replaces each hit that lies behind the vehicle by the ray's hit on the vehicle, with path OwnVehicle, no instance, no
-// material and a matt surface. If the vehicle is nearer than the sensor's minimum range `minRange` (m), the hit becomes
-// a miss. `vehicle` and `hits` must have the same rays.
+// Replaces each hit behind the vehicle, and each miss of a ray that hits the vehicle, by the hit on the vehicle, with
+// path OwnVehicle, no instance, no material and a matt surface. If this hit is nearer than the sensor's minimum range
+// `minRange` (m), it becomes a miss with path OwnVehicle. `vehicle` and `hits` must have the same rays.
 void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits);
 
 }  // namespace scanmill

@@ -152,8 +152,8 @@ class Draws {
   RandomAddress address_;
 };
 
-// The triangles that are less than 60 degrees steep. `sums` are the cumulative sums of their areas (m^2) projected onto
-// the horizontal plane.
+// The triangles of the given classes that are less than 60 degrees steep. `sums` are the cumulative sums of their areas
+// (m^2) projected onto the horizontal plane.
 struct Floor {
   std::vector<std::array<Vec3d, 3>> triangles;
   std::vector<double> sums;
@@ -189,7 +189,7 @@ class Search {
       : surface_(surface), random_(random), draws_(draws) {}
 
   // Returns the points of the longest path from `start` that the search finds. The search ends when a path has the
-  // length that `random` asks for.
+  // length that `random` asks for, or after kMostTurnsBack steps back.
   std::vector<Vec3d> from(const State& start) {
     std::vector<Node> nodes{open({start, 0}, 0)};
     std::vector<Vec3d> longest;
@@ -321,7 +321,7 @@ class Search {
   const RandomWay& random_;
   const Draws& draws_;
   std::map<Spot, int> been_;  // number of times that the current path has passed each spot
-  std::set<Spot> dead_;       // spots from which no path of the required length exists
+  std::set<Spot> dead_;       // spots from which the search found no path of the required length
 };
 
 // Returns the state at `place` with the heading in which a vehicle can drive straight on farthest. Returns nothing if

@@ -18,7 +18,7 @@
 
 namespace scanmill {
 
-constexpr std::size_t kBatch = 128;  // rows of a batch, whose working set fits into the first-level cache
+constexpr std::size_t kBatch = 128;  // number of rows of a batch; a batch fits into the first-level cache
 
 template <class T>
 using Batch = std::array<T, kBatch>;

@@ -75,7 +75,7 @@ class Blooming : public Effect {
   // Returns the strongest stray echo of each beam; an echo of 0 means that the beam gets none.
   std::vector<Stray> straysOf(const BeamTable& beams, const std::vector<Source>& sources) const {
     std::vector<Stray> strays(beams.size());
-    const double leastCosine = std::cos(2 * o_.angle);  // beyond this angle the halo (0.03 % of its peak) is ignored
+    const double leastCosine = std::cos(2 * o_.angle);  // beyond 2 * angle the halo (0.03 % of its peak) is ignored
     // Number of columns to search on each side, enough for neighbours in any ring; spill() then compares the
     // directions.
     const double step = beams.fullTurn() ? 2 * kPi / beams.columns : beams.field / beams.columns;

@@ -30,9 +30,9 @@
 // interference: the probability, per beam, of a return from another sensor's pulse. Such a return has cause 7, a
 // uniformly random range, and a power from the threshold to 100 times the threshold, uniformly random in its logarithm.
 //
-// A detected echo that is nearer than min_separation_m to a stronger echo of the same beam is not reported. `returns`
-// selects from the remaining detected echoes: dual reports the strongest and the last or, if one echo is both, the two
-// strongest (as Velodyne's sensors do); a number n reports the n strongest.
+// The detected echoes of a beam are kept by descending power, without those nearer than min_separation_m to an echo
+// kept before. `returns` selects from the kept echoes: dual reports the strongest and the last or, if one echo is both,
+// the two strongest (as Velodyne's sensors do); a number n reports the n strongest.
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +71,7 @@ class Detection : public Effect {
   Channels reads() const override {
     return o_.sun ? Channel::Range | Channel::Normal | Channels(Channel::Reflectance) : Channels(Channel::Range);
   }
-  // Reporting only the first or the last echo does not need the intensity.
+  // Reporting the first, the last or all echoes does not need the intensity.
   bool needsIntensity() const override {
     return o_.noise > 0 || o_.separation > 0 || o_.report == Report::Dual ||
            (o_.report == Report::Strongest && o_.most < kMostReturns);

@@ -75,7 +75,7 @@ inline double exponential(double x) {
   constexpr double kLog2Low = 1.90821492927058770002e-10;
   x = x > -700 ? x : -700;
   x = x < 700 ? x : 700;
-  const double shifted = x * 1.44269504088896340736 + 0x1.8p52;  // the last bits are the nearest integer
+  const double shifted = x * 1.44269504088896340736 + 0x1.8p52;  // its last bits are the integer nearest to x / log(2)
   const double k = shifted - 0x1.8p52;
   const double f = (x - k * kLog2High) - k * kLog2Low;
   double series = 1.0 + f * (1.0 / 12);

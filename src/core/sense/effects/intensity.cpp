@@ -145,7 +145,7 @@ class Intensity : public Effect {
 
  private:
   // Returns the lobes of each material and, as the last element, the lobes of surfaces without a material, which are
-  // matt. `glass`: true if rays continue behind glass; panes then scatter nothing.
+  // matt. `glass`: true if rays continue behind glass; panes then have no diffuse reflection.
   std::vector<Lobes> lobesOfAll(std::span<const Material> materials, bool glass) const {
     std::vector<Lobes> lobes;
     lobes.reserve(materials.size() + 1);

@@ -7,7 +7,7 @@
 // The height over the mesh is the sum of height_k n_k over the entries of the material's `relief`. Each entry has a
 // height and a size, and n_k is a Gaussian field of variance 1 over cubes of that size (spatial_noise.h). The field
 // depends only on the point in the world and the pipeline's seed, so that every frame, sensor and method hits the same
-// tufts. The search begins kDeviations standard deviations of the height before the mesh and follows the beam, in steps
+// tufts. The search begins kDeviations standard deviations of the height above the mesh and follows the beam, in steps
 // shorter than the smallest size (unless this takes more than kMostSteps), to the first step below the height field.
 // Two linear interpolations between this step and the previous one then find the hit (relief mapping: Policarpo,
 // Oliveira and Comba, "Real-time relief mapping on arbitrary polygonal surfaces", I3D 2005). Grazing beams
@@ -145,7 +145,7 @@ class ReliefEffect : public Effect {
   Channels reads() const override { return Channel::Range | Channel::Incidence | Channel::Material; }
 
   void apply(const Hits& hits, const Shot& shot, std::span<const Material> materials, Returns& returns) const override {
-    constexpr std::size_t kTogether = 64 * kBatch;  // rows that one March processes in its slots
+    constexpr std::size_t kTogether = 64 * kBatch;  // largest number of rows whose beams one March follows
     const PlacesOfHits hitPlaces(hits, shot, returns);
     Places places;
     Places along;

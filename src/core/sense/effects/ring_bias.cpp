@@ -4,10 +4,10 @@
 //   ring_bias: {range_sigma_m: 0.02, elevation_sigma_deg: 0.02, gain_sigma: 0.2}
 //   ring_bias: {range_m: [0.01, -0.02, ...], elevation_deg: [...], gain: [...]}   # one value per ring
 //
-// Each error is the reported minus the true value; elevation is positive upwards. The keys with `sigma` are standard
-// deviations of Gaussian numbers, sampled once per sensor and ring from the pipeline's seed; the gain is exp(gain_sigma
-// * number). Each of the three errors is given either by its sigma or as a list. A range below 1 mm is reported as 1
-// mm.
+// Errors of range and elevation are the reported minus the true value, elevation positive upwards; the gain is a factor
+// on the power. The keys with `sigma` are standard deviations of Gaussian numbers, sampled once per sensor and ring
+// from the pipeline's seed; the gain is then exp(gain_sigma * number). Each of the three errors is given either by its
+// sigma or as a list. A reported range is at least 1 mm, or the range before this effect if that is less.
 
 #include <cmath>
 

@@ -26,7 +26,7 @@ Cell cellOf(double at) {
 }
 
 // Returns the sum of four uniform numbers, scaled to mean 0 and variance 1. The distribution is close to normal within
-// two standard deviations, and never exceeds 3.5.
+// two standard deviations; absolute values stay below 3.5.
 double standard(const RandomBlock& words) {
   const double sum = toDouble(words[0]) + toDouble(words[1]) + toDouble(words[2]) + toDouble(words[3]);
   return (sum * 0x1p-32 - 2) * 1.7320508075688772;

@@ -116,7 +116,7 @@ std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Re
     float& range = open[returns.beam(row)];
     if (returns.returned(row)) range = std::min(range, returns.range[row]);
   }
-  // A beam that the own vehicle blocks has the range 0, even if the vehicle is nearer than the sensor's minimum range.
+  // A beam that the own vehicle blocks nearer than the sensor's minimum range has no hit; its range is 0.
   for (std::size_t ray = 0; ray < hits.pathOfRay.size(); ++ray) {
     if (hits.pathOfRay[ray] != RayPath::OwnVehicle || hits.hit(ray)) continue;
     open[hits.beamOfRay.empty() ? ray : hits.beamOfRay[ray]] = 0;

@@ -57,7 +57,7 @@ namespace {
 
 // m beyond the front line in which the plot is flat; more than the depth of the deepest house with its setback.
 constexpr double kPlotDepth = 18;
-constexpr double kUndulation = 0.5;  // m, amplitude of each wave of the terrain
+constexpr double kUndulation = 0.5;  // m, largest amplitude of a wave of the terrain
 
 }  // namespace
 

@@ -61,9 +61,9 @@ struct Layout {
   double heightAt(Ground kind, double x, double y) const;
   double heightAt(double x, double y) const { return heightAt(kindAt(x, y), x, y); }
   bool inCorner(double x, double y) const;  // true in the squares that contain the rounded corners of the crossing
-  // True if x is on a driveway (or a walkway), which is extended by `margin` (m) at both sides, of a lot at this side.
+  // True if x is on the driveway or walkway (`strip`) of a lot at this side, or less than `margin` (m) from it.
   bool onStrip(Span Lot::*strip, double x, int side, double margin) const;
-  // True if x is within a parking lane, which is extended by `margin` (m) at both ends.
+  // True if x is beside a parking lane, or less than `margin` (m) from its ends.
   bool besideParking(double x, double margin) const;
 
   Parameters p;
@@ -87,7 +87,7 @@ struct Layout {
 
 Model makeGround(SceneBuilder& builder, const Layout& layout);
 Model makeMarkings(SceneBuilder& builder, const Layout& layout);
-// Places everything in the scene except ground and houses.
+// Places everything in the scene except ground, markings and houses.
 void populate(SceneBuilder& builder, const Layout& layout, const Affine& worldFromStreet);
 
 }  // namespace scanmill::street
