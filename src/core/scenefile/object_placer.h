@@ -33,8 +33,8 @@ struct Copies {
 // The sets of meshes of an object; each copy gets one of the sets at random.
 struct Variants {
   std::size_t count = 1;
-  // Returns the set of meshes with an index below `count`. Called once for each index in use; the result must stay
-  // valid until all copies are placed.
+  // Returns one of the sets of meshes; the argument is its index, less than `count`. Called once for each index in use;
+  // the result must stay valid until all copies are placed.
   std::function<const std::vector<PlacedMesh>&(std::size_t)> meshes;
 };
 

@@ -125,8 +125,8 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
                                  shortPlace(way(0).translation)));
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
-  // A sample without ground copies the sample before it; samples before the first ground copy the first sample with
-  // ground.
+  // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
+  // of the first sample that has.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
   for (const auto& sample : found) {
     if (sample) known = *sample;

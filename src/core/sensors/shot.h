@@ -59,8 +59,8 @@ struct Motion {
   Location where;
 };
 
-// Reads none, per_column, {steps: 360, deskew: false} or {steps: per_column, deskew: true}; a null pointer means none.
-// Throws InputError.
+// Reads a sensor's motion: `none`, `per_column`, or a map such as {steps: 360, deskew: false} or {steps: per_column,
+// deskew: true}. A null pointer means `none`. Throws InputError for anything else.
 Motion readMotion(const Value* value);
 
 // Returns a shot with its poses, time, beams (of `table` at that time: see beamsAt()), frame and deskew; the caller

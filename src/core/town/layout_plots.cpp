@@ -143,7 +143,8 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
       houses_.push_back(house);
     }
     start = plot.to;
-    // Leaves out empty plots in parks, lots and squares. Elsewhere a plot without a house becomes a garden.
+    // Leaves out a plot without a house if it is in an area (park, wood, parking lot, water ...). Elsewhere such a plot
+    // becomes a garden.
     if (!plot.built && areas_.at(spot(middle, outer + 6))) continue;
     plots_.push_back(plot);
   }

@@ -245,7 +245,8 @@ class RayStream {
     }
   }
 
-  // Loads the distances in full bricks.
+  // For particles in full bricks, loads the distances at the corners of the voxel or, with lists, at the corner that
+  // aim() chose.
   void fetch(LaneGroup& group) const {
     if (hn::AllFalse(kFloats, isFull(hn::Load(kWords, group.entry)))) return;
     const Words cell = hn::Load(kWords, group.cell);

@@ -36,13 +36,14 @@ constexpr int kMostSteps = 24;
 // A beam that hits a rough surface.
 struct RoughHit {
   std::size_t row = 0;
-  Vec3d place, along;                         // hit on the mesh (m) and direction of the beam (unit vector), in world
-                                              // axes
-  std::array<double, kMostReliefs> height{};  // m, averaged over the beam's width
-  std::array<double, kMostReliefs> cubes{};   // cubes per metre, by entry of the relief
-  double cosine = 1;                          // cosine of the angle of incidence
-  double reach = 0;                           // m along the beam that are searched before the mesh and behind it
-  double step = 0;                            // m along the beam, length of a step
+  Vec3d place, along;  // hit on the mesh (m) and direction of the beam (unit vector), in world
+                       // axes
+  // By entry of the relief: standard deviation of the height after averaging over the beam's footprint (m).
+  std::array<double, kMostReliefs> height{};
+  std::array<double, kMostReliefs> cubes{};  // cubes per metre, by entry of the relief
+  double cosine = 1;                         // cosine of the angle of incidence
+  double reach = 0;                          // m along the beam that are searched before the mesh and behind it
+  double step = 0;                           // m along the beam, length of a step
   int steps = 0;
 };
 

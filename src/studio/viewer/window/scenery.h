@@ -71,7 +71,7 @@ struct Scenery {
   // Shows a hint if only one part of the mesh is visible and this part encloses all others, such as a closed sky box.
   void tellWhatEncloses();
 
-  // Functions in scenery_boxes.cpp, for objects that samples list, and instances:
+  // Functions in scenery_boxes.cpp, for instances and for the objects in the list of a sample:
   Affine canvasFromBox(const ObjectRecord& object) const;
   // Returns how the first scan's sensor sees the object; null if this is not known.
   const ObjectView* shownView(const ObjectRecord& object) const;
