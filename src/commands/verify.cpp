@@ -18,7 +18,8 @@ namespace scanmill {
 
 namespace {
 
-// Returns verify(folder, progress), which updates a progress bar; the bar ends before anything else is printed.
+// Returns the result of verify(folder, progress). Its calls of `progress` advance a progress bar, which ends before
+// anything else is printed.
 template <class Verify>
 auto withProgress(const Verify& verify, const std::string& folder, const char* unit, bool quiet) {
   Progress progress("verify", 0, unit, unit, quiet);

@@ -28,7 +28,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kKeptLines = 12;
-constexpr std::size_t kKeptLength = 400;  // bytes that are kept of a line of the child's standard error
+// Largest number of bytes that are kept of a line of the child's standard error.
+constexpr std::size_t kKeptLength = 400;
 constexpr std::size_t kMaxLine = std::size_t{16} << 20;
 constexpr double kSlice = 0.05;  // s, longest wait for a child's pipes before it is checked whether the child has ended
 

@@ -179,6 +179,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   // True if the tag says that a scalar is text, even if it looks like a number: scalars in quotes have the tag "!".
+  // Throws InputError for other tags than those of text, lists and maps.
   bool checkTag(const YAML::Mark& mark, const std::string& tag) const {
     if (tag.empty() || tag == "?" || tag == "tag:yaml.org,2002:map" || tag == "tag:yaml.org,2002:seq") return false;
     if (tag == "!" || tag == "tag:yaml.org,2002:str") return true;

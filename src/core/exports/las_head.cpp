@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint16_t kHeaderBytes = 375;
 constexpr std::uint8_t kFormat = 6;
-constexpr std::uint16_t kReturnsAreMadeUp = 1 << 3;  // bit of the global encoding
+constexpr std::uint16_t kReturnsAreMadeUp = 1 << 3;  // bit of the global encoding: return numbers are synthetic
 constexpr std::uint16_t kCoordinatesAreWkt = 1 << 4;
 
 // A local coordinate system without a position on the earth, in the notation of "OpenGIS Implementation Specification:

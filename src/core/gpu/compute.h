@@ -58,7 +58,7 @@ class ComputeDevice {
 // A device that the environment variable SCANMILL_GL_DEVICE can select (gpu/device.h).
 struct FoundDevice {
   std::string name;    // value of the variable that selects this device
-  std::string driver;  // name as ComputeDevice::name() returns it; if `usable` is false, the reason
+  std::string driver;  // the device's ComputeDevice::name(); if `usable` is false, the reason why not
   bool usable = false;
   bool software = false;  // true: runs on the processor
 };

@@ -15,7 +15,7 @@ namespace scanmill {
 
 struct Labelling {
   std::vector<Rule> rules;  // the first rule that matches decides
-  std::string file;         // the asset's path as the scene file writes it; compared with the patterns of `file`
+  std::string file;  // the asset's path as the scene file writes it; the key `file` of a rule is compared with it
   ThingBounds things = {};  // how triangles of thing classes are divided into things
   bool counted = false;     // true if an earlier moment of the same clip has already counted the dropped and unlabelled
                             // triangles

@@ -100,7 +100,7 @@ bool matchesGlob(std::string_view pattern, std::string_view text) {
 
 constexpr std::size_t kMostAlternatives = 1000;
 
-// Appends the alternatives of a pattern: abc with "a{b,c{d,e}}" gives ab, acd and ace. Braces that are never closed, or
+// Appends the alternatives of a pattern: "a{b,c{d,e}}" gives "ab", "acd" and "ace". Braces that are never closed, or
 // that contain no comma, are ordinary characters.
 void expandBraces(const std::string& pattern, std::vector<std::string>& out, const Location& where) {
   for (std::size_t open = pattern.find('{'); open != std::string::npos; open = pattern.find('{', open + 1)) {

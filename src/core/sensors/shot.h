@@ -29,8 +29,8 @@ struct Shot {
   std::string sample;   // key of the sample; file names of the shot begin with it
   double time = 0;      // s since the start of the sequence, at column 0
   double duration = 0;  // s, time in which the scene's objects move; 0: objects keep their pose at `time`
-  // Time from `time` to the sequence's next frame (s). For the last frame, the interval before it; for a single frame,
-  // the sensor's period.
+  // Time from `time` to the sequence's next frame (s). For the last frame, the time from the frame before it;
+  // for a single frame, the sensor's period.
   double untilNext = 0;
   std::shared_ptr<const BeamTable> beams;
 
@@ -49,7 +49,7 @@ struct Shot {
   }
 };
 
-// The number of sensor poses in a revolution: one pose, one pose per column, or a number of steps.
+// The number of sensor poses in a revolution: one pose, one pose per column, or Motion::steps poses.
 enum class MotionKind { None, PerColumn, Steps };
 
 struct Motion {

@@ -19,7 +19,7 @@ constexpr double kCrawl = 1e-3;  // m/s; least mean speed between two places, so
 SpeedProfile::SpeedProfile(double length, double speed) : nodes_{{0, 0, speed}, {length / speed, length, speed}} {}
 
 SpeedProfile::SpeedProfile(const Path& path, double speed, double acceleration, const std::vector<DriveStop>& stops) {
-  // Positions on the path (m), with the stops and both ends, and the largest speed at each position.
+  // `places`: positions on the path (m), including the stops and both ends. `fastest`: largest speed at each position.
   std::vector<double> places;
   const auto pieces = static_cast<int>(std::ceil(path.length() / kStep));
   for (int k = 0; k <= pieces; ++k) places.push_back(path.length() * k / pieces);

@@ -36,7 +36,7 @@ struct Parameters {
 
 Parameters readParameters(Fields& fields);
 
-// The properties of a town. They depend on the seed, so that no two towns are alike.
+// The properties of a town. Different seeds give different properties where the parameters do not set them.
 struct Character {
   Character(const Parameters& parameters, std::uint64_t seed);
 

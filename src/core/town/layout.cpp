@@ -99,7 +99,7 @@ GroundKind Layout::kindAt(const Beside& b, const Point2& p) const {
   }
   if (b.edge < s.curb) return GroundKind::Curb;
   if (const Patch* patch = patchAt(p)) {
-    // Driveways do not interrupt the pavement.
+    // Patches, such as driveways, do not interrupt the sidewalk.
     if (b.edge < s.curb + s.verge || b.edge > s.outer()) return patch->kind;
   }
   if (b.edge < s.curb + s.verge) return s.sidewalk > 0 ? GroundKind::Verge : GroundKind::Shoulder;

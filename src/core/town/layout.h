@@ -127,7 +127,8 @@ class Layout {
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
   // Sets the water level of each area of water below the lowest point of its shore.
   void findWaterLevels();
-  // Must be called last: gives buildings the height of the ground at their door, and levels the ground around them.
+  // The last step of building a layout: gives buildings the height of the ground at their door, and levels the ground
+  // around them.
   void settle();
   void takeRoads(const MapPlace& map);
   void takeBuildings(const MapPlace& map);

@@ -16,7 +16,7 @@ using models::Kind;
 // The position of a building relative to the nearest road.
 struct Frontage {
   Footprint about;   // rectangle around the building; its x axis points to the road
-  double gap = 1e9;  // m from the pavement's outer edge to the building; 1e9: no road is near
+  double gap = 1e9;  // m from the sidewalk's outer edge to the building; 1e9: no road is near
   Beside before;     // position of the middle of the building's front
 
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
@@ -76,8 +76,8 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 
 }  // namespace
 
-// Turns rectangular buildings of a house's size into houses and all others into blocks. Buildings that face a road,
-// except sheds, get a plot.
+// Turns rectangular buildings of a house's size, except sheds, into houses, and other buildings into blocks. Leaves out
+// buildings on roads. Buildings that face a road, except sheds, get a plot.
 void Layout::takeBuildings(const MapPlace& map) {
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
@@ -105,7 +105,7 @@ void Layout::takeBuildings(const MapPlace& map) {
       blocks_.push_back(blockOf(b, frontage, floors, number));
       cover(b, about);
     }
-    constexpr double kFacing = 30;  // m; a building that is nearer to a pavement faces the road
+    constexpr double kFacing = 30;  // m; a building that is nearer to a sidewalk faces the road
     if (b.shed || frontage.gap > kFacing) continue;
     const Beside& before = frontage.before;
     Plot plot;
@@ -180,7 +180,7 @@ void Layout::arrangePlots() {
     }
   }
   std::erase_if(plots_, [&](const Plot& plot) {
-    // Removes plots on parking lots, squares and water, and plots on another road.
+    // Removes plots whose front is on a parking lot, a square, water or another road.
     const Road& road = roads_.roads()[plot.road];
     const double out = plot.side * (road.section.half + road.section.outer() + 1.5);
     const Point2 front = besideRoad(road, (plot.from + plot.to) / 2, out).at;

@@ -48,7 +48,7 @@ class Placer {
   // A traffic light at the main road, for vehicles that drive against the road's line.
   struct Light {
     static constexpr double kPeriod = 44;  // s, period of the light
-    static constexpr double kRed = 16;     // s of red in each period
+    static constexpr double kRed = 16;     // s, duration of red in each period
     double along;                          // m along the road, where vehicles stop
     double offset;                         // s, time at which a period begins
     bool marked;                           // true: there is a stop line on the road

@@ -18,12 +18,12 @@ struct StripColumns {
   bool fullTurn = false;      // true: a full revolution, where the first column follows the last
 };
 
-// Returns the azimuths of the beams. They are taken from the sensor's beam table `beams` if it has this size and its
-// rings are cones; otherwise they are estimated from the points. The estimated step is the median of the steps between
-// neighbouring columns. The estimated first azimuth of a ring is the median of (azimuth - step * column) over its
-// points, so that a few near or noisy points have no influence. If azimuths increase or decrease steadily but not
-// evenly, as in a camera image, all first azimuths are 0. Returns nothing if there are too few points, or if azimuths
-// neither increase nor decrease with the column. `ring` and `column`: one per point.
+// Returns the azimuths of the beams. They are taken from the sensor's beam table `beams` if it has `rings` rings and
+// `columns` columns and its rings are cones; otherwise they are estimated from the points. The estimated step is the
+// median of the steps between neighbouring columns. The estimated first azimuth of a ring is the median of (azimuth -
+// step * column) over its points, so that a few near or noisy points have no influence. If azimuths increase or
+// decrease steadily but not evenly, as in a camera image, all first azimuths are 0. Returns nothing if there are too
+// few points, or if azimuths neither increase nor decrease with the column. `ring` and `column`: one per point.
 std::optional<StripColumns> stripColumns(const Scan& scan, const std::vector<std::size_t>& ring,
                                          const std::vector<std::size_t>& column, std::size_t rings, std::size_t columns,
                                          const BeamTable* beams);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Scripts of OGRE materials, with which Gazebo's models name images for meshes that do not name their own.
+// Reads scripts of OGRE materials, with which Gazebo's models name the images of meshes whose files name none.
 
 #include <array>
 #include <filesystem>

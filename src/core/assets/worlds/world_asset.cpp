@@ -121,7 +121,7 @@ class WorldAsset {
     setColor(part.fileMaterial, std::move(color), file_, options_, images_);
   }
 
-  // Returns the parts of a mesh, or of its submesh.
+  // Returns the parts of the mesh that `from` names; if `from` names a submesh, only the parts of the submesh.
   std::vector<AssetPart> partsOf(const WorldPart& from) {
     const Asset& mesh = meshOf(from);
     if (from.submesh.empty()) return mesh.parts;

@@ -22,8 +22,8 @@ struct CameraView {
   double cy = 0;
   double width = 0;
   double height = 0;
-  double lastU = 0;             // px, the largest number below `width`
-  double lastV = 0;             // px, the largest number below `height`
+  double lastU = 0;             // px, the largest double below `width`
+  double lastV = 0;             // px, the largest double below `height`
   std::uint32_t rowLength = 0;  // number of subpixels in a row
   PixelAddress first = 0;       // address of the image's first subpixel
 };

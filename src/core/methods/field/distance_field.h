@@ -89,7 +89,7 @@ struct FieldLevel {
   std::uint32_t firstEntry = 0;  // index in DistanceField::table of the level's first brick; x fastest, then y, then z
 };
 
-struct BrickPool;  // brick_pool.h
+struct BrickPool;  // defined in brick_pool.h
 
 // A field is not modified after it is built.
 struct DistanceField {

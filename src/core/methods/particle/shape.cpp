@@ -88,8 +88,8 @@ FieldShape aroundSensor(const ParticleOptions& options, const Vec3d& sensor, con
 struct Span {
   std::array<double, 3> first{}, bricks{};
 
-  // Returns the factor by which voxels must be larger so that there are not too many bricks; at most 1 if there are not
-  // too many. NaN if the factor cannot be computed.
+  // Returns the factor by which voxels must be larger so that bricks are few enough and not too far from the origin; at
+  // most 1 if they already are. NaN if the factor cannot be computed.
   double excess() const {
     double all = 1;
     double most = 0;

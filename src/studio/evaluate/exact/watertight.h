@@ -40,7 +40,7 @@ class ShearedBeam {
     const double w = q.x * p.y - q.y * p.x;
     if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return {};
     const double area = u + v + w;
-    if (area == 0) return {};  // the beam is parallel to the triangle's plane
+    if (area == 0) return {};  // the beam lies in the triangle's plane
     const double range = (u * p.z + v * q.z + w * r.z) / area * scale_;
     if (!(range > 0)) return {};
     return {range, v / area, w / area};

@@ -17,7 +17,7 @@ namespace {
 // Width in pixels of charts that share a row, and of charts alone in a row.
 constexpr int kHalfWidth = 575, kWholeWidth = 1150;
 constexpr int kBarHeight = 21, kAround = 120;
-constexpr std::size_t kMostClasses = 12;  // number of classes that a stacked bar shows if it combines the others
+constexpr std::size_t kMostClasses = 12;  // number of classes that a stacked bar shows if it combines further classes
 constexpr const char* kOtherFill = "#8b949e";
 
 double perScan(std::uint64_t points, std::uint64_t scans) {

@@ -24,7 +24,7 @@ struct DistanceRing {
   std::size_t first = 0, last = 0;  // indices of steps; `last` is excluded
 };
 std::vector<DistanceRing> distanceRings(const DatasetSummary& summary);
-// Returns the number of points in a ring. `ranges`: number of points in each step.
+// Returns the number of points in a ring. `ranges`: number of points in each of DatasetSummary::steps.
 std::uint64_t pointsIn(const std::vector<std::uint64_t>& ranges, const DistanceRing& ring);
 
 }  // namespace scanmill

@@ -299,7 +299,7 @@ class DatasetPage {
                {"x", t.x},
                {"y", t.y},
                {"z", t.z},
-               // Angles by the inverse of fromYawPitchRoll().
+               // The angles from which fromYawPitchRoll() computes this rotation.
                {"yaw", degrees(std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))) + 0.0},
                {"pitch", degrees(std::asin(std::clamp(2 * (q.w * q.y - q.z * q.x), -1.0, 1.0))) + 0.0},
                {"roll", degrees(std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))) + 0.0},

@@ -18,8 +18,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestInGroup =
-    50;  // least number of patches of each set in a band; with fewer, it has no figure
+constexpr std::size_t kFewestInGroup = 50;  // least number of patches of each set in a band that has a figure
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 // The group number of each patch. Equal numbers mean the same group in both sets.
@@ -192,8 +191,8 @@ double overlapOf(const ClassGroups& groups) {
   return overlap;
 }
 
-// Returns the groups of the patches in the real and in the simulated set. Uses the classes of that set for which the
-// class frequencies agree better.
+// Returns the groups, by class, of the patches in the real and in the simulated set. Uses the classes of one of the
+// sets: of the set with whose classes the class frequencies agree better.
 std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
   ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);

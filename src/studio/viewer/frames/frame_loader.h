@@ -39,7 +39,7 @@ class FrameLoader {
   std::shared_ptr<const ViewMesh> waitMesh(const SceneChoice& scene);
 
   // Returns the name of the requested frame or scene that is being loaded, such as "street-s1-lane-000012" or "scene
-  // street"; empty if nothing is.
+  // street"; empty if nothing is being loaded.
   std::string busy() const;
 
  private:

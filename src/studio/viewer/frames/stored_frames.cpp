@@ -287,7 +287,7 @@ std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& 
 
 // Returns the objects in the sample's list, with their tracks over the neighbouring frames.
 std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vector<std::string>& problems) const {
-  constexpr std::ptrdiff_t kNeighbours = 10;  // number of frames before the sample, and after it
+  constexpr std::ptrdiff_t kNeighbours = 10;  // largest number of frames of a track before the sample, and after it
   const std::string& key = keys().at(frame);
   std::vector<ViewObject> all;
   const auto sequence = sequences_.find(partsOfKey(key).sequence);

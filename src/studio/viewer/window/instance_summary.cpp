@@ -48,7 +48,7 @@ FlatBox smallestRectangle(const std::vector<Vec2d>& hull) {
     const double side = std::hypot(to.x - from.x, to.y - from.y);
     if (!(side > 0)) continue;
     const Vec2d along{(to.x - from.x) / side, (to.y - from.y) / side};
-    double low = 0, high = 0, far = 0;  // the hull lies to the left of its sides
+    double low = 0, high = 0, far = 0;  // extent along the side, and to the left of it, where the hull lies
     for (const Vec2d& p : hull) {
       const double x = p.x - from.x, y = p.y - from.y;
       low = std::min(low, x * along.x + y * along.y);

@@ -55,7 +55,7 @@ class Playback {
   void clearBusy() { busy_.clear(); }
   // Returns the indices of the frames that are known to be unreadable, ascending.
   std::vector<std::size_t> damaged() const;
-  // Returns a text for the user if another frame is shown because the first request could not be read; otherwise empty.
+  // Returns a text for the user if a frame is shown in place of a frame that cannot be read; otherwise empty.
   const std::string& substituted() const { return substituted_; }
 
   // Returns the loader, which also loads scenes.
