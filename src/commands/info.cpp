@@ -174,7 +174,7 @@ void printObjects(const Scene& scene) {
 }
 
 // Returns the bounds of the static instances, since moving instances may be far away before they appear. If no instance
-// is static, returns the bounds of all.
+// is static, returns the bounds of all instances.
 Box boundsAtRest(const Scene& scene) {
   Box box;
   for (const Instance& instance : scene.instances) {

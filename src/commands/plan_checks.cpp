@@ -119,7 +119,7 @@ SceneFindings checkScenes(ShotSource& source) {
     found.bytes = std::max(found.bytes, method->memoryBytes());
   }
   for (const std::string& line : rules) warn(line);
-  // Leave out the column "place" if the seed selects nothing at random in any scene.
+  // Leaves out the column "place" if the seed selects nothing at random in any scene.
   const bool places =
       std::any_of(scenes.begin() + 1, scenes.end(), [](const auto& row) { return !row.back().empty(); });
   for (std::vector<std::string>& row : scenes) row.resize(places ? row.size() : row.size() - 1);

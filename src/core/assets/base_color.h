@@ -38,7 +38,7 @@ class ColorImages {
  public:
   // `allowOutside`: see findTexture().
   ColorImages(std::filesystem::path asset, bool allowOutside) : asset_(std::move(asset)), allowOutside_(allowOutside) {}
-  // Warns of missing images: in one line of those whose alpha may be cut-outs, in another line of the others.
+  // Warns of missing images: one line names images whose alpha would let beams pass, another line all other images.
   ~ColorImages();
   ColorImages(const ColorImages&) = delete;
   ColorImages& operator=(const ColorImages&) = delete;

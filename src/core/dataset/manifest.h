@@ -100,7 +100,7 @@ struct MethodRecord {
 };
 
 struct Manifest {
-  static constexpr int kSchemaVersion = 2;  // a manifest that describes the samples itself states 1
+  static constexpr int kSchemaVersion = 2;  // 1 if the manifest contains the samples, not files beside the shards
   std::string programVersion;
   std::string name;
   std::string pipelineText;  // text of the pipeline, with the overrides of --set applied

@@ -33,7 +33,7 @@ struct Raster {
 
 struct RasterRequest {
   int band = 1;
-  int every = 1;     // a square of every x every samples becomes one sample
+  int every = 1;     // a square of `every` x `every` samples becomes one sample
   bool mean = true;  // true: the mean of the square; false: its middle sample, for class numbers
   std::optional<RasterBounds> within;
   std::size_t mostSamples = 64'000'000;

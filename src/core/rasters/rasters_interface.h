@@ -11,8 +11,8 @@
 namespace scanmill {
 
 struct RasterHeader {
-  int width = 0;   // samples
-  int height = 0;  // samples; the first row is usually the northernmost
+  int width = 0;   // number of columns
+  int height = 0;  // number of rows; the first row is usually the northernmost
   int bands = 0;
   bool placed = false;                                // true if the file states a geotransform
   std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; column c and row r

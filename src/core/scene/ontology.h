@@ -1,7 +1,7 @@
 #pragma once
 
-// An ontology: the classes of a dataset, as files such as labels/scanmill.yaml define them. Installed because
-// scene/scene.h includes it.
+// An ontology: the classes of a dataset, as files such as labels/scanmill.yaml define them. This header
+// is installed because scene/scene.h includes it.
 //
 //   const Ontology ontology = readOntology("labels/scanmill.yaml");
 //   const std::uint16_t road = ontology.require("road", {}).id;

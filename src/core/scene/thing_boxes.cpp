@@ -234,7 +234,7 @@ OrientedBox ThingBoxes::at(std::size_t thing, double time) const {
       box.add(own);
       continue;
     }
-    // This part moves differently from the first part: encloses the corners of its moved box.
+    // This part moves differently from the first part, so the corners of its moved box are added.
     const Pose thingFromStart = inverse(worldFromThing) * motion(instance, time) * place.worldFromThing;
     for (const double x : {own.low.x, own.high.x}) {
       for (const double y : {own.low.y, own.high.y}) {

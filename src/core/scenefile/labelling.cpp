@@ -244,7 +244,7 @@ std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPa
   const PartFrame frame{origin, lowestOf(assetParts)};
   std::vector<LabelledPart> parts;
   for (AssetPart& part : assetParts) {
-    // Remove triangles that cannot be traced first: one that is connected to no other triangle would become a thing.
+    // Removes triangles that cannot be traced, because such a triangle without neighbours would become a thing.
     if (labelling.things.by == ThingBounds::By::Part) {
       std::erase_if(part.triangles, [&](const Triangle& t) { return !canBeTraced(t, part.positions, dropped); });
     }

@@ -46,8 +46,8 @@ struct MapBuilding {
   bool shop = false;
   bool shed = false;  // true: a garage, shed or similar building without windows
 
-  // Returns the number of floors: the map's number, limited to what fits into the height, or else the number that fits
-  // the height; nullopt if the map gives neither floors nor height.
+  // Returns the number of floors: the map's number, limited to what fits into the height. If the map gives no number,
+  // returns the usual number for the height; nullopt if the map gives neither floors nor height.
   std::optional<int> floorsSaid() const;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
-// Draws scans as pictures, without a display. All functions need a device like openOffscreen(), and throw Error.
+// Draws scans as pictures, without a display. All functions that draw need the device that openOffscreen() needs, and
+// throw Error.
 
 #include <optional>
 #include <string>

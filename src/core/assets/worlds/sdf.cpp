@@ -66,7 +66,7 @@ struct Model {
   std::filesystem::path definition;
   std::vector<WorldPart> parts;  // in the model's frame
   std::vector<PlacedModel> children;
-  Pose placement;  // pose of its placement frame in the model's frame
+  Pose placement;  // pose of the placement frame in the model's frame
 };
 
 struct PlacedModel {

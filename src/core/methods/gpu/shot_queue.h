@@ -28,7 +28,7 @@ namespace scanmill {
 template <class Work>
 class ShotQueue {
  public:
-  // One dispatch. `hits` gets its results, one work after the other, in the order in which they were submitted.
+  // The works of one dispatch. `hits` gets their results, one work after the other, in the order of submission.
   struct Batch {
     explicit Batch(ComputeReadbacks& readbacks) : hits(readbacks) {}
     ComputeReadbacks::Lease hits;

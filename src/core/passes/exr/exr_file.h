@@ -63,8 +63,8 @@ struct ExrTarget {
 // parts are ignored. All members throw InputError that names the file.
 class ExrReader {
  public:
-  // Throws for files that are not EXR, damaged headers, images that are too large or that the file is too short for,
-  // subsampled channels, and lossy compression. Also throws if the data window is not the display window (crop).
+  // Throws for files that are not EXR, files that are too short for their images, damaged headers, images that are too
+  // large, subsampled channels, and lossy compression. Also throws if the data window is not the display window (crop).
   explicit ExrReader(const std::filesystem::path& path);
 
   const std::string& name() const { return name_; }  // name of the file, for messages

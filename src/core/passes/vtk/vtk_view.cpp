@@ -96,7 +96,7 @@ void DrawnView::addFrame(std::uint32_t index, std::vector<Candidate>& solid, std
   const Vec3d offset = worldFromMesh.translation - camera_.worldFromCamera.translation;
   const Mat3 linear = cameraFromWorld_ * worldFromMesh.linear;
   const Vec3d translation = cameraFromWorld_ * offset + linear * mesh.origin;
-  const Mat3 rows = transposed(linear);  // the columns are the rows of cameraFromMesh
+  const Mat3 rows = transposed(linear);  // its columns are the rows of `linear`
   const auto combine = [&](double x, double y, double z) {
     return HalfSpace{rows.x * x + rows.y * y + rows.z * z, x * translation.x + y * translation.y + z * translation.z};
   };

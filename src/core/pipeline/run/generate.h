@@ -43,7 +43,7 @@ struct GenerateOptions {
   bool resume = false;     // continues an unfinished dataset; cannot be combined with recordings
   ShardChoice shards{};    // the shards that this process makes
   bool quiet = false;
-  // Set by a signal handler; once it is true, generate() throws Error; may be null.
+  // A flag that a signal handler sets; once the flag is true, generate() throws Error. Null: there is no flag.
   const std::atomic<bool>* stop = nullptr;
 };
 

@@ -53,9 +53,9 @@ class ShotSource {
   Scene load(std::size_t sequence);
   std::unique_ptr<Method> method(const Scene& scene) const;
 
-  // Returns the trajectory of a sequence, with its random path and on the ground if it asks for these. If it needs the
-  // scene and load() has not been called for the sequence, loads the scene. Must not be called for recordings, which
-  // have no trajectories.
+  // Returns the trajectory of a sequence, on its random path and on the ground if the trajectory asks for these. If the
+  // trajectory needs the scene and load() has not been called for the sequence, loads the scene. Must not be called for
+  // recordings, which have no trajectories.
   std::shared_ptr<const Trajectory> drive(std::size_t sequence);
 
   // Returns the mounts and effects of the sensors in the first frame of the first sequence. If nothing is random, they

@@ -204,7 +204,7 @@ class Detection : public Effect {
     for (std::uint32_t row = 0; row < returns.size(); ++row) {
       if (returns.returned(row)) rows.push_back(row);
     }
-    // Sort by beam; within a beam by descending power, and at equal power by ascending range.
+    // Sorts by beam; within a beam by descending power, and at equal power by ascending range.
     const auto power = [&](std::uint32_t row) { return measured.empty() ? 0.0f : measured[row]; };
     const auto before = [&](std::uint32_t a, std::uint32_t b) {
       if (returns.beam(a) != returns.beam(b)) return returns.beam(a) < returns.beam(b);

@@ -122,7 +122,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
     if (p.z < -kBelow && std::hypot(p.x, p.y) < kGroundReach) points.push_back(p);
   }
   if (points.size() < kFewest) return;
-  // Fit the first plane to the lowest point in each cell of 4 m.
+  // Fits the first plane to the lowest point in each cell of 4 m.
   std::map<std::pair<int, int>, Vec3d> lowest;
   for (const Vec3d& p : points) {
     const std::pair cell{static_cast<int>(std::floor(p.x / 4)), static_cast<int>(std::floor(p.y / 4))};

@@ -85,7 +85,7 @@ PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {
 
 int stripHeight(int imageHeight, int width, int height) {
   constexpr double kFlattest = 1.0 / 7;  // preferred height divided by width; flatter images are hard to read
-  constexpr double kMostShare = 0.2;     // maximum fraction of the canvas's height
+  constexpr double kMostShare = 0.2;     // maximum height as a fraction of the canvas's height
   const int wanted = std::max(static_cast<int>(std::min(width * kFlattest, height * kMostShare)), 1);
   return imageHeight <= 0 || imageHeight > wanted ? wanted : wanted / imageHeight * imageHeight;
 }

@@ -55,7 +55,8 @@ Legend objectLegend(const ViewMesh& mesh) {
 }
 
 // Returns the legend of the names (materials, textures or rules) that surfaces refer to by `which`. The most frequent
-// name comes first; rules keep the order of `names`. `firstColor`: id for instanceColor() of the first name's colour.
+// name comes first; rules keep the order of `names`. `firstColor`: argument of instanceColor() for names[0]; the
+// following names have the following arguments.
 Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
                   std::uint32_t firstColor) {
   std::vector<std::uint64_t> triangles(names.size(), 0);

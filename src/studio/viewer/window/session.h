@@ -68,7 +68,8 @@ class ViewSession {
  public:
   // Throws InputError if an option names a sample or a class that does not exist, or colours that a scene cannot have.
   ViewSession(const std::shared_ptr<const FrameSource>& source, Canvas& canvas, const ViewOptions& options);
-  // Uses a loader that may have been started before the canvas was opened. Throws InputError in the same cases.
+  // Uses a loader that may have been started before the canvas was opened. Throws the errors of the constructor
+  // above.
   ViewSession(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
               const ViewOptions& options);
   ~ViewSession();

@@ -31,7 +31,8 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
     case CanvasEvent::Kind::Down:
     case CanvasEvent::Kind::Up:
     case CanvasEvent::Kind::Wheel:
-      // Panels receive the event first. Views receive a press or the wheel only if no panel uses it, but every release.
+      // Panels receive the event first. Views receive every release, but presses and the wheel only if no panel uses
+      // them.
       panels.toolkit.take(event);
       runPanels();
       context.changes.panels = true;
