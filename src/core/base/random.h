@@ -43,7 +43,7 @@ struct RandomAddress {
   std::uint64_t seed = 0;
   std::uint32_t scene = 0;  // index of the sequence (scene, scene seed, trajectory) in the pipeline
   std::uint32_t frame = 0;
-  std::uint32_t sensor = 0;  // below 4096
+  std::uint32_t sensor = 0;  // index of the sensor, below 4096
   std::uint32_t beam = 0;    // index of the beam: ring * columns + column
   std::uint32_t number = 0;  // index of the return, 0 to 15
   Purpose purpose = Purpose::Test;

@@ -100,7 +100,7 @@ struct MethodRecord {
 };
 
 struct Manifest {
-  static constexpr int kSchemaVersion = 2;  // 1 if the manifest contains the samples, not files beside the shards
+  static constexpr int kSchemaVersion = 2;  // version if samples are in files beside the shards; otherwise 1
   std::string programVersion;
   std::string name;
   std::string pipelineText;  // text of the pipeline, with the overrides of --set applied

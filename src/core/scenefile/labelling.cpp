@@ -322,7 +322,7 @@ std::vector<PlacedMesh> addAsset(SceneBuilder& builder, Asset asset, const Label
   // parts in that frame.
   if (std::any_of(labelling.rules.begin(), labelling.rules.end(),
                   [](const Rule& r) { return r.box || r.height || r.slope || r.size; })) {
-    flatten(asset);  // assets with an origin have no instances
+    flatten(asset);  // flatten() ignores Asset::origin: assets with an origin have no instances
   }
   Dropped dropped = asset.dropped;
   RuleCounts counts(labelling.rules.size());

@@ -207,7 +207,7 @@ std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const On
   return PlaneMaker(image).make();
 }
 
-// Planes are scaled without interpolation, since ids must not be interpolated.
+// Draws all planes of the file. Scales them without interpolation, since ids must not be interpolated.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width) {
   constexpr double kReadableShare = 1.0 / 7;  // least height of a plane of hits divided by its width
   constexpr int kInOneRow = 4;

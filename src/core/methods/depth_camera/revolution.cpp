@@ -9,8 +9,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kStepLength = 0.05;         // m, length of the sensor's path in a step
-constexpr double kStepAngle = radians(1.0);  // rad, rotation of the sensor in a step
+constexpr double kStepLength = 0.05;         // m, largest mean length of the sensor's path in a step
+constexpr double kStepAngle = radians(1.0);  // rad, largest mean rotation of the sensor in a step
 constexpr std::size_t kFewPoses = 64;
 constexpr double kNearestSample = 0.1;  // m along a beam; nearer points need not be visible
 

@@ -37,7 +37,7 @@ class DeviceFields {
   // An array of a pool, whose first `there` bytes are uploaded.
   struct Array {
     ComputeBuffer buffer;
-    std::uint64_t there = 0;  // bytes
+    std::uint64_t there = 0;  // number of uploaded bytes
   };
 
   // A pool on the device. `field`: the pool's field that was uploaded last.
