@@ -3,7 +3,7 @@
 //   dropout: {threshold: 0.002}      # returns with less power than this are lost; 1 is a white target at the
 //                                    # reference range of the intensity effect, before gain and saturation
 //   dropout: {probability: 0.01}     # returns are lost at random, independent from beam to beam
-//   dropout: {probability: 0.8, things: true}     # only returns of object instances, such as dark paint, are lost
+//   dropout: {probability: 0.8, things: true}     # only returns of object instances are lost, as with dark paint
 //   dropout: {rings: 0.25}           # a random quarter of a sensor's rings, the same in all frames, reports nothing
 //
 // All keys may be given together. A threshold needs the intensity effect.
