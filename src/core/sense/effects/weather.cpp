@@ -192,7 +192,7 @@ class WeatherEffect : public Effect {
     });
   }
 
-  // Returns, by bisection, the number that a standard normal number is below with the probability `share`.
+  // Returns the quantile of the standard normal distribution for the probability `share`, found by bisection.
   static double quantileOfNormal(double share) {
     double low = -8;
     double high = 8;
