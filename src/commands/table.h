@@ -11,7 +11,7 @@ using Rows = std::vector<std::vector<std::string>>;
 // right-aligned.
 std::string formatTable(const Rows& rows);
 
-// Returns the share of `whole` in per cent, such as "12.30 %".
+// Returns `part` in per cent of `whole`, such as "12.30 %".
 std::string percent(double part, double whole);
 
 }  // namespace scanmill

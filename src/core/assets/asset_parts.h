@@ -9,8 +9,8 @@
 
 namespace scanmill {
 
-// The most triangles of an asset: a small file may place its meshes any number of times and so require any amount of
-// memory.
+// Largest number of triangles of an asset. Without it, a small file could place its meshes any number of times and so
+// require any amount of memory.
 constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 
 // Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.

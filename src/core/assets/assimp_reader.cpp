@@ -104,7 +104,8 @@ class Importer {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options_.up.has_value());
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
-    // Removes the importer's readers of glTF: it detects kinds by content, too, and they would skip our checks.
+    // Removes the importer's readers of glTF, which would skip this program's checks. The importer would choose them
+    // for glTF content in files with any suffix.
     for (const char* kind : {"gltf", "glb"}) {
       while (auto* loader = importer_.GetImporter(kind)) importer_.UnregisterLoader(loader);
     }

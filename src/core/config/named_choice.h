@@ -1,6 +1,6 @@
 #pragma once
 
-// Reading of a key whose value is one of the names in a table.
+// Reads a key whose value is one of the names in a table.
 
 #include <algorithm>
 #include <iterator>

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLockName = "lock";
-constexpr const char* kClaimSuffix = ".lock";  // appended to the name of a shard
+constexpr const char* kClaimSuffix = ".lock";  // appended to a shard's name to get the name of its lock file
 constexpr const char* kTurnName = "begin.lock";
 constexpr std::chrono::seconds kPatience(60);
 constexpr std::chrono::seconds kShortPatience(2);

@@ -14,10 +14,10 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kLengths = 1e4;  // rounding steps per metre of lengths
-constexpr double kAngles = 1e9;   // rounding steps per unit of a quaternion's component
+constexpr double kLengths = 1e4;  // rounding steps of lengths and coordinates, per metre
+constexpr double kAngles = 1e9;   // rounding steps of a quaternion's components, per unit
 constexpr double kShares = 1e3;   // rounding steps of a fraction from 0 to 1
-constexpr double kTimes = 1e7;    // rounding steps per second of times
+constexpr double kTimes = 1e7;    // rounding steps of times, per second
 
 double rounded(double value, double steps) {
   const double result = std::round(value * steps) / steps;

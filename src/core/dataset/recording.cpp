@@ -159,7 +159,7 @@ bool isOurs(const std::string& name, const Recording& earlier) {
 }
 
 // Removes the files of an earlier finished recording by this program. Throws InputError if the folder has no such
-// recording, or other files, such as images with similar names that a user has rendered.
+// recording, or if it has other files, such as images with similar names that a user has rendered.
 void removeEarlier(const fs::path& folder) {
   const std::optional<RecordingKind> kind = recordingIn(folder);
   if (!kind) {

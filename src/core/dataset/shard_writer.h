@@ -26,7 +26,7 @@ struct Sample {
   std::string split;
   std::vector<ScanRecord> scans;
   std::vector<Member> members;
-  // These members are the same as in SampleRecord.
+  // `objects` and `draws` are as in SampleRecord.
   std::optional<std::map<std::uint16_t, ObjectCount>> objects = {};
   std::vector<DrawnValue> draws = {};
 };

@@ -172,7 +172,7 @@ void putMarker(std::uint64_t time, std::string_view frame, const RosMarker& mark
   out.number(static_cast<std::int32_t>(marker.shape)).number(static_cast<std::int32_t>(marker.action));
   out.pose(marker.pose).vector(marker.scale);
   for (const float channel : marker.color) out.number(channel);
-  out.time(0).number(false);            // lifetime: infinite; frame_locked
+  out.time(0).number(false);            // lifetime (0: infinite); frame_locked
   out.count(0).count(0);                // points, colors
   out.text("").header(0, "").text("");  // texture_resource; texture: header, format
   out.count(0).count(0);                // texture: data; uv_coordinates

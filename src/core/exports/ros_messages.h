@@ -24,7 +24,7 @@ RosSchema markersSchema();
 
 // The pose of the frame `child` in the frame `parent`.
 struct RosTransform {
-  std::uint64_t time = 0;  // ns
+  std::uint64_t time = 0;  // ns, time of the pose
   std::string parent;
   std::string child;
   Pose parentFromChild;

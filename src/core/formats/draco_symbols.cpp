@@ -86,7 +86,7 @@ std::vector<std::uint32_t> probabilities(const Histogram& h, int precisionBits) 
     result[largest] += static_cast<std::uint32_t>(whole - sum);
     return result;
   }
-  // Many rare symbols were rounded up to 1 unit: reduces the other probabilities in proportion.
+  // The sum is too large, since rare symbols were rounded up to 1 unit. Reduces the other probabilities in proportion.
   while (sum > whole) {
     std::int64_t shrinkable = 0;
     for (const std::uint32_t p : result) shrinkable += p > 1 ? p - 1 : 0;

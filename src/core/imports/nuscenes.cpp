@@ -55,8 +55,8 @@ bool isLidarKeyFrame(const Json& row) {
   return row.value("is_key_frame", false) && row.value("filename", "").ends_with(".pcd.bin");
 }
 
-// Returns the folder of the tables, inside of `folder` or `folder` itself; empty if there is none. If a root contains
-// several versions, returns the first by name.
+// Returns the folder of the tables, inside of `folder` or `folder` itself; empty if there is none. If `folder`
+// contains several versions, returns the first by name.
 fs::path tablesIn(const fs::path& folder) {
   if (isThere(folder / kRows)) return folder;
   std::vector<fs::path> versions;

@@ -1,4 +1,4 @@
-// Builds animals that stand or graze, from pipes: trunk, neck, head, legs and tail.
+// Builds standing and grazing animals. Their trunk, neck, head, legs and tail are pipes.
 
 #include <array>
 #include <cmath>

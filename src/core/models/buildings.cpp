@@ -12,8 +12,8 @@ namespace {
 constexpr double kFoundation = -0.4;  // m, lower edge of the walls, below the ground
 constexpr double kStorey = 2.9;       // m, height of a storey
 
-// Returns the material of a plastered facade. Most facades are tinted, or grey with age. The choice has its own random
-// stream, so that the shapes of houses do not depend on it.
+// Returns the material of a plastered facade: mostly "plaster_tinted", for coloured and weathered facades. The choice
+// has its own random stream, so that the shapes of houses do not depend on it.
 const char* facadeOf(std::uint64_t seed, const House& house) {
   constexpr std::uint32_t kFacadeDraw = 1000000;
   return Draw(seed, Kind::House, kFacadeDraw + house.number).chance(0.7) ? "plaster_tinted" : "plaster";

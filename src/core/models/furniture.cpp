@@ -121,7 +121,7 @@ void appendPlanter(Shape& s, Draw&) {
   s.revolve(soil, {}, {{0.43, 0.5}, {0.2, 0.53}, {0, 0.54}}, 20);
 }
 
-// In the order of Furnishing.
+// The functions that append a piece of furniture, in the order of Furnishing.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Furnishing::Count)> kAppend{
     appendBin,      appendWheelieBin,  appendHydrant, appendBench,  appendLetterBox,
     appendPowerBox, appendBicycleRack, appendBollard, appendPlanter};

@@ -74,7 +74,7 @@ class Draw {
   int below(int count) { return static_cast<int>(next() * count); }
   bool chance(double probability) { return next() < probability; }
   double sign() { return chance(0.5) ? 1.0 : -1.0; }
-  // Returns one of the items of a list.
+  // Returns a random item of a list.
   template <class List>
   const auto& of(const List& items) {
     return items[static_cast<std::size_t>(below(static_cast<int>(items.size())))];

@@ -33,7 +33,7 @@ struct SignForm {
   int corners;        // 0: a square
   double radius;      // m, from the middle to a corner
   double turn;        // rad, direction of a corner
-  double halfHeight;  // m
+  double halfHeight;  // m, half of the board's height
 };
 
 // The boards in the order of TrafficSign.

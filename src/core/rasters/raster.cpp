@@ -35,7 +35,8 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
 }
 
 // Throws an InputError for words that are not numbers in a text grid (Esri's .asc), since GDAL reads such words as 0.
-// Words of the characters of numbers, nan, inf, 1.#IND and 1.#QNAN are allowed, and * for "no sample" (GRASS).
+// Allowed are words that consist of characters of numbers, "nan", "inf", "1.#IND" and "1.#QNAN", and of "*", which
+// stands for no sample (GRASS).
 void refuseWords(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::size_t line = 0;

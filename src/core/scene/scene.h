@@ -137,7 +137,7 @@ struct Scene {
   Dropped dropped;
   std::map<UnlabeledPart, std::uint64_t> unlabeled;  // number of triangles without a class, by part
   std::vector<RuleUse> rules;                        // in the order of their places in files
-  std::shared_ptr<const WholeScene> whole;           // null: nothing was taken out
+  std::shared_ptr<const WholeScene> whole;           // properties before objects were taken out; null: none were
 
   bool moves() const;                         // true if an instance moves
   std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once

@@ -63,7 +63,7 @@ class SurfaceHeights {
   }
 
   // The surfaces of given classes that face up, as an area to sample. If no surface faces up, the area has all surfaces
-  // of the classes, since files may have flipped triangles. Valid until the next update().
+  // of the classes, since files may have flipped triangles. An area is valid until the next update().
   class Area {
    public:
     double squareMetres() const { return sums_.empty() ? 0 : sums_.back(); }  // area as seen from above

@@ -74,7 +74,7 @@ class Arrangement {
   };
   struct Along {
     std::vector<Vec3d> waypoints;
-    double every = 0, left = 0;  // m along the path from place to place; m to the left of the path
+    double every = 0, left = 0;  // m, distance between places along the path; m, offset to the left of the path
     Location where;
   };
   struct Vary {

@@ -176,7 +176,7 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
   }
   std::vector<std::uint32_t> owner(connected.size());
   if (all.empty()) return owner;
-  constexpr double kGap = 0.05;    // m, largest distance between the boxes
+  constexpr double kGap = 0.05;    // m, largest distance between the boxes of two parts of a thing
   constexpr double kShare = 0.25;  // least overlap, as a fraction of the smaller part's footprint
   constexpr double kSmall = 0.15;  // largest diagonal of a small part, as a fraction of the larger part's diagonal
   Cells largest(all);

@@ -42,7 +42,7 @@ class ObjectPlacer {
  public:
   ObjectPlacer(SceneBuilder& builder, std::uint64_t seed) : builder_(builder), seed_(seed) {}
 
-  // Reads the keys of an object's map that place its copies. Throws InputError with the place.
+  // Reads the keys of an object's map that place its copies. Throws InputError with the location in the file.
   Copies read(Fields& object) const;
 
   // Places all copies, in order. Throws InputError, at `where` if the scene then has over kMostCopies placed meshes.

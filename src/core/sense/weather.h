@@ -13,7 +13,7 @@ struct DropSizes {
 
   // Returns the number of drops per cubic metre with a larger diameter than `diameter` (mm).
   double above(double diameter) const;
-  // Returns the sum of D^2 over all drops in a cubic metre (mm^2/m^3).
+  // Returns the sum of the squared diameters of all drops in a cubic metre (mm^2/m^3).
   double squares() const;
 };
 

@@ -59,7 +59,7 @@ class BeamTableFile {
     return std::nullopt;
   }
 
-  // Throws InputError if the table has a column that is not in `known`, with a suggestion.
+  // Throws InputError if the table has a column that is not in `known`; the message suggests a similar known name.
   void expectOnly(const std::vector<std::string>& known) const {
     for (const std::string& name : names_) {
       if (std::find(known.begin(), known.end(), name) != known.end()) continue;

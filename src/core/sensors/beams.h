@@ -53,7 +53,8 @@ struct BeamTable {
   double period = 0;    // s, duration of one revolution
 
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
-  // If `listed` or `rosette` is set, the fields for rings on cones below are not used, and the field is a full circle.
+  // If `listed` or `rosette` is set, the members for rings on cones below are not used; the field of view is a full
+  // circle.
   std::shared_ptr<const ListedBeams> listed;  // null: the beams are not listed one by one
   std::optional<Rosette> rosette;             // pattern that each ring traces; the columns fire evenly over the period
   double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires

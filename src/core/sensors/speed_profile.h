@@ -28,7 +28,7 @@ class SpeedProfile {
   double duration() const { return nodes_.back().time; }  // s
   // Returns the distance driven (m) at a time (s); 0 before the start, the path's length after the end.
   double distance(double time) const;
-  double speed(double time) const;  // m/s
+  double speed(double time) const;  // returns the speed (m/s) at a time (s)
   // Returns the first time (s) at which the vehicle has driven `distance` (m, at most the path's length).
   double timeAt(double distance) const;
 

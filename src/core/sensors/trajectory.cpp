@@ -127,7 +127,7 @@ Pose Trajectory::poseOnWay(double place) const {
   if (recorded_) return recorded_->at(place);
   Pose pose = path_->pose(place);
   if (laneChanges_.empty()) return pose;
-  // A quintic, 10 u^3 - 15 u^4 + 6 u^5, so that the steering angle changes smoothly.
+  // The lateral offset follows the quintic 10 u^3 - 15 u^4 + 6 u^5, so that the steering angle changes smoothly.
   double left = 0;
   double slope = 0;
   for (const LaneChange& c : laneChanges_) {

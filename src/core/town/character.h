@@ -20,8 +20,8 @@ enum class Season { Summer, Autumn, Winter };
 
 // The keys of `town:` in a scene file. The numbers from `slope` to `detail` are factors.
 struct Parameters {
-  std::string district = "any";   // rural, suburban, dense, or any: random
-  std::string season = "summer";  // summer, autumn, winter, or any: random
+  std::string district = "any";   // "rural", "suburban" or "dense"; "any": random
+  std::string season = "summer";  // "summer", "autumn" or "winter"; "any": random
   std::filesystem::path map;      // an OpenStreetMap extract; empty: roads and buildings are random
   std::string road;               // name of the main road on the map; empty: random
   bool keepsLeft = false;         // true: left-hand traffic; the town is laid out for right-hand traffic and mirrored

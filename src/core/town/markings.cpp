@@ -30,7 +30,7 @@ std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, co
   return lines;
 }
 
-// Paints the stop lines at signs and lights. Returns the number of their pieces.
+// Paints the stop lines at signs and lights. Returns the number of pieces of all stop lines.
 std::uint32_t stopLines(const Placer& placer, Shape& s, models::SurfaceIndex paint) {
   const Layout& l = placer.layout;
   std::uint32_t lines = 0;

@@ -48,7 +48,8 @@ struct OsmArea {
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
   std::vector<OsmWay> ways;      // ways with the key highway or barrier
-  std::vector<OsmArea> areas;    // areas with the key building, landuse, leisure, natural or amenity; areas of roads
+  // Areas with the key building, landuse, leisure, natural or amenity, and areas with the key highway and `area: yes`.
+  std::vector<OsmArea> areas;
 };
 
 }  // namespace scanmill::town

@@ -27,9 +27,9 @@ struct GroupErrors {
   std::uint64_t falseNegatives = 0;  // beams that hit only in the truth
   std::uint64_t falsePositives = 0;  // beams that hit only with the tested method
   std::uint64_t unresolved = 0;      // beams that the tested method could not trace
-  std::uint64_t sameClass = 0;       // beams of bothHit with the same class
-  std::uint64_t sameInstance = 0;    // beams of bothHit with the same instance
-  std::uint64_t sameLabel = 0;       // beams of bothHit with the same class and instance
+  std::uint64_t sameClass = 0;       // beams of bothHit whose two hits have the same class
+  std::uint64_t sameInstance = 0;    // beams of bothHit whose two hits have the same instance
+  std::uint64_t sameLabel = 0;       // beams of bothHit whose two hits have the same class and instance
   Spread range;                      // |tested - true range| of the beams in bothHit (m)
   Spread intensity;    // |tested - true intensity| of the beams in bothHit; empty if intensities are not compared
   Spread nearestTo;    // distances from the beams' true points to the nearest tested point (m)

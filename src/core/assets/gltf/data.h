@@ -31,7 +31,7 @@ class Data {
   // Returns all numbers of an accessor of unsigned integers. Throws if they are of another type.
   std::vector<std::uint32_t> integers(Index accessor, const std::string& what) const;
 
-  // Returns the bytes of a view, decoded if it is compressed.
+  // Returns the bytes of a buffer view, decoded if they are compressed.
   std::string_view view(Index view) const;
   // Returns the decoded bytes of a data: URI.
   std::string embedded(const std::string& uri, const std::string& what) const;

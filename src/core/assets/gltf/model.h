@@ -131,7 +131,7 @@ struct Material {
   enum class Alpha { Opaque, Mask, Blend };
   std::string name;
   std::array<double, 4> color{1, 1, 1, 1};  // linear
-  std::optional<TextureUse> texture;        // base colour
+  std::optional<TextureUse> texture;        // texture of the base colour
   double metallic = 1, roughness = 1;
   Alpha alpha = Alpha::Opaque;
   double cutoff = 0.5;

@@ -234,7 +234,7 @@ class HeightAsset {
   const HeightOptions& wanted_;
   Raster heights_;
   std::optional<Raster> classes_;
-  Raster photo_;  // channel of the image that was read last, with the image's georeference
+  Raster photo_;  // the last channel read from the image, with the image's georeference
   double scale_ = 1;
   std::shared_ptr<const Texture> image_;
   ColorImages images_{file_, true};

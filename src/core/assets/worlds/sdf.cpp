@@ -397,7 +397,7 @@ class SdfReader {
 
   World world_;
   std::map<std::filesystem::path, XmlNode> definitions_;
-  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder of scripts
+  std::map<std::filesystem::path, std::map<std::string, OgreMaterial>> looks_;  // by script or folder, then by name
 };
 
 }  // namespace

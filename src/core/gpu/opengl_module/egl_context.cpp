@@ -76,8 +76,8 @@ std::vector<Candidate> chosen(const std::string& device) {
   return list;
 }
 
-// Creates an OpenGL context; returns null if this fails. Some drivers' contexts report that a reset of the graphics
-// card has destroyed them.
+// Creates an OpenGL context; returns null if this fails. If the driver supports it, the context reports that a reset of
+// the graphics card has destroyed it.
 EGLContext newContext(EGLDisplay display, EGLConfig config) {
   for (const EGLint version : {5, 3}) {
     for (const bool tellsResets : {true, false}) {

@@ -218,8 +218,8 @@ class DepthCameraMethod : public DepthCamera {
 
   std::uint64_t memoryBytes() const override {
     if (scene_ == nullptr) return 0;
-    // Layout auto is counted as three square images, more than most sensors need. Of a moving sensor, only the images
-    // of one step are in memory.
+    // The layout "auto" is counted as three square images, more than most sensors need. Of a moving sensor, only the
+    // images of one step are in memory.
     const std::uint64_t width = std::uint64_t{options_.layout.resolution} * options_.sample.antialiasing;
     const std::uint64_t images = options_.layout.layout == CameraLayout::Cube6    ? 6
                                  : options_.layout.layout == CameraLayout::Four90 ? 4

@@ -40,8 +40,8 @@ class DepthCamera : public Method {
 //                      near_m: 0.01, far_m: 120, renders_per_turn: auto}
 std::unique_ptr<Method> makeDepthCamera(const Scene& scene, Fields& options);
 
-// Returns the depth camera with the renderer that `renderer` creates when it is first needed. The option `renderer` has
-// no effect.
+// Returns the depth camera with the renderer that the function `renderer` creates when it is first needed. The key
+// `renderer` in `options` has no effect.
 using RendererMaker = std::function<std::unique_ptr<PassRenderer>()>;
 std::unique_ptr<DepthCamera> makeDepthCamera(const Scene& scene, Fields& options, RendererMaker renderer);
 

@@ -15,7 +15,7 @@ namespace scanmill {
 
 enum class Sampling {
   Nearest,       // distance of the point shown in the beam's pixel (PreSIL, LiDAR-GEIL)
-  Bilinear,      // blends four pixels, unless their ids differ or their depths differ too much
+  Bilinear,      // interpolates between four pixels; like Nearest if their ids differ or their depths differ too much
   Plane,         // intersection of the beam with the plane given by depth and normal of its pixel
   RowHyperbola,  // for this and the following two see naive.cpp
   Equirectangular,
@@ -49,7 +49,7 @@ float storedDepth(float depth, DepthFormat format, double nearest, double farthe
 // The beams of one step of a revolution, in rig axes: the sensor's frame at the pose from which the step's images were
 // rendered. Arrays that are not empty have equal lengths.
 struct RigBeams {
-  std::vector<Vec3d> origin;        // m; empty if all origins are zero
+  std::vector<Vec3d> origin;        // origins (m); empty if all are zero
   std::vector<Vec3d> direction;     // unit vectors
   std::vector<std::uint32_t> beam;  // index in Hits, for the result
   double minRange = 0;              // m, hits nearer than this are misses

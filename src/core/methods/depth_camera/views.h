@@ -34,7 +34,7 @@ constexpr std::size_t kBlock = 256;  // beams that are processed together: their
 // Beams as a structure of arrays, in rig axes.
 struct BeamBlock {
   std::size_t count = 0;
-  alignas(64) double ox[kBlock], oy[kBlock], oz[kBlock];  // m
+  alignas(64) double ox[kBlock], oy[kBlock], oz[kBlock];  // origins (m)
   alignas(64) double dx[kBlock], dy[kBlock], dz[kBlock];
 };
 

@@ -62,7 +62,7 @@ struct MethodCapabilities {
   bool motion = false;     // the sensor may move during a revolution; false: it stands still
   bool moving = false;     // objects may move, also during a revolution; false: scenes with moving objects are refused
   bool passes = false;     // renders images that can be saved: see Method::depthCamera()
-  bool reference = false;  // with default options exact enough to be the reference for other methods
+  bool reference = false;  // exact enough, with default options, to be the reference for other methods
   bool openGl = false;     // uses OpenGL, at least with some options: its speed then depends on the graphics card
 };
 

@@ -56,8 +56,8 @@ void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::u
               const Particles& particles, std::span<const std::uint32_t> which, HitRecords& records) {
   HWY_DYNAMIC_DISPATCH(marchInLanes)(field, triangles, steps, particles, which, records);
   if (field.shape.lists) return;
-  // Replace corners by their triangles. This is done for all particles together, because the words are scattered in
-  // memory.
+  // Replaces the records' indices of corners by those of the corners' triangles. This is done for all particles
+  // together, because the entries of field.word are scattered in memory.
   for (const std::uint32_t i : which) {
     if (records.outcomeOf(i) == Outcome::Hit) records.triangle[i] = field.word[records.triangle[i]];
   }

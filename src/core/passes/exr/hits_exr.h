@@ -15,7 +15,8 @@
 
 namespace scanmill {
 
-// Writes hits. The same hits give the same bytes. The file gets its final name only when it is complete. Throws Error.
+// Writes hits to an EXR file. The same hits give the same bytes. The file gets its final name only when it is complete.
+// Throws Error if it cannot be written.
 void writeHits(const std::filesystem::path& path, const Hits& hits);
 
 // Returns the channels that a file of hits has. Throws InputError if it is not EXR.

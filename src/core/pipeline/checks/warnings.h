@@ -15,8 +15,7 @@ namespace scanmill {
 // most five, then a line with the number of further ones.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
-// Warns of damaged meshes, some triangles of which were left out: a corner of the triangle is not finite or does not
-// exist.
+// Warns of damaged meshes, in which triangles were left out because a corner is not finite or does not exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
 
 // Warns of object instances far smaller or larger than usual for their class (labels/words.yaml), such as a bus of 12

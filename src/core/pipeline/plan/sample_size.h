@@ -8,8 +8,8 @@
 
 namespace scanmill {
 
-// Returns an upper bound of the size of a sample in its shard (bytes). The size may exceed this bound if an ontology
-// has very many or very long class names, or if more than a thousand objects are near the sensors.
+// Returns an upper bound of the size of a sample in its shard (bytes). The bound does not hold if an ontology has very
+// many or very long class names, or if more than a thousand objects are near the sensors.
 double mostSampleBytes(const Plan& plan);
 
 }  // namespace scanmill

@@ -60,7 +60,7 @@ class SampleMaker {
   void expect(const SampleAddress& address) { scenes_.expect(address.sequence); }
   void leaveOut(const SampleAddress& address) { scenes_.leave(address.sequence); }
 
-  // Sets up the scene of a sequence now instead of at the first call of make().
+  // Sets up the scene of a sequence now instead of when make() first makes a sample of the sequence.
   void prepare(std::size_t sequence) { scenes_.enter(sequence); }
   MadeSample make(const SampleAddress& address);
 

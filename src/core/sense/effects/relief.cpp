@@ -27,8 +27,8 @@
 namespace scanmill {
 namespace {
 
-constexpr double kDeviations = 2.5;  // standard deviations of the height at which the search begins; only 0.6 % of
-                                     // heights are higher
+constexpr double kDeviations = 2.5;  // height at which the search begins, in standard deviations of the height; only
+                                     // 0.6 % of heights are higher
 constexpr double kLeastCosine = 0.05;
 constexpr double kStep = 0.75;  // length of a step, as a fraction of the smallest Relief::size
 constexpr int kMostSteps = 24;

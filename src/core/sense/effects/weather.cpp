@@ -49,7 +49,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kReferenceRange = 10;      // m, range at which a white target has power 1
-constexpr double kNearRange = 1;            // m; nearer drops have no more power than at this range, as for surfaces
+constexpr double kNearRange = 1;            // m; nearer than this, the factor 1 / range^2 is constant, as for surfaces
 constexpr std::size_t kMostOfBeam = 8;      // largest number of a beam's drops or intervals that become returns
 constexpr std::size_t kMostStretches = 32;  // largest number of intervals of a beam, two per random block
 constexpr double kLeastUp = 0.5;            // least cosine of the angle between a wet surface's normal and the vertical
@@ -192,7 +192,7 @@ class WeatherEffect : public Effect {
     });
   }
 
-  // Returns, by bisection, the number that a standard normal number is below with the probability `share`.
+  // Returns the quantile of the standard normal distribution for the probability `share`, found by bisection.
   static double quantileOfNormal(double share) {
     double low = -8;
     double high = 8;

@@ -45,8 +45,8 @@ struct PlacedGeometry {
   double radius;  // radius of its world (m), see ExactWorld::radius
 };
 
-// The scene's triangles relative to one origin. Each placed mesh is an Embree geometry; its geometry id is its index in
-// `placed`.
+// The scene's triangles relative to one origin. Each placed mesh is an Embree geometry, whose geometry id is the mesh's
+// index in World::placed.
 struct ExactWorld {
   World world;
   std::vector<PlacedGeometry> placements;

@@ -39,7 +39,7 @@ struct DatasetReport {
   bool hashed = false;                   // true: the SHA-256 of shards were compared
   std::vector<DatasetWarning> warnings;
   std::vector<PicturedScan> pictured;
-  // Images of the reasons of the pictured scans; empty if the dataset has no reasons.
+  // Images of the reasons (scan/reasons.h) of the beams in the pictured scans; empty if the dataset has no reasons.
   std::vector<PicturedScan> reasonImages;
   ObjectCounts objects;  // counts over the samples whose scans were read for figures
   std::string view;      // JSON of the scans for the 3D view, see scanView()

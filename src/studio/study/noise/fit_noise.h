@@ -83,8 +83,8 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
                   const FitNoiseOptions& options = {});
 
 // Returns a line that states up to which range the noise was measured and how the model continues at larger ranges,
-// then a line for each band at larger ranges that has enough patches, but that the fit did not use. Empty if the noise
-// was measured up to the sensor's maximum range.
+// then a line for each band at larger ranges that has enough patches, but that the fit did not use. Returns nothing if
+// the noise was measured up to the sensor's maximum range.
 std::vector<std::string> beyondMeasured(const NoiseFit& fit);
 
 // Returns the YAML text of the key `effects` for a sensor file, with comments about the origin of the figures. Ends

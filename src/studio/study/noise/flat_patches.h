@@ -47,12 +47,12 @@ struct FlatPatch {
   double intensity = 0;  // median of the tested returns' intensities; 0 if the scan has no intensities
 
   // Results of fitting the tested half:
-  double testedSquares = 0;  // sum of squared deviations from the lines (m^2)
+  double testedSquares = 0;  // sum of squared deviations from the rings' fitted lines (m^2)
   double testedFreedom = 0;
   double testedPlaneDeviation = 0;  // deviation from the plane: sqrt(sum of squares / (n - 3)) (m)
 
   // Results of fitting the measured half:
-  double squares = 0;       // sum of squared deviations from the lines (m^2)
+  double squares = 0;       // sum of squared deviations from the rings' fitted lines (m^2)
   double freedom = 0;       // number of degrees of freedom; 0 if there are too few returns
   double planeSquares = 0;  // sum of squared deviations from a plane fitted to the measured half (m^2)
   double planeFreedom = 0;

@@ -75,7 +75,7 @@ struct OverlayVertex {
 struct OverlayPart {
   PixelRect clip;         // rectangle of the canvas (pixels); nothing is drawn outside
   ImageId image = 0;      // an image from setImage()
-  std::size_t first = 0;  // index in Overlay::corners
+  std::size_t first = 0;  // index of the part's first entry in Overlay::corners
   std::size_t count = 0;  // number of entries in Overlay::corners, three per triangle
 };
 struct Overlay {

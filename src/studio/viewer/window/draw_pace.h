@@ -1,6 +1,6 @@
 #pragma once
 
-// Limits the points that are drawn while something moves.
+// Limits the number of points that are drawn while something moves.
 
 #include <algorithm>
 #include <cstdint>

@@ -10,7 +10,8 @@
 
 namespace scanmill {
 
-// Quantities that colours can show. Object: the placed object and the node in its file. Rule: the rule for the class.
+// Quantities that colours can show. Object: the placed object and the node in its file. Rule: the source of the
+// class, see ViewMesh::rules.
 enum class MeshColor { Class, Instance, Object, Material, Texture, Rule, Reflectance };
 constexpr std::array<std::string_view, 7> kMeshColorNames{"class",   "instance", "object",     "material",
                                                           "texture", "rule",     "reflectance"};

@@ -214,7 +214,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return changeSpeed(1);
     case KeyAction::GoTo:
       if (context.options.bare) return;  // there is no panel to type into
-      panels.help = false;               // the help window would receive the keys
+      panels.help = false;               // closes the help, which would otherwise receive the keys
       panels.prompt = "";
       context.changes.panels = true;
       return;

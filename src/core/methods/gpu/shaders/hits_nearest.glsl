@@ -84,7 +84,7 @@ uint namedAt(vec3 q) {
 // The triangle and the range at which a particle rests.
 struct Rest {
   uint triangle;
-  double range, doubt;  // m
+  double range, doubt;  // m; `doubt`: bound of the error of `range`
 };
 
 uint seenAt(uint triangle, dvec3 place, double doubt, dvec3 d, double size, inout bool sure) {
