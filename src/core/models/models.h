@@ -287,7 +287,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
 enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // open to -y
-Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // for posters
+Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // a column with posters
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
 
 }  // namespace scanmill::models
