@@ -23,7 +23,7 @@ using Words = std::vector<std::string_view>;
 struct PcdField {
   std::string_view name;
   std::uint64_t size = 0;   // bytes per element
-  char type = 0;            // F, U or I
+  char type = 0;            // 'F', 'U' or 'I'
   std::uint64_t count = 1;  // elements per point
   std::uint64_t offset = 0;
 };
