@@ -42,7 +42,7 @@ struct ImportedImage {
   std::string bytes;
 };
 
-// See AssetPart.
+// A part of an imported file, which becomes an AssetPart; see there for the members.
 struct ImportedPart {
   std::string node;
   std::uint32_t nodeIndex = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Names of files that files contain, which may be untrusted.
+// Checks the names of other files that an asset's file contains. The asset may be untrusted.
 
 #include <filesystem>
 #include <string>

@@ -5,7 +5,7 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSemiMajor = 6378137.0;  // m, WGS 84
+constexpr double kSemiMajor = 6378137.0;  // m, semi-major axis of the ellipsoid of WGS 84
 constexpr double kFlattening = 1 / 298.257223563;
 constexpr double kEccentricity2 = kFlattening * (2 - kFlattening);
 

@@ -42,7 +42,7 @@ DatasetPlan parsePlan(const std::string& text, const std::string& file) {
   return plan;
 }
 
-// The first line identifies the part; the other lines are its manifest, which has its own digest.
+// Returns the text of a part. The first line identifies the part; the other lines are its manifest with its own digest.
 std::string toJson(const DatasetPart& part) {
   const OrderedJson line{{"plan", part.plan}, {"numbers", part.numbers}};
   return line.dump() + "\n" + toJson(part.manifest);

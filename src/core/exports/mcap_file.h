@@ -63,7 +63,7 @@ class McapFile {
   std::uint16_t schemaCount_ = 0;
   std::uint32_t chunkCount_ = 0;
   std::uint32_t metadataCount_ = 0;
-  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel; also the next sequence number
+  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel: count, also the next sequence number
   TimeSpan times_;
 };
 

@@ -155,7 +155,7 @@ std::vector<Step> steps(const std::vector<std::uint32_t>& probability, int preci
   return result;
 }
 
-// Appends the table and the symbols, the last symbol first, since a rANS decoder reads them in reverse order.
+// Appends the table and the symbols, the last symbol first, since a rANS decoder returns them in the reverse order.
 template <class Symbol>
 void appendRans(const Symbol* symbols, const Histogram& h, int precisionBits, std::string& out) {
   const std::vector<std::uint32_t> probability = probabilities(h, precisionBits);

@@ -297,7 +297,7 @@ class GlCompute final : public ComputeBackend {
 
   void atOnce(const std::function<void()>& work) override { thread_->run(work); }
 
-  // The usage hint asks for device memory, since programs access buffers more often than the processor does.
+  // The usage hint asks for device memory, since compute shaders access buffers more often than the CPU does.
   void resize(std::uint32_t buffer, std::uint64_t bytes) override {
     withContext([&](ContextState& state) {
       state.buffers.at(buffer)->fill(nullptr, bytes, GL_DYNAMIC_COPY);

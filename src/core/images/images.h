@@ -24,8 +24,8 @@ struct DecodedImage {
 // Decodes PNG, JPEG, WebP, TGA, SGI, BMP, TIFF, EXR and all other kinds that OpenImageIO reads. `name` names the image
 // in messages; its ending gives the kind if the bytes do not show it. An image of more than 4096 pixels in a row or
 // column is reduced to at most 4096: each pixel becomes the mean of a square of pixels. On a wall of 40 m a pixel is
-// then 1 cm wide, about as wide as a beam. Throws an InputError that starts with the name if the bytes are no image,
-// damaged or truncated, if they are too few for the size in the header, if the image is wider or higher than 16384
+// then 1 cm wide, about as wide as a beam. Throws an InputError that starts with the name if the bytes are not an
+// image, are damaged or are too few for the size in the header, if the image is wider or higher than 16384
 // pixels, or if it needs too much memory.
 DecodedImage decodeImage(std::string_view bytes, const std::string& name);
 

@@ -205,7 +205,7 @@ struct House {
 // A building with any outline, a flat roof, and rooms behind its windows. The ground is at z = 0.
 struct Block {
   std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
-  std::vector<std::vector<Point2>> courts;  // clockwise
+  std::vector<std::vector<Point2>> courts;  // outlines of the courtyards, clockwise
   int floors = 2;                           // 0: a shed without windows
   double height = 0;                        // m, top of the walls; 0: follows from `floors`
   Point2 entrance;                          // the door is in the wall whose middle is nearest to this point
@@ -287,7 +287,7 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
 enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
 Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // open to -y
-Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // for posters
+Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // a column with posters
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
 
 }  // namespace scanmill::models

@@ -10,7 +10,7 @@
 namespace scanmill {
 namespace {
 
-// Reads one number for all wavelengths, or a map from wavelength (nm) to number.
+// Reads the reflectance at a wavelength: one number for all wavelengths, or a map from wavelength (nm) to number.
 float readReflectance(const Value& value, int wavelengthNm) {
   if (value.kind != Value::Kind::Map) return static_cast<float>(readNumber(value, "reflectance", {0, 1}));
   Fields f(value, "reflectance");

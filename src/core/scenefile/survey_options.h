@@ -18,6 +18,8 @@ namespace scanmill {
 //                                    # by name or alias, the point keeps the class unless a rule sets another one
 PointOptions readPointOptions(const Value& value);
 
+// Reads the options of a height raster:
+//
 //   heights:
 //     every: 4                       # this many samples along each axis are averaged into one
 //     within: [[x, y], [x, y]]       # least and greatest corner, in the raster's coordinates

@@ -30,8 +30,8 @@ Cause causeOf(RayPath path);
 // Rays of one beam whose ranges are too similar for the receiver to separate them.
 struct Echo {
   std::uint32_t beam = 0;
-  std::uint32_t hit = 0;     // index in Hits: the strongest ray among those of the class with most power
-  float range = 0;           // m
+  std::uint32_t hit = 0;     // index in Hits of the strongest ray of the class with the most power
+  float range = 0;           // m, mean range in the interval of one pulse length with the most power
   float power = 0;           // sum of the powers of all rays
   float spread = 0;          // m, standard deviation of the rays' ranges, weighted by power
   float share = 1;           // fraction of the power that comes from surfaces of the class of `hit`

@@ -28,7 +28,7 @@ constexpr std::uint32_t kNoHit = 0xFFFFFFFF;
 struct AddedReturn {
   std::uint32_t beam = 0;
   float range = 0;  // m along the beam
-  float power = 0;  // received power; if added before the effect `intensity`: as if from the reference range
+  float power = 0;  // received power; if added before the effect `intensity`, as if received from the reference range
   float snr = 0;
   Cause cause = Cause::FalsePositive;
   std::uint16_t label = 0;

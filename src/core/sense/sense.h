@@ -37,8 +37,8 @@ struct Receiver {
   const ThingMotions* motions = nullptr;     // null: nothing moves, or no column or class depends on motion
 };
 
-// Detects, applies the effects and gathers the requested columns. `returns` is a buffer, which later calls can reuse
-// to avoid allocations. Throws Error if the hits lack a channel or belong to another sensor.
+// Makes a scan from hits: detects returns, applies the effects and gathers the columns. `returns` is a buffer, which
+// later calls can reuse to avoid allocations. Throws Error if the hits lack a channel or belong to another sensor.
 void sense(const Receiver& receiver, const Hits& hits, const Shot& shot, Returns& returns, Scan& scan);
 
 }  // namespace scanmill

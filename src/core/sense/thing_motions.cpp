@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMoment = 0.01;  // s, interval over which velocities are computed if nothing moves during a revolution
+constexpr double kMoment = 0.01;  // s, interval over which velocities are computed if objects stand still in a shot
 
 // Returns the displacement (m) of a point on a triangle between two meshes of an animation. The point keeps its
 // barycentric coordinates.

@@ -88,7 +88,7 @@ const char* orderOf(const std::vector<Laser>& lasers) {
 // The contents of a calibration file.
 struct Unit {
   std::vector<Laser> lasers;
-  std::vector<Value::Entry> others;  // keys that the sensor map may override
+  std::vector<Value::Entry> others;  // further keys; the same keys in the sensor file replace them
 };
 
 // Reads Ouster's metadata. `window`: if true, takes only the columns that the sensor sends according to the file; if

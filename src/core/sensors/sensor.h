@@ -33,7 +33,7 @@
 //   divergence_mrad: [3, 1.5]          # full angle of the beam, across and up, or one value for both (default 0). For
 //                                      # a Gaussian beam it extends to 1/e^2 of the power, which is 1.699 times the
 //                                      # angle at half of the power
-//   exit_width_mm: [12.7, 9.5]         # width of the beam at the sensor, in the same form (default 0)
+//   exit_width_mm: [12.7, 9.5]         # width of the beam at the sensor: across and up, or one value (default 0)
 //   beam_shape: gaussian               # or uniform (default gaussian)
 //   pulse_ns: 6                        # emitted pulse, full width at half of its maximum
 //   effects: [range_noise: {...}]      # for pipelines with `effects: sensor`; not part of the beam table

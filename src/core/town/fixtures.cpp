@@ -1,4 +1,4 @@
-// Objects beside roads: lamps, signs, furniture, shelters.
+// Places objects beside roads: lamps, signs, furniture, shelters.
 
 #include <fmt/format.h>
 

@@ -38,7 +38,7 @@ struct MapRoad {
 
 struct MapBuilding {
   Polygon outline;
-  std::vector<Polygon> courts;       // clockwise
+  std::vector<Polygon> courts;       // outlines of the courtyards, clockwise
   std::optional<double> top;         // m, top of the roof
   std::optional<double> height;      // m, height of the eaves
   std::optional<int> floors;         // number of floors above the ground

@@ -1,4 +1,4 @@
-// Places stationary vehicles: in bays, at curbs, in driveways; delivery vehicles, trailers, tractors.
+// Places stationary vehicles: cars in bays, at curbs and in driveways; delivery vehicles, trailers and tractors.
 
 #include <fmt/format.h>
 

@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 3> kViewNames{"driver", "above", "chase"}
 struct Projected {
   double x = 0;      // distance from the left edge (pixels)
   double y = 0;      // distance from the upper edge (pixels)
-  double depth = 0;  // distance along the line of sight (m)
+  double depth = 0;  // distance along the camera's viewing direction (m)
   double scale = 0;  // scale at this depth (pixels per metre)
 };
 

@@ -42,7 +42,7 @@ constexpr std::initializer_list<const char*> kStages = {"render", "read_back", "
 
 // The map `depth_camera: {...}` of a pipeline.
 struct DepthCameraOptions {
-  std::string renderer;  // vtk or blender
+  std::string renderer;  // "vtk" or "blender"
   std::string layoutName;
   std::string samplingName;
   std::string depthName;

@@ -19,7 +19,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kImageCost = 100'000;              // number of pixels that cost as much as one more image
-constexpr double kWidestField = radians(168.0);     // largest field of view; wider images have most pixels at the edge
+constexpr double kWidestField = radians(168.0);     // largest field of view; a wider image has most pixels at its edge
 constexpr int kMostSides = 6;                       // largest number of side cameras; up to two more look up or down
 constexpr double kSteepest = 1e4;                   // slope z / sqrt(x^2 + y^2) to which steeper slopes are limited
 constexpr double kSmallestDepth = 1e-4;             // a unit direction with less depth along the camera's axis is

@@ -25,7 +25,7 @@ constexpr double kSamePlace = 1e-6;     // m; a beam whose origin is this near t
                                         // the camera
 constexpr double kFirstGuess = 20;      // m along a beam that does not start in the camera: first guess of its hit
 constexpr double kFarAway = 1e6;        // m along the beam: second guess, if the first pixel shows no surface
-constexpr double kLimitSlack = 1.2e-7;  // fraction of a range: a hit at exactly the limit counts, in float32
+constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this fraction: float32 rounding
 
 // Beams that are sampled together, and the pixels that they fall into in this round.
 struct Batch {

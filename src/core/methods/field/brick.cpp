@@ -110,7 +110,7 @@ void BrickMaker::fillWords(const std::uint16_t* distance, std::uint32_t* word) c
   }
 }
 
-// Ends the list under construction, as the list of `corner`.
+// Ends the list under construction, which becomes the list of `corner`.
 void BrickMaker::addList(std::uint32_t corner) {
   list_[corner] = static_cast<std::uint32_t>(listBegin_);
   listed_.back() |= kLastOfList;

@@ -13,10 +13,10 @@ enum class Outcome : std::uint32_t {
   Exhausted = 2,  // the particle used up its steps, so that it is neither a hit nor a miss
 };
 
-// Distance at which a particle rests on a surface, in a field without lists: the particle hits where the interpolated
-// distance is at most kRest. Half a voxel or more misses no plane: a plane midway between two corners is half a voxel
-// away from both. In a field with lists, particles near surfaces go from voxel to voxel instead, and are intersected
-// with the triangles in each voxel.
+// Distance (voxels) at which a particle hits a surface in a field without lists: it hits where the interpolated
+// distance is at most kRest. From half a voxel on, no plane is missed: a plane midway between two corners is half a
+// voxel away from both. In a field with lists, particles near surfaces go from voxel to voxel instead, and are
+// intersected with the triangles in each voxel.
 constexpr float kRest = 0.501f;
 
 // A distance R stored at a point means that the ball of radius R around the point is free. A particle at position r
@@ -53,8 +53,8 @@ constexpr float kTrusted = 1.5f;
 constexpr float kThere = 0.6f;
 
 // Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest
-// to a point kAside in front of the surface is at least kLayer in front of it, and so beyond the layer. On the street
-// 0.6 % of all beams get their label this way, on truck_town 0.03 %.
+// to a point kAside in front of the surface is at least kLayer in front of it, and so beyond the layer. In the scene
+// "street" 0.6 % of all beams get their label this way, in "truck_town" 0.03 %.
 constexpr double kLayer = 0.1;  // largest thickness of a layer
 constexpr double kAside = 0.5 + kLayer;
 constexpr double kAlike = 0.9;  // least cosine of the angle between a layer and the surface below the layer

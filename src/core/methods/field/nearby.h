@@ -34,7 +34,7 @@ struct NearestFacet {
   std::uint32_t triangle = kNoTriangle;
 };
 
-// Caches the facets of the triangles that were last used for a brick.
+// Caches the facets of recently used triangles in the frame of the current brick.
 class FacetCache {
  public:
   void startBrick() { ++brick_; }

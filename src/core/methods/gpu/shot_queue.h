@@ -72,8 +72,8 @@ class ShotQueue {
     std::exception_ptr failure;
   };
 
-  // Waits until fewer than kInFlight dispatches are in flight; then submits the first waiting work and the works that
-  // go with it. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
+  // Waits until fewer than kInFlight dispatches are in flight; then submits the first waiting work with the works that
+  // can share its dispatch. A thread may return as soon as its work is submitted: then its Waiting no longer exists.
   void lead(std::unique_lock<std::mutex>& lock) {
     leading_ = true;
     lock.unlock();
@@ -99,7 +99,7 @@ class ShotQueue {
     changed_.notify_all();
   }
 
-  // Submits one work alone, which may fit although all together did not.
+  // Submits a single work, which may fit into memory although several works together did not.
   void giveAlone(Waiting* waiting) {
     try {
       giveAll({waiting}, std::make_shared<Batch>(readbacks_));

@@ -132,7 +132,7 @@ class LightFollower {
     return static_cast<float>(rays.columnTime(beam % (rays.columns / rays.raysPerBeam) * rays.raysPerBeam));
   }
 
-  // Appends the hits of these rays to hits_. Returns the rays that continue from these hits.
+  // Appends `met`, the hits of the rays `onward`, to hits_. Returns the rays that continue from these hits.
   std::vector<Onward> add(const std::vector<Onward>& onward, const Hits& met) {
     std::vector<Onward> further;
     for (std::uint32_t i = 0; i < onward.size(); ++i) {

@@ -24,7 +24,7 @@ struct LightPaths {
 inline constexpr Channels kLightChannels =
     Channel::Range | Channel::Normal | Channel::Material | Channels(Channel::Reflectance) | Channel::Incidence;
 
-// Largest roughness of a material that reflects like a mirror (and also scatters).
+// Largest roughness of a material that reflects like a mirror, in addition to scattering.
 constexpr float kMirrorRoughness = 0.1f;
 
 // Returns the fraction of unpolarised light that one face between air and a material with this refractive index

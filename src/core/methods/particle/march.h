@@ -25,7 +25,7 @@ struct Particles {
   std::vector<float> dx, dy, dz;  // unit direction, world axes
   std::vector<float> begin, end;  // limits of the marched section of the line; begin >= end: a miss
   // The following arrays are empty in fields without lists.
-  std::vector<float> wx, wy, wz;  // m, origin relative to the world's origin
+  std::vector<float> wx, wy, wz;  // m, the line's origin relative to the world's origin
   std::vector<float> ix, iy, iz;  // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
 
   std::size_t size() const { return begin.size(); }
@@ -50,7 +50,7 @@ struct HitRecords {
   }
 };
 
-// Marches the particles with the indices `which` on the calling thread, as many at a time as the processor has lanes.
+// Marches the particles with the indices `which` on the calling thread, as many at a time as the CPU has vector lanes.
 // Each particle takes at most `steps` steps, including the steps that its record already has. Alpha is ignored: every
 // triangle is solid.
 void marchCpu(const DistanceField& field, const TriangleBlock& triangles, std::uint32_t steps,

@@ -74,7 +74,7 @@ std::uint32_t seenAt(const MarchJob& job, std::uint32_t triangle, const Vec3d& p
 
 // Moves a hit along the beam to the plane of its triangle. If the beam hits a thin layer at the new position, moves the
 // hit once more, to the plane of the layer. The position where a particle rests is approximate, but the plane is exact.
-// On the street this lowers the median error from 59 mm to zero, and labels hardly change.
+// In the scene "street" this lowers the median error from 59 mm to zero, and labels hardly change.
 Rest corrected(const MarchJob& job, const Vec3d& o, const Vec3d& d, Rest rest) {
   const DistanceField& field = job.field;
   for (int round = 0; round < 2; ++round) {

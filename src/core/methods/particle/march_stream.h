@@ -303,7 +303,7 @@ class RayStream {
     return hn::Min(face(0), hn::Min(face(1), face(2)));
   }
 
-  // Takes the step, except that triangles are not intersected yet.
+  // Takes one step of the particles in group g, without intersecting triangles yet.
   void step(std::size_t g) {
     LaneGroup& group = groups_[g];
     const Floats d[3] = {hn::Load(kFloats, group.d[0]), hn::Load(kFloats, group.d[1]), hn::Load(kFloats, group.d[2])};

@@ -136,7 +136,7 @@ HWY_INLINE void loadTransposed(const Address& address, Floats& x, Floats& y, Flo
   w = hn::InterleaveUpper(kFloats, zwEven, zwOdd);
 }
 
-// Intersects kLanes pairs by the algorithm of Moeller and Trumbore 1997, without the division.
+// Intersects kLanes pairs of a line and a triangle by the algorithm of Moeller and Trumbore 1997, without the division.
 inline void TriangleTester::look(const Pair* pairs) {
   const Vec3f* vertices = triangles_.vertices.data();
   const Triangle* triangles = triangles_.corners.data();

@@ -9,8 +9,8 @@
 namespace scanmill {
 
 inline constexpr double kLargestVoxel = 10;                     // m, largest value of ParticleOptions::voxel
-inline constexpr std::uint32_t kFewestVoxels = 64;              // voxels across each level, lower limit
-inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // voxels across each level are a multiple of this
+inline constexpr std::uint32_t kFewestVoxels = 64;              // least number of voxels across each level
+inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // step of the number of voxels across each level
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {
@@ -38,7 +38,7 @@ double levelReach(const ParticleOptions& options, std::uint32_t level);
 // and hence with the square of the voxels; the factor was measured on the procedural street.
 double levelBytes(double voxels, bool lists);
 
-// Returns a number of bytes as text: 1.2 GiB, 34 MiB.
+// Returns a number of bytes as text, such as "1.2 GiB" or "34 MiB".
 std::string memoryText(double bytes);
 
 // Returns the diameter (m) of the smallest ball at `range` m from the sensor that is hit by every beam through its

@@ -20,7 +20,7 @@ float texturedReflectance(const HitTriangle& hit, const CompactMaterial& materia
       textureCoordinates(hit.block->uvs, hit.block->corners[hit.index], barycentric(hit, point)));
 }
 
-// Copies one value per lane into a column of rings x columns, row by row of the tile.
+// Copies one value per lane into a column of rings x columns values, one row of the tile at a time.
 template <class T>
 void storeRows(const Tile& tile, const T* lanes, std::vector<T>& column, std::uint32_t columns) {
   if (tile.width == kPacket) {  // a single row, whose length is a constant for the compiler

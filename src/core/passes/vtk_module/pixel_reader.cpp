@@ -10,8 +10,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::uint32_t kGroup = 64;
-constexpr std::size_t kMostAtOnce = std::size_t{kGroup} * 65535;  // addresses per dispatch; OpenGL guarantees 65535
-                                                                  // groups
+constexpr std::size_t kMostAtOnce = std::size_t{kGroup} * 65535;  // most addresses per dispatch; OpenGL guarantees
+                                                                  // 65535 groups
 
 // Reads pixels from several images. The shader loops over all images, because the index of a sampler must be the same
 // for all invocations.

@@ -11,20 +11,20 @@
 
 namespace scanmill {
 
-// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh; at
-// most five, then a line with the number of further ones.
+// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh: at
+// most five lines, then a line with the number of those left out.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // Warns of damaged meshes, in which triangles were left out because a corner is not finite or does not exist.
 std::vector<std::string> damageWarnings(const Scene& scene);
 
 // Warns of object instances far smaller or larger than usual for their class (labels/words.yaml), such as a bus of 12
-// cm. Returns one line per mesh and class; at most five, then a line with the number of further ones.
+// cm. Returns one line per mesh and class: at most five lines, then a line with the number of those left out.
 std::vector<std::string> thingSizeWarnings(const Scene& scene);
 
-// Returns a warning for each vehicle model whose front is not on the side that the scene file states; at most five,
-// then a line with the number of further ones. Checks object instances whose heading is known and whose class has
-// wheels according to labels/words.yaml. A heading counts as wrong if the box is wider than long, or if the vehicle
+// Returns a warning for each vehicle model whose front is not on the side that the scene file states: at most five
+// lines, then a line with the number of those left out. Checks object instances whose heading is known and whose class
+// has wheels according to labels/words.yaml. A heading counts as wrong if the box is wider than long, or if the vehicle
 // drives sideways. `boxes`: the bounding boxes of the scene's objects.
 std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes);
 

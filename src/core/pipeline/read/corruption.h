@@ -5,7 +5,8 @@
 //
 //   corruption: {fog: heavy}
 //
-// Each corruption is a file in pipelines/corruptions, or a path to one, with a list of effects for each severity:
+// A corruption is the name of a file in pipelines/corruptions, or the path of another file. The file has a list of
+// effects for each severity:
 //
 //   summary: fog, visibility 500, 150 and 50 m
 //   light: [weather: {kind: fog, severity: light}]

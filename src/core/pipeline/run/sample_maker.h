@@ -1,6 +1,6 @@
 #pragma once
 
-// Makes the samples of a dataset. For a sample, all sensors of a frame are traced, sensed and encoded.
+// Makes the samples of a dataset: traces the shots of all sensors of a frame, makes their scans and encodes these.
 
 #include <cstdint>
 #include <filesystem>

@@ -1,6 +1,6 @@
 #pragma once
 
-// The mounts and effects of sensors in pipelines where some of these are random.
+// Draws the mounts and effects of the sensors for pipelines in which some mounts or effects are random.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 
-// The ego vehicle (the own vehicle in messages), which carries the sensors and blocks some of their beams.
+// The ego vehicle ("own vehicle" in messages), which carries the sensors and blocks some of their beams.
 
 #include <filesystem>
 

@@ -299,8 +299,8 @@ class Search {
     return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;
   }
 
-  // Returns how far a vehicle can drive from a state (m, at most kLook) on the best of five arcs, and the state at the
-  // end.
+  // Returns how far a vehicle can drive from a state on that of five arcs that leads farthest (m, at most kLook), and
+  // the state at the arc's end.
   std::pair<double, State> lookAhead(const State& from) const {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {

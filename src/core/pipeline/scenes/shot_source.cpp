@@ -23,9 +23,9 @@ bool needsScene(const Trajectory& trajectory) {
   return trajectory.randomWay() != nullptr || trajectory.ground() != nullptr;
 }
 
-// Returns the trajectory with its random path, and with its poses moved onto the ground, as far as the trajectory asks
-// for these. Both are found in the scene of `probe`. `seed`: determines the random path. Throws InputError if the scene
-// has no suitable path or ground.
+// Returns the trajectory with its random path, if the trajectory has one, and with its poses moved onto the ground, if
+// it asks for that. The path and the ground are found in the scene of `probe`. `seed`: determines the random path.
+// Throws InputError if the scene has no suitable path or ground.
 Trajectory inScene(const Trajectory& trajectory, const SceneProbe& probe, std::uint64_t seed) {
   Trajectory driven = trajectory;
   if (const RandomWay* random = trajectory.randomWay()) {

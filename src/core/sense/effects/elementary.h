@@ -71,7 +71,7 @@ inline double naturalLog(double x) {
 // Returns exp(x), with `x` clamped to -700 to 700. exp(x) = 2^k exp(f) with |f| <= log(2) / 2, by the Taylor series to
 // the 12th power; relative errors are below 1e-13.
 inline double exponential(double x) {
-  constexpr double kLog2High = 0x1.62e42feep-1;  // the product with an integer k is exact
+  constexpr double kLog2High = 0x1.62e42feep-1;  // upper bits of log(2); their product with k is exact
   constexpr double kLog2Low = 1.90821492927058770002e-10;
   x = x > -700 ? x : -700;
   x = x < 700 ? x : 700;

@@ -211,7 +211,7 @@ class Intensity : public Effect {
     }
   }
 
-  // Limits the power to finite values, and sets it to 0 for rows without a return.
+  // Limits the power to finite values, and sets it to 0 if it is negative or NaN, or if the row has no return.
   static void settle(const float* range, std::size_t count, float* power) {
     for (std::size_t i = 0; i < count; ++i) {
       const float finite = power[i] < FLT_MAX ? power[i] : FLT_MAX;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kNearestRange = 0.001;  // m, least range that is reported
 
-// One kind of error: either a list with a value per ring, or the standard deviation for sampling them.
+// One kind of error: either a list with a value per ring, or the standard deviation for sampling values.
 struct PerRing {
   double sigma = 0;
   std::vector<double> list;

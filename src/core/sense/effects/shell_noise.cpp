@@ -2,7 +2,7 @@
 // and therefore off its beam. No sensor has this error, but published datasets do; the effect exists for comparisons
 // with them.
 //
-//   shell: {scale_m: 0.0, growth_per_m: 0.01}     # scale(r) = scale_m + growth_per_m * r; 1 cm per metre
+//   shell: {scale_m: 0.0, growth_per_m: 0.01}     # scale(r) = scale_m + growth_per_m * r, with the range r in m
 //
 // The scale is at most half the range, so that no point is behind the sensor.
 

@@ -251,7 +251,7 @@ class Summing {
   // Finds instances with points of several classes. An instance counts as usual if most instances with one of its
   // classes also have the other, as for trees and trunks; otherwise its labels are probably wrong.
   void findMixed() {
-    // Least number of instances with both classes that makes this usual; two are enough if one never occurs alone.
+    // Least number of instances with both classes that counts as usual; two are enough if one class never occurs alone.
     constexpr std::uint64_t kFewest = 3;
     std::map<std::uint16_t, std::uint64_t> holders;
     std::map<std::pair<std::uint16_t, std::uint16_t>, std::uint64_t> together;

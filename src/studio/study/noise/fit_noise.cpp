@@ -18,7 +18,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kFewestPatches = 50;  // least number of patches in a band that the fit uses
-constexpr double kMostUneven = 2.5;         // largest unevenness of a band that the fit uses
+constexpr double kMostUneven = 2.5;         // largest `unevenness` (see fit_noise.h) of a band that the fit uses
 constexpr int kResamples = 200;
 constexpr double kGoodChiSquare = 3;  // largest acceptable chi^2 per degree of freedom
 constexpr double kGoodMisfit = 0.1;   // if no band has a larger relative error, any chi^2 is acceptable
@@ -71,7 +71,7 @@ MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
   };
   MeasuredShare all = count(patches);
   if (all.of == 0) return all;
-  // If no return is lost, all resampled sets are equal, although there might have been a lost return by chance.
+  // If no return is lost, the bootstrap error is 0, although a return might have been lost by chance.
   const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
   const double spread = bootstrapError(patches, stream, [&](const Patches& chosen) { return count(chosen).share(); });
   all.error = std::max(all.lost == 0 ? least : 0.0, spread);

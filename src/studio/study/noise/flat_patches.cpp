@@ -24,9 +24,10 @@ constexpr double kDeepest = 3;         // largest ratio between the farthest and
 constexpr double kPlaneTolerance = 3;  // largest deviation from the plane, as a multiple of the usual deviation
 // Largest distance of a neighbour from the plane, as a multiple of the patch's deviation.
 constexpr double kOnPlane = 4;
-constexpr std::size_t kTelling = 100;        // least number of windows in a group for a meaningful quantile
-constexpr double kTenth = -1.2815515655;     // 10 % quantile of the standard normal distribution
-constexpr double kMostNoise = 2.3263478740;  // 99 % quantile of the standard normal distribution
+constexpr std::size_t kTelling = 100;     // least number of windows in a group for a meaningful quantile
+constexpr double kTenth = -1.2815515655;  // 10 % quantile of the standard normal distribution
+constexpr double kMostNoise =
+    2.3263478740;  // 99 % quantile of the standard normal distribution; bounds a patch's noise
 
 // One beam of a patch's window, with its position in the window and its measured range.
 struct Cell {

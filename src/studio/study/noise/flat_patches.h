@@ -32,7 +32,7 @@ struct PatchWindow {
   std::uint32_t scan = 0;    // index of the recorded scan
   std::uint32_t row = 0;     // first of kPatchRings rows of BeamImage, which are sorted by elevation
   std::uint32_t column = 0;  // first of kPatchColumns columns of BeamImage, which are sorted by azimuth
-  std::uint32_t tested = 0;  // colour of the tested beams: 0 or 1
+  std::uint32_t tested = 0;  // parity of row + column of the tested beams: 0 or 1
 };
 
 // The plane of a patch in the sensor's frame: dot(plane, point) = 1 for its points. Its distance from the origin is 1 /
@@ -42,7 +42,7 @@ using PatchPlane = Vec3d;
 struct FlatPatch {
   PatchWindow window;
   PatchPlane plane;      // plane fitted to the tested half
-  double range = 0;      // mean range from the window's beams to the plane (m)
+  double range = 0;      // mean range of the plane along the window's beams (m)
   double incidence = 0;  // cosine of the angle between the window's middle beam and the plane's normal
   double intensity = 0;  // median of the tested returns' intensities; 0 if the scan has no intensities
 

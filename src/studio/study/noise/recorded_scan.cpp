@@ -35,7 +35,7 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
     const Vec3d p(scan.position[i]);
     if (isFinite(p) && length(p) > 0) elevations[ring].push_back(std::asin(p.z / length(p)));
   }
-  // Pairs of elevation (rad) and ring, of the scan and of the sensor.
+  // Pairs of elevation (rad) and ring: `own` in the scan, `known` in the sensor.
   std::vector<std::pair<double, std::uint16_t>> own, known;
   for (std::size_t r = 0; r < elevations.size(); ++r) {
     if (!elevations[r].empty()) own.emplace_back(medianOf(elevations[r]), static_cast<std::uint16_t>(r));

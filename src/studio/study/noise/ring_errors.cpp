@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestBeams = 20;  // least number of returns in a patch that is used
+constexpr std::size_t kFewestBeams = 20;  // a patch with fewer returns is not used
 constexpr double kRidge = 0.1;
 constexpr double kFarOff = 5;  // residuals larger than this multiple of their patch's median deviation are not used
 

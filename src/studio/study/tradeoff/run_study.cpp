@@ -300,8 +300,8 @@ class StudyRun {
         plan_, scene_, shots, [this](const std::string& name) { progress_.say(name); }, measureOptions_.stop);
   }
 
-  // Draws pictures of the errors. For each method with errors, draws its first setting with errors and its worst
-  // setting.
+  // Draws pictures of the errors: for each method with noticeable errors, of its first setting with such errors and of
+  // the one with the largest p99 of the range.
   void takePictures() {
     if (!options_.drawErrors) return;
     std::set<std::string> wanted;

@@ -85,7 +85,7 @@ struct FrameLoader::State {
     return bytes;
   }
 
-  // Removes the least recently used frames that are not needed until `bytes` more bytes fit in. False if impossible.
+  // Makes room for `bytes` more by removing the least recently used frames that are not needed. False if impossible.
   bool makeRoom(std::uint64_t bytes) {
     std::uint64_t held = total();
     while (held + bytes > keptBytes) {

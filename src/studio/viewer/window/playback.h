@@ -18,7 +18,7 @@ namespace scanmill {
 class Playback {
  public:
   // Requests the frame that `sample` names, see findFrame(). If `sample` is empty, requests the middle frame; if this
-  // frame cannot be read, requests the others in their order. Throws InputError if the sample does not exist.
+  // frame cannot be read, requests the other frames in their order. Throws InputError if the sample does not exist.
   Playback(std::shared_ptr<const FrameSource> source, std::unique_ptr<FrameLoader> loader, const std::string& sample);
 
   // Requests a frame, or the last frame if there are fewer. Afterwards its neighbours in the direction of `step` (1 or

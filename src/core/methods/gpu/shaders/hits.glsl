@@ -14,7 +14,7 @@ layout(std140, binding = 0) uniform Parameters {
   uint firstAlpha;     // triangles from here on are alpha-tested
   uint corrected;      // 1: hits are moved to the plane of their triangle
   uint whole;          // 1: the box contains the complete scene
-  uint last;           // 1: particles that still pass a hole are left to the processor
+  uint last;           // 1: the CPU continues the particles that pass one more hole
   int lastLevel;
   float reach;         // FieldShape::reach
   float metres;        // voxel size of level 0 (m), like `voxel`, in float32

@@ -34,7 +34,7 @@ double voxelAt(vec3 q) {
 struct Spot {
   bool full;
   uint cell;  // index of the voxel's first corner
-  vec3 f;     // position in the voxel
+  vec3 f;     // position in the voxel, 0 to 1 along each axis
 };
 
 Spot spotAt(vec3 q) {

@@ -4,7 +4,7 @@
 // Storage buffers: 0 particles (float columns, in the order of Particles), 1 hit records (uint columns: bits of the
 // distance, triangle, outcome; with lists also the bits of a numerator and a denominator, whose quotient (m) must be
 // added to the distance). Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then
-// the numbers of bricks), 1 its table, 2 distances, 3 words.
+// the numbers of bricks), 1 the field's table, 2 its distances, 3 its words.
 
 // MarchBlock of device_march.cpp
 layout(std140, binding = 0) uniform MarchParameters {
