@@ -150,7 +150,7 @@ struct Process::State {
   Descriptor output;
   Descriptor errors;
   std::string outputText;      // output that was read but not yet returned by readLine()
-  std::size_t searched = 0;    // bytes at the start of outputText that have no line feed
+  std::size_t searched = 0;    // number of bytes at the start of outputText known to contain no line feed
   std::string unfinishedLine;  // the start of a line of the child's standard error
   std::list<std::string> lines;
 

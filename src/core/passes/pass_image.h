@@ -22,7 +22,7 @@ constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 // own: it is computed from Normal.
 struct PassChoice {
   Channels channels = Channel::Range;
-  bool surfaceParameters = false;  // roughness, metallic and retroreflectance of the material
+  bool surfaceParameters = false;  // true: includes the material's roughness, metallic and retroreflectance
 
   bool operator==(const PassChoice&) const = default;
 };

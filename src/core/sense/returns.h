@@ -34,9 +34,8 @@ struct AddedReturn {
   std::uint16_t label = 0;
 };
 
-// A structure of arrays. In most scans every beam has one ray and at most one return: row i is then the first return of
-// beam i and comes from hit i, and the arrays of beams, hits and numbers stay empty, so that they take no time and
-// memory.
+// A structure of arrays. In most scans every beam has one ray and at most one return: row i then belongs to beam i and
+// hit i, and the arrays of beams, hits and numbers stay empty, which saves time and memory.
 class Returns {
  public:
   std::vector<float> range;      // m along the beam; kMiss: the row was removed, or its ray missed

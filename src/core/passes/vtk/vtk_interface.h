@@ -72,7 +72,7 @@ struct VtkImage {
 // The addresses of pixels: row by row, through the images of slots 0 to 7.
 struct VtkPixels {
   std::uint32_t firsts[kVtkImages + 1];  // address of each image's first pixel; last entry: number of all pixels
-  std::uint32_t widths[kVtkImages];      // px
+  std::uint32_t widths[kVtkImages];      // px, width of each image
 };
 
 // A device that renders a scene. Calls may come from any thread, but only one at a time. They throw std::bad_alloc if

@@ -45,8 +45,8 @@ class ShellNoise : public Effect {
     });
   }
 
-  double scale_;   // m
-  double growth_;  // m per m of range
+  double scale_;   // m, displacement at range 0
+  double growth_;  // increase of the displacement with the range (m/m)
 };
 
 }  // namespace
