@@ -82,7 +82,7 @@ class PixelSource {
   virtual void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) = 0;
 };
 
-// Images in memory as a source; the images must outlive the source.
+// A source whose images are in memory. The images must outlive the source.
 class ImageSource : public PixelSource {
  public:
   explicit ImageSource(std::span<const PassImage> images);

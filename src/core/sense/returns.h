@@ -118,7 +118,7 @@ class Returns {
   std::vector<std::uint8_t> rowsOfBeam_;  // number of rows of each beam; empty until a row is added
   bool tellsReasons_ = false;
   std::vector<Reason> lost_;   // reasons of the rows that existed when reasons were last recorded
-  std::vector<bool> present_;  // for the same rows: true if the row was not lost at that time
+  std::vector<bool> present_;  // for the rows of lost_: true if the row was not lost at that time
 };
 
 }  // namespace scanmill

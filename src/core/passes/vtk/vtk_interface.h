@@ -61,8 +61,8 @@ struct VtkDraw {
 };
 
 struct VtkImage {
-  std::uint32_t width = 0;   // px
-  std::uint32_t height = 0;  // px
+  std::uint32_t width = 0;   // px, width of the image
+  std::uint32_t height = 0;  // px, height of the image
   float nearest = 0;         // m, depth of the near clipping plane w = nearest
   std::span<const VtkPlacement> placements;
   std::span<const VtkDraw> solid;  // in drawing order: of triangles at equal depth, the first one is visible

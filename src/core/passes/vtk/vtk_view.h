@@ -14,7 +14,8 @@
 
 namespace scanmill {
 
-// The view of an image whose pixels are numbers of drawn triangles. The scene and the geometry must outlive the view.
+// A camera's view of a scene, drawn as an image whose pixels are the numbers of triangles. The scene and the geometry
+// must outlive the view.
 class DrawnView {
  public:
   DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
