@@ -97,7 +97,7 @@ int runFitNoise(const std::vector<std::string>& arguments) {
   const Value sensor = parseYaml(text, preset.string());
   expectKind(sensor, FileKind::Sensor);
   const auto beams = makeBeams(sensor);
-  withEffects(text, preset.string(), "effects: []\n");  // throws before the work if the file cannot take effects
+  withEffects(text, preset.string(), "effects: []\n");  // throws early if the file cannot take effects
   std::vector<RecordedScan> scans;
   forEachScan(parsed.inputs(), [&](const Scan& scan, const std::string& name) {
     scans.push_back(rangesAlong(scan, *beams, name));

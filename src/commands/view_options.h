@@ -21,7 +21,7 @@ namespace scanmill {
 std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names);
 
 // Reads the value of --color: one of colorNames(), or the name of a column of a recorded file that the table of columns
-// lacks. Throws InputError for a word that is empty or nearly one of colorNames().
+// lacks. Throws InputError for a word that is empty or seems to be a misspelt entry of colorNames().
 ColorBy readColor(const std::string& word);
 
 // Reads kCount numbers with a separator between them, such as "8,-3.5,-1". Returns nothing for any other text.
@@ -52,7 +52,8 @@ PictureSize readPictureSize(const std::string& text);
 bool isExr(const std::filesystem::path& file);
 // Returns the file that --ontology names, by a path or a name of `scanmill list ontologies`; empty if not given.
 std::filesystem::path ontologyOption(const Arguments& parsed);
-// Opens an EXR image or the images in a recording's folder. --sample names the first to show, --ontology the classes.
+// Opens an EXR image, or the images in a recording's folder. --sample names the first image to show; --ontology names
+// the file with the classes.
 ImageList imagesOption(const std::filesystem::path& path, const Arguments& parsed);
 
 }  // namespace scanmill

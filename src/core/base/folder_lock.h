@@ -44,8 +44,8 @@ class [[nodiscard]] FolderLock {
                                                            const std::filesystem::path& file, LockKind kind,
                                                            std::string& holder);
 
-  // Turns a shared lock into one held alone. Returns false and loses the lock if another process shares it, or if the
-  // file system has no locks.
+  // Turns a shared lock into an exclusive lock. Returns false and loses the lock if another process shares it, or if
+  // the file system has no locks.
   [[nodiscard]] bool makeAlone();
   // True if the lock keeps other processes out: false on a file system without locks.
   bool isKept() const { return locked_; }

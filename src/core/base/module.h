@@ -30,7 +30,7 @@ struct ModuleFile {
 // A module exports this struct through its only symbol, the function scanmillModule(). Never change it: each version
 // must be able to refuse the modules of every other version.
 struct ModuleEntry {
-  std::string_view build;  // kModuleBuild when the module was built
+  std::string_view build;  // value of kModuleBuild when the module was built
   std::string_view file;   // ModuleFile::name of the module's interface
   const void* object;      // points to an object of the module's interface
 };

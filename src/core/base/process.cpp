@@ -151,7 +151,7 @@ struct Process::State {
   Descriptor output;
   Descriptor errors;
   std::string outputText;      // output that was read but not yet returned by readLine()
-  std::size_t searched = 0;    // number of bytes at the start of outputText in which there is no line feed
+  std::size_t searched = 0;    // number of bytes at the start of outputText known to contain no line feed
   std::string unfinishedLine;  // the start of a line of the child's standard error
   std::list<std::string> lines;
 

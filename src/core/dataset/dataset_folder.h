@@ -24,7 +24,7 @@ enum class FolderUse {
   New,      // the folder must be absent or empty
   Replace,  // replaces the dataset in the folder, whether it is complete or unfinished
   Resume,   // continues the unfinished dataset in the folder; like New if the folder has none
-  Share,    // like Resume, but several processes may write; others may have completed the dataset, see isWhole()
+  Share,    // like Resume, but several processes may write, and the dataset may already be complete, see isWhole()
 };
 
 class DatasetFolder {

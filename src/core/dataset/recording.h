@@ -46,7 +46,7 @@ struct RecordedShot {
   std::string sample;  // key of the sample
   std::string sensor;
   double time = 0;                    // s since the start of the sequence
-  std::vector<Pose> worldFromSensor;  // see Shot::worldFromSensor
+  std::vector<Pose> worldFromSensor;  // poses of the sensor, see Shot::worldFromSensor
   std::string hits;                   // name of the file with the hits; only for kind hits
   std::vector<RecordedStep> steps;    // steps of the revolution; only for kind passes
 };

@@ -47,8 +47,8 @@ class ShardWriter {
   // `name`: path relative to the folder, see shardName(). All member functions throw Error if the disk fails.
   ShardWriter(const std::filesystem::path& folder, const std::string& name, const std::string& split);
 
-  // Throws Error for names that WebDataset would misread, and for another split. After other failures nothing can be
-  // added.
+  // Throws Error for names that WebDataset would misread, and for a sample of another split than the shard's. After
+  // other failures nothing can be added.
   void add(const Sample& sample);
   std::uint64_t bytes() const { return bytes_; }  // size that the file would have after finish()
   [[nodiscard]] ShardPart finish();

@@ -17,7 +17,7 @@ struct VoxelFiles {
   std::string bin;       // flags: 1 if the voxel contains a point of the scan
   std::string label;     // uint16: class, 0 for an empty voxel
   std::string invalid;   // flags: 1 if nothing is known about the voxel
-  std::string occluded;  // flags: see occludedVoxels()
+  std::string occluded;  // flags: 1 if another voxel hides the voxel, see occludedVoxels()
 };
 
 VoxelFiles semanticKittiVoxels(const ScanVoxels& voxels, const ClassMap& classes);

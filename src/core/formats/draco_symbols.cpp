@@ -206,7 +206,8 @@ std::span<const std::uint8_t> bitLengths(std::span<const std::uint32_t> symbols)
   return {lengths, entries};
 }
 
-// Appends the length of every entry by rANS, then the components of each entry with as many bits each as its length.
+// Appends the length of every entry by rANS, then the components of each entry. Each component takes as many bits as
+// the entry's length.
 void appendTagged(std::span<const std::uint32_t> symbols, int components, std::span<const std::uint8_t> lengths,
                   const Histogram& h, std::string& out) {
   out.push_back(static_cast<char>(kTagged));

@@ -180,7 +180,7 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
     appendRaw(symbols.high, values_);
   } else {
     values_.push_back(static_cast<char>(draco::PREDICTION_NONE));
-    values_.push_back(0);  // not entropy coded, but stored as integers of this many bytes:
+    values_.push_back(0);  // not entropy coded: stored as integers, whose size in bytes comes next
     values_.push_back(sizeof(std::uint32_t));
     values_.append(reinterpret_cast<const char*>(symbols.values.data()), symbols.values.size_bytes());
   }

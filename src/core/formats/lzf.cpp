@@ -18,7 +18,8 @@ constexpr unsigned kTableBits = 16;
 // Returns the index of the next three bytes in the hash table.
 std::uint32_t hashAt(const unsigned char* p) {
   const std::uint32_t bytes = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16;
-  return bytes * 2654435761u >> (32 - kTableBits);  // Knuth, The Art of Computer Programming 3, 6.4
+  // Multiplicative hashing: Knuth, The Art of Computer Programming 3, 6.4.
+  return bytes * 2654435761u >> (32 - kTableBits);
 }
 
 char* putLiterals(const unsigned char* from, const unsigned char* end, char* out) {

@@ -21,7 +21,7 @@ struct FolderScan {
 
 struct ScanFolder {
   std::string layout;                // name of the layout, such as "kitti"
-  std::string sensor;                // such as "velodyne"; empty: the layout does not name the sensor
+  std::string sensor;                // sensor's name, such as "velodyne"; empty: the layout does not name the sensor
   std::optional<Ontology> ontology;  // classes of the labels; none: unknown, or no labels
   std::vector<FolderScan> scans;     // ordered by key
 };

@@ -134,7 +134,7 @@ void appendExcavator(Shape& s, Draw& draw) {
   s.frame = {};
 }
 
-// In the order of WorkVehicle.
+// Functions that append the vehicles, in the order of WorkVehicle.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(WorkVehicle::Count)> kAppend{
     appendTrailer, appendCaravan, appendTractor, appendExcavator};
 

@@ -22,7 +22,7 @@ constexpr float kNoDepth = std::numeric_limits<float>::infinity();
 // own: it is computed from Normal.
 struct PassChoice {
   Channels channels = Channel::Range;
-  bool surfaceParameters = false;  // roughness, metallic and retroreflectance of the material
+  bool surfaceParameters = false;  // true: includes the material's roughness, metallic and retroreflectance
 
   bool operator==(const PassChoice&) const = default;
 };
@@ -82,7 +82,7 @@ class PixelSource {
   virtual void fetch(std::span<const PixelAddress> addresses, PassChoice asked, PassPlanes& planes) = 0;
 };
 
-// Images in memory as a source; the images must outlive the source.
+// A source whose images are in memory. The images must outlive the source.
 class ImageSource : public PixelSource {
  public:
   explicit ImageSource(std::span<const PassImage> images);

@@ -40,7 +40,7 @@ class Resolver {
   // The values of a triangle are in one record, so that a pixel, which accesses triangles at random, needs few cache
   // lines.
   struct Face {
-    Vec3d normal;               // unit, mesh axes
+    Vec3d normal;               // unit vector, mesh axes
     std::uint32_t surface = 0;  // index into surfaces_
   };
   struct Placed {

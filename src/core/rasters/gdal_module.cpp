@@ -104,7 +104,7 @@ class Gdal final : public RastersModule {
  public:
   Gdal() {
     GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);  // prints nothing; fail() gets the messages
+    CPLSetErrorHandler(CPLQuietErrorHandler);  // this handler prints nothing; fail() gets the messages
     // GDAL must not write files of statistics beside the user's files.
     CPLSetConfigOption("GDAL_PAM_ENABLED", "NO");
   }

@@ -142,7 +142,7 @@ struct Scene {
   bool moves() const;                         // true if an instance moves
   std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once
   std::uint64_t placedTriangles() const;      // number of triangles of all instances
-  std::uint32_t things() const;               // the largest instance id
+  std::uint32_t things() const;               // largest instance id of the scene's things; 0: it has no things
   Box bounds() const;                         // m, in the world's frame at time 0; WholeScene::bounds if set
   std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };

@@ -137,7 +137,7 @@ ThingBoxes::ThingBoxes(const Scene& scene) : scene_(scene) {
   std::vector<std::vector<Share>> shares;
   shares.reserve(scene.meshes.size());
   for (const Mesh& mesh : scene.meshes) shares.push_back(sharesOf(mesh));
-  std::map<std::uint32_t, ObjectTriangles> known;  // by mesh
+  std::map<std::uint32_t, ObjectTriangles> known;  // keys: indices of meshes
   const auto trianglesOf = [&](std::uint32_t mesh) -> const ObjectTriangles& {
     return known.try_emplace(mesh, scene.meshes[mesh]).first->second;
   };

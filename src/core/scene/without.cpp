@@ -65,7 +65,7 @@ bool isEmpty(const Scene& scene, const Instance& instance) {
   return std::all_of(instance.animation->meshes.begin(), instance.animation->meshes.end(), empty);
 }
 
-// Returns the name of an instance's object. Copies of an object are called NAME#1, NAME#2 and so on.
+// Returns an instance's name up to the '#': copies of an object are called NAME#1, NAME#2 and so on.
 std::string objectOf(const Instance& instance) {
   return instance.name.substr(0, instance.name.find('#'));
 }

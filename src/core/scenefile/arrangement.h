@@ -78,7 +78,7 @@ class Arrangement {
     Location where;
   };
   struct Vary {
-    std::array<double, 2> yaw{}, scale{1, 1};  // yaw in rad
+    std::array<double, 2> yaw{}, scale{1, 1};  // ranges of a copy's random yaw (rad) and scale
     double position = 0;                       // m, largest horizontal displacement of a copy
     double presence = 1;
   };

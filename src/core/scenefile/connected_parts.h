@@ -12,7 +12,7 @@ namespace scanmill {
 
 struct ConnectedParts {
   std::vector<std::vector<std::uint32_t>> of;  // by asset part and triangle: number of the triangle's connected part
-  std::vector<Box> boxes;                      // m, by number of the connected part
+  std::vector<Box> boxes;                      // bounds (m) of the connected parts, by the part's number
 };
 
 // Returns the connected parts. Triangles are connected if they have corners at the same position, even in different

@@ -27,7 +27,7 @@ struct Copies {
                       // thing
   std::shared_ptr<const Movement> movement;    // null: the object stands still
   std::shared_ptr<const Animation> animation;  // null: the object keeps its mesh
-  std::optional<double> facing = {};           // see Instance::facing
+  std::optional<double> facing = {};           // rad, direction in which the object faces, see Instance::facing
 };
 
 // The sets of meshes of an object; each copy gets one of the sets at random.

@@ -303,8 +303,8 @@ class SceneReader {
     return clip;
   }
 
-  // Returns all rules for an object in order of precedence: its own rules, its class and material as one rule, the
-  // scene's rules.
+  // Returns all rules for an object in order of precedence: first its own rules, then one rule with its class and
+  // material, then the scene's rules.
   std::vector<Rule> rulesOf(Fields& f) {
     std::vector<Rule> rules;
     if (const Value* own = f.find("rules")) rules = readRules(*own);

@@ -55,7 +55,8 @@ class ReturnOrder {
 
  private:
   const Returns& returns_;
-  std::vector<std::vector<std::uint32_t>> planes_;  // row by return and beam; empty if there is one row per beam
+  // Indices of rows, by return and beam; empty if there is one row per beam.
+  std::vector<std::vector<std::uint32_t>> planes_;
 };
 
 // The points of a tile: for each point its beam, its row in the table of returns, its hit, and its row in the scan. If

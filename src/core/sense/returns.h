@@ -34,9 +34,8 @@ struct AddedReturn {
   std::uint16_t label = 0;
 };
 
-// A structure of arrays. In most scans every beam has one ray and at most one return: row i is then the first return of
-// beam i and comes from hit i, and the arrays of beams, hits and numbers stay empty, so that they take no time and
-// memory.
+// A structure of arrays. In most scans every beam has one ray and at most one return: row i then belongs to beam i and
+// hit i, and the arrays of beams, hits and numbers stay empty, which saves time and memory.
 class Returns {
  public:
   std::vector<float> range;      // m along the beam; kMiss: the row was removed, or its ray missed
@@ -119,7 +118,7 @@ class Returns {
   std::vector<std::uint8_t> rowsOfBeam_;  // number of rows of each beam; empty until a row is added
   bool tellsReasons_ = false;
   std::vector<Reason> lost_;   // reasons of the rows that existed when reasons were last recorded
-  std::vector<bool> present_;  // for the same rows: true if the row was not lost at that time
+  std::vector<bool> present_;  // for the rows of lost_: true if the row was not lost at that time
 };
 
 }  // namespace scanmill

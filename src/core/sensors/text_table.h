@@ -20,7 +20,8 @@ struct TextLine {
 // InputError if no line is left. The lines refer to `bytes`.
 std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file);
 
-// Splits a line into cells, separated by any number of spaces and tabs, or by single commas or semicolons.
+// Splits a line into cells at its semicolons; if it has none, at its commas; if it has neither, at its spaces and tabs,
+// any number of which separate two cells.
 std::vector<std::string_view> cellsOf(std::string_view text);
 
 // Returns the number that a text spells. Throws InputError if the text is not a finite number.

@@ -110,7 +110,7 @@ class Trajectory {
   double interval_ = 0;     // s, time from frame to frame
   double lastTurn_ = 0;     // s; the path must be known until this long after the last frame's start
   double everyMetres_ = 0;  // m, distance between frames, if the vehicle accelerates; 0: use interval_
-  double speed_ = 0;        // m/s
+  double speed_ = 0;        // m/s, largest speed along the path
   std::optional<int> turns_;
   std::vector<Pose> poses_;           // one per frame, in which the vehicle stands still; empty for paths
   std::shared_ptr<const Path> path_;  // path of a drive; null until it is known

@@ -47,7 +47,7 @@ struct Driver {
 // The intelligent driver model: Treiber, Hennecke, Helbing, "Congested traffic states in empirical observations and
 // microscopic simulations", Physical Review E 62 (2000), equations (3) and (4).
 struct DriverModel {
-  double acceleration = 1.4;  // m/s^2
+  double acceleration = 1.4;  // m/s^2, maximum acceleration
   double braking = 2;         // m/s^2, comfortable deceleration
   double headway = 1.4;       // s, time gap to the vehicle in front
   double gap = 2;             // m between stationary vehicles

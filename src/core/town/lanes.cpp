@@ -20,7 +20,7 @@ std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
   ahead.z = 0;
   ahead = normalized(ahead);
   const Vec3d aside{-ahead.y, ahead.x, 0};
-  constexpr double kRamp = 130;  // m, length of the way down
+  constexpr double kRamp = 130;  // m, horizontal length of the ramp down
   constexpr double kDepth = 70;
   constexpr double kTurn = 20;  // m, radius of the turn
   for (const double d : models::steps(10, kRamp, 10)) {

@@ -192,7 +192,7 @@ double Layout::snowOn(const Beside& b, const Point2& p) const {
   const CrossSection& s = b.section;
   const double edge = b.known ? b.edge : 1e3;
   const double outer = b.known ? s.outer() : 0;
-  const double verge = edge - (b.known ? s.curb : 0);  // m beyond the curb
+  const double verge = edge - (b.known ? s.curb : 0);  // m, distance of the point beyond the curb
   const double cleared = smooth(outsidePatches(p) / 0.5);
   const bool pavement = b.known && s.sidewalk > 0.3;
   double depth = character_.snow * smooth((edge - outer) / kSlope);

@@ -17,7 +17,7 @@ using models::Kind;
 struct Frontage {
   Footprint about;   // rectangle around the building; its x axis points to the road
   double gap = 1e9;  // m from the sidewalk's outer edge to the building; 1e9: no road is near
-  Beside before;     // position of the middle of the building's front
+  Beside before;     // position of the middle of the building's front relative to the nearest road
 
   Point2 inFront(double distance) const { return about.at(about.halfX + distance, 0); }
 };

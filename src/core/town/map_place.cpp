@@ -135,7 +135,7 @@ class Cutter {
     }
     for (const std::int64_t node : main.nodes) mainNodes_.insert(node);
     const double at = nearestOn(place_.roads.front().road.line, {0, 0}).along;
-    constexpr double kEnd = 8;  // m between an end of the road and the built-up part
+    constexpr double kEnd = 8;  // m, least distance between an end of the road and the built-up part
     place_.mainFrom = std::max(kEnd, at - half);
     place_.mainTo = std::min(length - kEnd, at + half);
   }

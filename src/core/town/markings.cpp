@@ -101,7 +101,7 @@ void placeCovers(Placer& placer) {
   };
   // Adds a grid of quads that follows the road's surface. A quad is at most half a metre long and wide.
   const auto cover = [&](const Road& road, double from, double to, double right, double left) {
-    constexpr double kAbove = 0.005;  // m, height of covers above the road
+    constexpr double kAbove = 0.005;  // m, height of the quads above the road
     const auto rows = static_cast<int>(std::ceil((to - from) / 0.5));
     const auto columns = static_cast<int>(std::ceil((left - right) / 0.5));
     std::vector<std::vector<Vec3d>> grid;

@@ -168,7 +168,8 @@ void placeWoods(Placer& placer) {
       Draw draw(l.seed(), Kind::Wood, ++cell);
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.roads().at(spot.at.x, spot.at.y);
-      if (!b.known || b.edge < b.section.outer() + 1.2) continue;  // hidden behind nearer trees, or on a road
+      // Skip places on a road, and places far from all roads, which nearer trees would hide.
+      if (!b.known || b.edge < b.section.outer() + 1.2) continue;
       const double density =
           relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);
       const std::optional<Land> land = l.areas().at(spot.at);

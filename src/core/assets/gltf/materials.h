@@ -15,8 +15,8 @@ namespace scanmill::gltf {
 
 struct ReadMaterial {
   scanmill::Material material;
-  std::array<float, 3> color{1, 1, 1};  // see AssetPart::color
-  std::string texture;                  // see AssetPart::texture
+  std::array<float, 3> color{1, 1, 1};  // base colour, see AssetPart::color
+  std::string texture;                  // name of the texture, see AssetPart::texture
   std::optional<TextureUse> placed;     // how the base colour uses its texture
 };
 

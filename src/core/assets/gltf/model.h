@@ -119,7 +119,7 @@ struct Image {
   MaybeIndex view;
 };
 
-// How a material uses a texture; only properties that affect beams.
+// Describes how a material uses a texture: only the properties that affect beams.
 struct TextureUse {
   Index image = 0;
   unsigned coordinates = 0;                         // the n of attribute TEXCOORD_n

@@ -27,7 +27,7 @@ Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, c
 
 // An animation of a file.
 struct Clip {
-  std::string name;            // the animation's number if it has no name
+  std::string name;            // name of the animation; its number if it has no name
   double first = 0, last = 0;  // s, times of the first and the last key frame
 };
 // Returns the animations of a file that have key frames, in the file's order. Throws an InputError that names the file.

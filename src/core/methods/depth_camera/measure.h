@@ -14,7 +14,7 @@ struct Met {
   alignas(64) double a[kBlock], b[kBlock], depth[kBlock];  // coordinates in the plane at depth 1, and depth (m)
   alignas(64) double px[kBlock], py[kBlock], pz[kBlock];   // m, hit point in rig axes
   alignas(64) double nx[kBlock], ny[kBlock], nz[kBlock];   // normal in rig axes
-  alignas(64) double range[kBlock];                        // m; NaN or infinite if nothing is hit
+  alignas(64) double range[kBlock];                        // m, range of the hit; NaN or infinite if nothing is hit
   alignas(64) double along[kBlock];                        // dot product of normal and beam direction
   bool again[kBlock];                                      // true if the next round must sample another pixel
 };

@@ -31,7 +31,7 @@ constexpr double kLimitSlack = 1.2e-7;  // a range may be beyond a limit by this
 struct Batch {
   std::size_t base = 0;  // index of the first of `count` consecutive beams; used only if `index` is empty
   std::size_t count = 0;
-  std::vector<std::uint32_t> index;  // indices into RigBeams
+  std::vector<std::uint32_t> index;  // indices of the beams in RigBeams
   std::vector<double> u, v;          // px
   std::vector<std::uint8_t> view;
 

@@ -68,7 +68,7 @@ class Builder {
     std::uint32_t copied;  // place in poolBefore_ of a brick that is copied from there; otherwise kNone
   };
   std::vector<Brick> bricks_;                      // in the order of their places, which are consecutive
-  std::size_t first_ = 0;                          // place in the pool of the first brick of bricks_
+  std::size_t first_ = 0;                          // the place in the pool that the first brick of bricks_ has
   std::vector<std::uint32_t> unmade_;              // indices of new bricks' table entries
   std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
   std::vector<std::vector<std::uint32_t>> lists_;  // lists of each new brick; the brick's words are offsets in them

@@ -101,8 +101,8 @@ bool BrickMaker::makeBlock(const BrickPlace& place, int block) {
   const float seen = brick::seenFrom(block);
   blockDistance_[block] = std::min(std::sqrt(search(place, centre, seen).distance2), seen);
   if (blockDistance_[block] > kExact + brick::kBlockRadius) return true;
-  // Search within the largest distance of a corner from the triangle nearest to the block's centre: no corner's nearest
-  // triangle is farther away.
+  // The search radius is the largest distance from a corner to the triangle that is nearest to the block's centre: no
+  // corner's nearest triangle is farther away. With lists it is at least kListedRadius. It is at most kExact.
   const Points& p = brick::kBlockCorners[block];
   const Facet<float> facet = cache_.of(world_.baked, guess_, place);
   float farthest2 = lists_ ? brick::kListedRadius * brick::kListedRadius : 0.0f;

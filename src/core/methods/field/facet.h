@@ -18,7 +18,7 @@ struct Facet {
   Vec3<T> normal;
   T height;
   struct Edge {
-    Vec3<T> inward;  // unit vector in the triangle's plane
+    Vec3<T> inward;  // unit vector in the triangle's plane, perpendicular to the edge, pointing inwards
     T inside;
     Vec3<T> along;
     T before, past;

@@ -111,7 +111,7 @@ bool nearPoint(RTCPointQueryFunctionArguments* arguments) {
 struct Gathering {
   const TriangleBlock& block;
   Ball margin;  // ball at the cube's centre; its radius is the margin around the cube
-  float half;   // m, half side of the cube
+  float half;   // m, half of the cube's side
   std::size_t most;
   std::vector<std::uint32_t>& triangles;
 };

@@ -52,7 +52,7 @@ void DeviceBeams::hold(const Shots& shots) {
 
 void DeviceBeams::fill(Table& table, const Shot& shot) {
   const BeamTable& beams = *shot.beams;
-  table.beams.reset();  // the buffers belong to no table until all are filled
+  table.beams.reset();  // until all buffers are filled, they belong to no beam table
   table.directions.hold(std::span(beams.direction));
   if (!beams.origin.empty()) table.origins.hold(std::span(beams.origin));
   const std::vector<std::uint32_t> steps = stepsOf(shot);

@@ -54,7 +54,7 @@ class DeviceResolver {
   // Reserves space for the hits of `rays` rays.
   void reserve(Channels channels, std::size_t rays);
   static std::uint64_t bytesPerRay(Channels channels);
-  // The buffer for binding 5 of programs that include resolver.glsl.
+  // Returns the buffer for binding 5 of programs that include resolver.glsl.
   const ComputeBuffer& columns() const { return columns_; }
   // table(binding) returns the tables for the bindings 0 to kTables - 1 of these programs.
   static constexpr std::size_t kTables = 4;

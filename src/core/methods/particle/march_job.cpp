@@ -161,7 +161,8 @@ void passTransparent(const MarchJob& job, std::span<const Tile> tiles, std::size
   }
 }
 
-constexpr std::size_t kTilesTogether = 16;  // number of tiles whose triangles stay in the L1 cache
+// Number of tiles whose triangles are prefetched together; these triangles fit into the L1 cache.
+constexpr std::size_t kTilesTogether = 16;
 
 // Prefetches the triangles that the next kTilesTogether tiles have hit, because they are scattered in memory.
 void expect(const MarchJob& job, const HitRecords& records, std::size_t first, std::size_t tiles) {

@@ -80,7 +80,8 @@ double levelReach(const ParticleOptions& options, std::uint32_t level) {
 }
 
 double levelBytes(double voxels, bool lists) {
-  constexpr double kFullBricks = 3.0;            // full bricks of a level of a street, in units of (bricks across)^2
+  // Number of a level's full bricks in a street scene, divided by the square of the number of bricks along its edge.
+  constexpr double kFullBricks = 3.0;
   constexpr double kBytes = kBrickStride * 6.0;  // bytes of a full brick: distances and words
   constexpr double kListBytes = 3000;            // bytes of a full brick's lists
   const double across = voxels / kBrickVoxels;

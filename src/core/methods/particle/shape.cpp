@@ -113,8 +113,8 @@ Span spanOf(const Box& box, double voxel) {
   return span;
 }
 
-// Returns advice for a message about a field that is too large. `times`: factor by which voxels are too small or,
-// around a sensor, too many across.
+// Returns advice for a message about a field that is too large. `times`: factor by which the voxels of a field of the
+// scene are too small, or by which a field around a sensor has too many voxels across.
 std::string adviceFor(const ParticleOptions& options, double times) {
   if (options.extent == ParticleOptions::Extent::Sensor) {
     const auto most = static_cast<std::uint32_t>(std::max(options.voxels / times, double{kFewestVoxels}));

@@ -15,7 +15,7 @@ namespace scanmill {
 struct TieContext {
   EmbreeContext embree = newEmbreeContext();
   const World* world;
-  float floor;                          // m, see coplanarFloor()
+  float floor;                          // m, part of the tolerance for coplanar surfaces, see coplanarFloor()
   alignas(64) float distance[kPacket];  // m, distance to the nearest surface; infinite: no hit yet
   alignas(64) std::uint32_t geometry[kPacket];
   alignas(64) std::uint32_t primitive[kPacket];

@@ -98,8 +98,9 @@ RangeLimits limitsOf(const BeamTable& beams);
 // kTrust metres. The limit is needed because the plane of a triangle that is seen edge-on gives an unreliable range.
 constexpr double kTrust = 1e-2;  // both a fraction and a length (m)
 
-// Sets each range to the distance along the ray to the plane of its triangle, clamped to the difference from the traced
-// range that kTrust allows. A hit outside of the sensor's range limits becomes a miss.
+// Sets each range to the distance along the ray to the plane of its triangle. This distance is clamped, so that it
+// differs from the traced range by no more than kTrust allows. A hit outside of the sensor's range limits becomes a
+// miss.
 void intersectPlanes(const Rays& rays, const BeamTable& beams, Resolved& r);
 // Sets each range to the traced range. A hit outside of the sensor's range limits becomes a miss.
 void keepTraced(const Rays& rays, const BeamTable& beams, Resolved& r);

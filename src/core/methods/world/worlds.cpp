@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kOriginGrid = 1024;        // m, spacing of the origins
 constexpr double kMovingOriginGrid = 16;    // m, spacing of the origins if something moves
-constexpr std::size_t kWorldsInMemory = 2;  // cached worlds if nothing moves: of two neighbouring origins
+constexpr std::size_t kWorldsInMemory = 2;  // number of cached worlds if nothing moves, for two neighbouring origins
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // bytes, measured: hierarchy, corners and records
 

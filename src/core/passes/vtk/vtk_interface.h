@@ -61,8 +61,8 @@ struct VtkDraw {
 };
 
 struct VtkImage {
-  std::uint32_t width = 0;   // px
-  std::uint32_t height = 0;  // px
+  std::uint32_t width = 0;   // px, width of the image
+  std::uint32_t height = 0;  // px, height of the image
   float nearest = 0;         // m, depth of the near clipping plane w = nearest
   std::span<const VtkPlacement> placements;
   std::span<const VtkDraw> solid;  // in drawing order: of triangles at equal depth, the first one is visible
@@ -72,7 +72,7 @@ struct VtkImage {
 // The addresses of pixels: row by row, through the images of slots 0 to 7.
 struct VtkPixels {
   std::uint32_t firsts[kVtkImages + 1];  // address of each image's first pixel; last entry: number of all pixels
-  std::uint32_t widths[kVtkImages];      // px
+  std::uint32_t widths[kVtkImages];      // px, width of each image
 };
 
 // A device that renders a scene. Calls may come from any thread, but only one at a time. They throw std::bad_alloc if

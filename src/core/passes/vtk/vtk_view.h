@@ -14,15 +14,17 @@
 
 namespace scanmill {
 
-// The view of an image whose pixels are numbers of drawn triangles. The scene and the geometry must outlive the view.
+// A camera's view of a scene, drawn as an image whose pixels are the numbers of triangles. The scene and the geometry
+// must outlive the view.
 class DrawnView {
  public:
   DrawnView(const Scene& scene, const ViewGeometry& geometry, const Camera& camera, const DrawLimits& limits);
 
   // Returns the image to draw, which has pointers into this view.
   VtkImage image() const;
-  // Returns the triangle that a pixel shows if the image's value there is `number`; none if it is beyond the far limit.
-  // The depth is that of the triangle's plane at the pixel's centre, in double, clamped to the triangle's depths.
+  // Returns the triangle that a pixel shows if the image's value there is `number`; none if `number` is 0 or the
+  // triangle is beyond the far limit. The depth is that of the triangle's plane at the pixel's centre, in double,
+  // clamped to the triangle's depths.
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
 
  private:

@@ -58,7 +58,7 @@ void resolveLabels(NamedOptions& named, const EffectEntry& entry, const EffectCl
   }
 }
 
-// Appends the effects that the items name to `made`. The items must no longer contain the word `sensor`.
+// Appends to `made` the effects that the items name. The items must no longer contain the word `sensor`.
 void addEffects(const std::vector<Value>& items, const EffectClasses& classes, std::vector<MadeEffect>& made) {
   for (const Value& item : items) {
     NamedOptions named = readNamed(item, "an effect");
@@ -92,7 +92,7 @@ void addDetection(std::vector<MadeEffect>& made) {
 }
 
 // Returns the effects in the order of their stages, with `detection` if it is needed. Throws InputError if an effect
-// needs another one that is missing.
+// needs another effect that is missing.
 Effects inOrder(std::vector<MadeEffect> made) {
   addDetection(made);
   std::stable_sort(made.begin(), made.end(),

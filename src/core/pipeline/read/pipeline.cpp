@@ -190,8 +190,7 @@ const LightPaths* Pipeline::lightPaths(std::size_t sensor) const {
   return recording == nullptr ? scanmill::lightPaths(*sensors[sensor].effects) : nullptr;
 }
 
-// Returns 1 for a recording, which has one hit per beam. Before `method: auto` is replaced, returns the maximum over
-// all methods.
+// A recording has one hit per beam. While the method is still `auto`, returns the maximum over all methods.
 std::uint32_t Pipeline::mostMet() const {
   if (recording != nullptr) return 1;
   if (method.entry != nullptr) return method.entry->can.mostReturns;

@@ -154,8 +154,8 @@ class DatasetRun {
     ShardPart made = shard->writer.finish();
     shard->part.manifest.shards = {std::move(made.shard)};
     shard->part.manifest.samples = std::move(made.samples);
-    folder_.keep(shard->part);  // written to disk and read again at the end, since the records of all samples might not
-                                // fit into memory
+    folder_.keep(shard->part);  // writes the records to the disk, to be read again at the end, since all records might
+                                // not fit into memory
     const std::scoped_lock lock(mutex_);
     count(shard->part.manifest);
     ++summary_.shards;

@@ -14,7 +14,8 @@ constexpr std::size_t kGridsInMemory = 16;  // maximum number of cached grids; t
                                             // revolution of a sensor with a rosette pattern
 constexpr int kCells = 6;                   // samples along each edge of a box's face, to compute its truncation
 
-// A shot's view of one object: the number of its points, of beams whose axis hits it, and the least range of these (m).
+// A shot's view of one object: the number of its points, the number of beams whose axis hits it, and the least range of
+// these beams (m).
 struct Seen {
   std::uint64_t points = 0;
   std::uint32_t beams = 0;

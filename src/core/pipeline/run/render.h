@@ -19,7 +19,7 @@ struct RenderOptions {
   PassChoice passes{};
   bool overwrite = false;
   bool quiet = false;
-  const std::atomic<bool>* stop = nullptr;  // see GenerateOptions::stop
+  const std::atomic<bool>* stop = nullptr;  // may be null; once it is true, rendering stops with an Error
 };
 
 struct RenderSummary {

@@ -109,7 +109,7 @@ std::unique_ptr<Effect> makeDropOut(Fields& options) {
   const double probability = options.number("probability", {0, 1}, 0);
   const bool things = options.boolean("things", false);
   const double rings = options.number("rings", {0, 1}, 0);
-  options.finish();  // reports unknown keys first: one may be a misspelt required key
+  options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
   if (!options.has("threshold") && !options.has("probability") && !options.has("rings")) {
     throw InputError(options.where(), "effect dropout: give at least one of threshold, probability and rings");
   }

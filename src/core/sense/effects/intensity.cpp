@@ -55,8 +55,8 @@ constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 
 struct IntensityOptions {
-  float referenceRange = 10;  // m
-  float nearRange = 1;        // m
+  float referenceRange = 10;  // m, range at which a white diffuse target has the power 1
+  float nearRange = 1;        // m, targets nearer than this have the power that they would have at this range
   bool inverseSquare = true;
   double attenuation = 0;  // 1/m
   float gain = 1;

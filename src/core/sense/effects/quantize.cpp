@@ -27,7 +27,7 @@ class Quantize : public Effect {
     }
   }
 
-  double step_;  // m
+  double step_;  // m, ranges are rounded to multiples of this
 };
 
 }  // namespace

@@ -139,7 +139,7 @@ std::unique_ptr<Effect> makeRangeNoise(Fields& options) {
   sigma.base += options.number("sigma_m", {0, 100}, 0);
   sigma.growth = options.number("sigma_per_m", {0, 1}, 0);
   sigma.overSnr = options.number("over_snr_m", {0, 100}, 0);
-  options.finish();  // reports unknown keys first: one may be a misspelt required key
+  options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
   if (!constant && !options.has("table") && !options.has("over_snr_m")) {
     throw InputError(options.where(), "effect range_noise: give sigma_m, sigma_per_m, over_snr_m or a table");
   }

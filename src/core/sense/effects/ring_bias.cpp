@@ -130,7 +130,7 @@ std::unique_ptr<Effect> makeRingBias(Fields& options) {
   PerRing range = readFigure(options, "range_sigma_m", {0, 1}, "range_m", {-10, 10});
   PerRing elevation = readFigure(options, "elevation_sigma_deg", {0, 2}, "elevation_deg", {-10, 10});
   PerRing gain = readFigure(options, "gain_sigma", {0, 3}, "gain", {0, 1000});
-  options.finish();  // reports unknown keys first: one may be a misspelt required key
+  options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
   bool given = false;
   for (const char* key : {"range_sigma_m", "elevation_sigma_deg", "gain_sigma", "range_m", "elevation_deg", "gain"}) {
     given |= options.has(key);

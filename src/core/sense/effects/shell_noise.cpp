@@ -45,8 +45,8 @@ class ShellNoise : public Effect {
     });
   }
 
-  double scale_;   // m
-  double growth_;  // m per m of range
+  double scale_;   // m, displacement at range 0
+  double growth_;  // increase of the displacement with the range (m/m)
 };
 
 }  // namespace
@@ -54,7 +54,7 @@ class ShellNoise : public Effect {
 std::unique_ptr<Effect> makeShellNoise(Fields& options) {
   const double scale = options.number("scale_m", {0, 100}, 0);
   const double growth = options.number("growth_per_m", {0, 0.5}, 0);
-  options.finish();  // reports unknown keys first: one may be a misspelt required key
+  options.finish();  // reports unknown keys first, since an unknown key may be a misspelt required key
   if (!options.has("scale_m") && !options.has("growth_per_m")) {
     throw InputError(options.where(), "effect shell: give scale_m, growth_per_m or both");
   }

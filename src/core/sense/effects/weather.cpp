@@ -126,7 +126,7 @@ std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Re
 
 struct Particle {
   float range;
-  float echo;      // relative to a white target at the same range, after the loss in the air
+  float echo;      // power relative to a white target at the same range, after the loss in the air
   float strength;  // power relative to a white target at the reference range
 };
 

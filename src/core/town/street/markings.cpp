@@ -95,7 +95,7 @@ class Painter {
       for (double y = -l_.roadEdge + 0.35; y + 0.5 < l_.roadEdge; y += 1.0) {
         bar(x + side * inner, x + side * l_.crossWalk, y, y + 0.5);
       }
-      // Right-hand traffic: vehicles that drive to +x stop on the -x side at y < 0.
+      // Right-hand traffic: vehicles that drive to +x stop on the -x side of the cross street, in the lane at y < 0.
       const double lane = side * l_.roadEdge / 2;
       bar(x + side * stop, x + side * (stop + 0.5), lane - l_.roadEdge / 2 + 0.2, lane + l_.roadEdge / 2 - 0.2);
       arrow(x + side * (stop + 6), lane, -side);

@@ -59,7 +59,7 @@ struct SetComparison {
   ScanSet real, simulated;            // measurements of both sets; their patches are removed
   std::vector<std::string> warnings;  // reasons why some figures are less meaningful than they seem
   bool byClass = false;               // true: groups are classes; false: groups are shapes of patches
-  Ontology classes;                   // the ontology to which the groups belong
+  Ontology classes;                   // ontology of the groups if byClass is true
   std::vector<std::string> unknown;   // classes of one set that are missing in the ontology of the other set
   std::vector<Separation> features;   // separations over all groups together, the strongest first
   // For each feature, the strength with which it separates the odd from the even scans of the real set: differences

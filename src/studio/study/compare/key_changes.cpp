@@ -21,7 +21,7 @@ namespace {
 // A key of an effect and a figure that grows as a power of the key's value, if other influences stay the same.
 struct Mover {
   std::string_view figure;  // name of an entry in kPatchFeatures, kSetFigures or both
-  double least;             // least shown figure: if both sets are below, their difference may be due to chance
+  double least;             // if the figures of both sets are below this value, their difference may be due to chance
   std::string_view effect, key;
   double power;
   double low, high;    // bounds of the key's value

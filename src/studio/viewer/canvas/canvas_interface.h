@@ -17,7 +17,7 @@ class CanvasModule {
       "libscanmill_viewer.so", "nothing can be shown by VTK",
       "install VTK, EGL and GLFW (on Debian the packages libvtk9-dev, libegl-dev and libglfw3-dev)"};
   virtual ~CanvasModule() = default;
-  // See openWindow() and openOffscreen().
+  // These functions implement openWindow() and openOffscreen() of canvas.h.
   virtual std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height) const = 0;
   virtual std::unique_ptr<Canvas> openOffscreen(const std::string& device, int width, int height) const = 0;
 };

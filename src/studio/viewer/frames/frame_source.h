@@ -67,7 +67,8 @@ struct ViewInput {
   std::string sensor{};               // if not empty, only scans of this sensor are shown
   // File of an ontology that replaces the dataset's ontology.
   std::filesystem::path ontology{};
-  std::filesystem::path scene{};        // file of the scanned scene; replaces the file that the manifest names
+  // File of the scene that was scanned; empty: the file that the manifest names.
+  std::filesystem::path scene{};
   std::optional<std::uint64_t> seed{};  // seed of a scene that is viewed without scans
 };
 

@@ -1,4 +1,4 @@
-// Hits in fields with lists, whose triangles the particles have tested.
+// Resolves hits in fields with lists. The particles have already tested the triangles in the lists.
 
 #include "hits.glsl"
 

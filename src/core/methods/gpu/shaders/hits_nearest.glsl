@@ -33,7 +33,7 @@ double voxelAt(vec3 q) {
 
 struct Spot {
   bool full;
-  uint cell;  // index of the voxel's first corner
+  uint cell;  // index of the voxel's corner with the smallest coordinates
   vec3 f;     // position in the voxel, 0 to 1 along each axis
 };
 
