@@ -80,7 +80,7 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
   const bool rural = l.character().district == District::Rural;
-  // A one-way road has no other lane.
+  // A one-way road has only the lane that the sensor's vehicle uses.
   if (l.roads().roads().front().oneWay() || (!rural && !draw.chance(0.6))) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);

@@ -58,7 +58,7 @@ struct IntensityOptions {
   float referenceRange = 10;  // m
   float nearRange = 1;        // m
   bool inverseSquare = true;
-  double attenuation = 0;  // 1/m
+  double attenuation = 0;  // 1/m, extinction coefficient of the air
   float gain = 1;
   float saturation = FLT_MAX;
   double gamma = 1;

@@ -38,7 +38,7 @@ struct RoughHit {
   std::size_t row = 0;
   Vec3d place, along;  // hit on the mesh (m) and direction of the beam (unit vector), in world
                        // axes
-  // By entry of the relief: standard deviation of the height after averaging over the beam's footprint (m).
+  // Standard deviation of the height after averaging over the beam's footprint (m), for each entry of the relief.
   std::array<double, kMostReliefs> height{};
   std::array<double, kMostReliefs> cubes{};  // cubes per metre, by entry of the relief
   double cosine = 1;                         // cosine of the angle of incidence

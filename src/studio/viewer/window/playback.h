@@ -72,7 +72,7 @@ class Playback {
   std::size_t requested_ = 0;
   std::optional<std::size_t> current_;
   std::optional<double> currentTime_;  // time of the current frame in its sequence (s); absent: the frame has no scan
-  double shownAt_ = 0;                 // time at which the current frame was taken or playing began (s)
+  double shownAt_ = 0;                 // time at which the current frame was received or playing began (s)
   double recordedSeconds_ = 0;         // recorded time between the last two frames (s); 0: they are not consecutive
   bool playing_ = false;
   std::size_t speed_;  // index in kSpeeds

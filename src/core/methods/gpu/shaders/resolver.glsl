@@ -1,6 +1,6 @@
 // Hits of triangles: their planes, labels and textures, and the requested columns of hits, with the same bits as on the
 // processor. The including file declares a uniform block with the members of ResolverBlock (device_resolver.h):
-// nearest, farthest, channels, rays. Storage buffer: 5 the columns.
+// nearest, farthest, channels, rays. Storage buffer at binding 5: the columns.
 
 layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
 layout(binding = 0) uniform usamplerBuffer planeRecords;
