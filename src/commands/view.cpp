@@ -32,7 +32,7 @@ constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"
 constexpr int kTickMs = 15;
 constexpr double kFarthestPlace = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
-// Outputs that replace the window; all may be empty.
+// Outputs that replace the window, and their options. Without a screenshot, a turntable or a pick, a window is opened.
 struct Outputs {
   std::filesystem::path screenshot;
   std::filesystem::path turntable;

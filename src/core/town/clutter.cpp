@@ -32,8 +32,8 @@ class Store {
   std::vector<std::optional<Model>> made_;
 };
 
-// Returns a random distance along the main road (m) after which no other road joins for `length` metres; nullopt if no
-// attempt finds such a place.
+// Returns a random distance along the main road (m) such that no other road joins in the following `length` metres;
+// nullopt if no attempt finds such a place.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   const Road& road = l.roads().roads().front();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {

@@ -33,7 +33,8 @@ class Playback {
   std::shared_ptr<const ViewFrame> take(double now);
   std::shared_ptr<const ViewFrame> wait(double now);
 
-  // Stops playing if frames are played. Otherwise starts at the requested frame, or at the first if this is the last.
+  // Stops playing if frames are played. Otherwise starts playing at the requested frame or, if that is the last frame,
+  // at the first.
   void togglePlaying(double now);
   void stop() { playing_ = false; }
   // Makes playing faster (1) or slower (-1).

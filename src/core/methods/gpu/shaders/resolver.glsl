@@ -46,7 +46,7 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range to the plane. `doubt`: largest difference from the processor's number.
+// Returns the range to the plane. `doubt`: largest difference from the range that the CPU computes.
 double distanceTo(Plane p, dvec3 o, out double doubt) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
