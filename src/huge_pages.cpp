@@ -12,7 +12,7 @@
 namespace {
 
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
-constexpr std::size_t kLarge = 2 * kHugePage;  // from this size on, the partly empty last page does not matter
+constexpr std::size_t kLarge = 2 * kHugePage;  // bytes; from this size on, the last page's waste does not matter
 
 void* allocate(std::size_t bytes) {
   if (bytes < kLarge) return std::malloc(bytes == 0 ? 1 : bytes);

@@ -17,7 +17,8 @@ namespace scanmill {
 void forEachScan(const std::vector<std::string>& given,
                  const std::function<void(const Scan&, const std::string&)>& visit);
 
-// Returns the text of an option. Throws InputError if it is missing or empty. `what`: instruction in the message.
+// Returns the text of an option. Throws InputError if it is missing or empty. `what`: instruction for the user, in
+// the message.
 std::string requiredText(const Arguments& parsed, const std::string& option, const std::string& what);
 
 // Returns the file of the option `out`. Throws InputError if it is a folder, or if it exists and --overwrite is not

@@ -32,7 +32,7 @@ constexpr std::array<std::string_view, 3> kLayoutNames{"one", "overlay", "split"
 constexpr int kTickMs = 15;
 constexpr double kFarthestPlace = 1e5;  // largest coordinate (sensor's frame) and largest radius of a close-up (m)
 
-// Outputs that replace the window; all may be empty.
+// Outputs that replace the window, and their options. Without a screenshot, a turntable or a pick, a window is opened.
 struct Outputs {
   std::filesystem::path screenshot;
   std::filesystem::path turntable;
@@ -225,7 +225,8 @@ void writePicture(const std::filesystem::path& file, const Image& image, const s
   printText("{}: {} x {}, {}\n", file.string(), image.width, image.height, what);
 }
 
-// Throws InputError if an option that is not in `used` was given. `what`: option for this picture, for the message.
+// Throws InputError if an option that is not in `used` was given. `what`: the option that the message
+// says cannot be combined with the given one.
 void requireOnly(const std::filesystem::path& file, const Arguments& parsed, const std::string& what,
                  std::initializer_list<std::string_view> used) {
   for (const cxxopts::KeyValue& given : parsed.options.arguments()) {

@@ -22,7 +22,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;  // bytes for the child process, plus 64 per byte of the file
+// Memory limit of the child process (bytes) for an empty file. Each byte of the file adds 64 bytes to the limit.
+constexpr std::uint64_t kMemory = std::uint64_t{4} << 30;
 constexpr unsigned kSeconds = 300;
 
 ImportedFile importByAssimp(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {

@@ -92,7 +92,8 @@ class Fields {
   // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is; gain: 2".
   Fields& alsoDescribed(std::string_view keys);
 
-  // Throws an InputError for the first unknown key of the map; the message has its place and the nearest known key.
+  // Throws an InputError for the first unknown key of the map; the message names the key, its place and the most
+  // similar known key.
   void finish() const;
 
  private:

@@ -23,7 +23,7 @@ struct Value {
   Kind kind = Kind::Null;
   Location where;
   std::string text;            // Scalar: the text without quotes, with variables expanded
-  bool quoted = false;         // Scalar: true if quoted, a block or !!str: then text even if it looks like a number
+  bool quoted = false;         // Scalar: true if quoted, a block or !!str; such text is never read as a number
   std::vector<Value> items;    // Sequence: its items
   std::vector<Entry> entries;  // Map: its entries in the file's order; keys are unique
   int keyLine = 0;             // line of the key, for a map's entry; 0 if the entry comes from --set

@@ -126,7 +126,8 @@ class JsonNode {
 Pose poseOf(const JsonNode& node);
 Ontology ontologyOf(const JsonNode& node);
 
-// Returns the id of a class that a map states under the key `id`, with the class's name under the key `name`.
+// Returns the id of a class from a map's key `id`. Throws if the ontology lacks the class, or if the map's key `name`
+// is not the class's name.
 std::uint16_t classOf(const JsonNode& node, const Ontology& ontology, const std::string& id = "id",
                       const std::string& name = "name");
 MethodRecord choiceOf(const JsonNode& choice);

@@ -37,8 +37,8 @@ class Rule {
   std::size_t first_ = 0;
 };
 
-// Returns the distance (m) that the sensor moves during the revolution. Deskewed points may be farther away than the
-// maximum range by this distance, because they are relative to the sensor's first pose.
+// Returns the distance (m) that the sensor moves during the revolution. Deskewed points may exceed the maximum
+// range by this distance, because they are relative to the sensor's first pose.
 double egoMotion(const ScanRecord& record) {
   return length(record.worldFromSensor.back().translation - record.worldFromSensor.front().translation);
 }

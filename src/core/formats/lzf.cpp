@@ -12,7 +12,7 @@ namespace {
 constexpr std::ptrdiff_t kLeastMatch = 3;
 constexpr std::size_t kMostMatch = 264;
 constexpr std::size_t kFarthest = 8192;    // largest distance (bytes) back to an earlier occurrence
-constexpr std::size_t kMostLiterals = 32;  // the most literals after one control byte
+constexpr std::size_t kMostLiterals = 32;  // largest number of literals after one control byte
 constexpr unsigned kTableBits = 16;
 
 // Returns the index of the next three bytes in the hash table.

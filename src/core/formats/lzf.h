@@ -9,7 +9,7 @@
 
 namespace scanmill {
 
-// Returns the size of the largest result for `size` bytes.
+// Returns the largest number of bytes to which `size` bytes can be compressed.
 constexpr std::size_t mostLzfBytes(std::size_t size) {
   return size + size / 32 + 1;
 }

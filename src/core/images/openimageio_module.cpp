@@ -41,8 +41,8 @@ class OpenImageIoReader final : public ImageReader {
   ImageHeader header() const override {
     const OIIO::ImageSpec& spec = input_->spec();
     const bool alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels;
-    // Readers that multiply colours by alpha, although the configuration forbids it, do not set this attribute. The
-    // reader of WebP multiplies in linear light.
+    // Readers that multiply colours by alpha, although the configuration forbids it, do not set oiio:UnassociatedAlpha.
+    // The reader of WebP multiplies in linear light.
     const bool multiplied = alpha && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
     const double gamma = std::string_view(input_->format_name()) == "webp" ? 2.2 : 1.0;
     return {spec.width, spec.height, spec.nchannels, alpha ? spec.alpha_channel : -1, multiplied ? gamma : 0.0};

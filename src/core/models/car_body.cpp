@@ -59,7 +59,7 @@ class BodyMaker {
   }
 
  private:
-  static constexpr int kPoints = 15;  // points from the middle of the floor to the middle of the roof
+  static constexpr int kPoints = 15;  // number of points of section(), from mid-floor to mid-roof
 
   double halfWidth(double x) const {
     const double end = f_.length / 2;

@@ -270,7 +270,7 @@ Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number
 
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };
 constexpr int kSigns = 6;
-Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // faces +x
+Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // the sign faces +x
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // the arm reaches to +x
 Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // faces +x
 // A wooden pole with its crossarm along y, and the points where its wires are attached (m).
@@ -286,8 +286,8 @@ Model makeFurnishing(SceneBuilder& builder, std::uint64_t seed, Furnishing what)
 // A barrier extends along x, the door of a shed faces -y.
 enum class Clutter { Cone, Barrier, Skip, Cart, Pallets, Heap, Shed, Pond, Fountain, Swing, WoodPile, Count };
 Model makeClutter(SceneBuilder& builder, std::uint64_t seed, Clutter what, int number);
-Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // open to -y
-Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // a column with posters
+Model makeShelter(SceneBuilder& builder, std::uint64_t seed);                   // its open side faces -y
+Model makeColumn(SceneBuilder& builder, std::uint64_t seed);                    // advertising column
 Model makeFencePanel(SceneBuilder& builder, std::uint64_t seed, Fencing what);  // 2 m along x, centred
 
 }  // namespace scanmill::models

@@ -341,7 +341,7 @@ constexpr std::size_t bytesOf(ColumnType type) {
   return type == ColumnType::UInt8 ? 1 : type == ColumnType::UInt16 ? 2 : 4;
 }
 
-// A set of rows of the table.
+// A set of columns, which are rows of the table kColumns.
 class ColumnSet {
  public:
   constexpr ColumnSet() = default;

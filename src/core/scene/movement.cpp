@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kFastest = 300;  // m/s, largest speed
+constexpr double kFastest = 300;  // m/s, largest speed of an object
 
 }  // namespace
 

@@ -49,7 +49,7 @@ struct Welded {
   std::vector<Vec3f> positions;
   std::vector<std::uint32_t> vertexOf;
   std::vector<std::uint16_t> surfaceOf;
-  std::vector<std::uint32_t> corners;  // three per triangle
+  std::vector<std::uint32_t> corners;  // indices into `positions`, three per triangle
 };
 
 // Merges the vertices of the triangles whose indices are in `chosen`.

@@ -99,7 +99,7 @@ class ObjectTriangles {
   std::vector<std::uint32_t> triangles_;  // indices of triangles, ordered by their objects
 };
 
-// The triangles of one object of a mesh: their number, in all and by class, and their nodes.
+// The number of triangles of one object of a mesh, in total and by class, and the nodes that contain the object.
 struct Share {
   std::uint64_t triangles = 0;
   std::map<std::uint16_t, std::uint64_t> ofClass;

@@ -53,8 +53,8 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
 // things of such a class can have any size.
 std::map<std::uint16_t, Between> usualSizes(const std::vector<Concept>& concepts, const Ontology& ontology);
 
-// Returns the concepts of labels/words.yaml; an empty list if the file is missing, in which case only warnings that
-// need concepts are not given.
+// Returns the concepts of labels/words.yaml; an empty list if the file is missing. The program then works, but without
+// the warnings that need concepts.
 std::vector<Concept> knownConcepts();
 
 // Returns the ids of the thing classes that have wheels: the classes of concepts with a detail called "wheel".

@@ -220,8 +220,8 @@ class Gathering {
 
   // Collects the points of a tile that are return number `plane` of their beam, for any number of rows per beam. In a
   // dense scan the returns of a beam are consecutive. The scan's row of a return is therefore the row at which the
-  // column continues, plus the number of earlier returns, both of the same beam and of the column's beams in the tile's
-  // earlier rings.
+  // column continues, plus the number of earlier returns: those of the same beam, and those of the column's beams in
+  // the tile's earlier rings.
   void collectPlane(std::uint32_t firstRing, std::uint32_t plane) {
     std::size_t count = 0;
     const std::uint32_t endRing = std::min(firstRing + kTileRings, hits_.rings);

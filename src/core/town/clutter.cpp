@@ -32,8 +32,8 @@ class Store {
   std::vector<std::optional<Model>> made_;
 };
 
-// Returns a random distance along the main road (m) after which no other road joins for `length` metres; nullopt if no
-// attempt finds such a place.
+// Returns a random distance along the main road (m) such that no other road joins in the following `length` metres;
+// nullopt if no attempt finds such a place.
 std::optional<double> freeStretch(const Layout& l, Draw& draw, double length) {
   const Road& road = l.roads().roads().front();
   for (int attempt = 0; attempt < Placer::kTries; ++attempt) {
@@ -80,7 +80,7 @@ void placeRoadworks(Placer& placer, Store& store, const Model& light) {
   const Layout& l = placer.layout;
   Draw draw(l.seed(), Kind::Roadworks);
   const bool rural = l.character().district == District::Rural;
-  // A one-way road has no other lane.
+  // A one-way road has only the lane that the sensor's vehicle uses.
   if (l.roads().roads().front().oneWay() || (!rural && !draw.chance(0.6))) return;
   const double length = draw.in(9, 18);
   const std::optional<double> at = freeStretch(l, draw, length);

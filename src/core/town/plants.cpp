@@ -82,7 +82,7 @@ void placeTrees(Placer& placer) {
   for (const Point2& tree : l.trees()) {
     Draw draw(l.seed(), Kind::Tree, 500000 + mapped++);
     const Beside b = l.roads().at(tree.x, tree.y);
-    if (b.known && b.edge < 0.4) continue;  // the road is wider here than on the map
+    if (b.known && b.edge < 0.4) continue;  // the tree would be on the road, which is wider here than on the map
     if (plant(placer, nursery, draw, {tree, draw.in(0, 2 * kPi), 1, 0}, true, 0, fmt::format("tree {}", number + 1))) {
       ++number;
     }
@@ -101,7 +101,7 @@ void placeTrees(Placer& placer) {
         const double out = s.verge > 1.2 ? s.curb + s.verge / 2 : s.outer() + draw.in(0.8, 2.5);
         const Spot spot = besideRoad(road, along + draw.in(-1, 1), side * (s.half + out));
         const Beside b = l.roads().at(spot.at.x, spot.at.y);
-        if (b.edge < out - 0.5) continue;  // the place is on another road
+        if (b.edge < out - 0.5) continue;  // the place is on another road or close to it
         if (plant(placer, nursery, draw, spot, true, std::clamp(out + kOverhang, 1.6, 3.4),
                   fmt::format("tree {}", number + 1)))
           ++number;

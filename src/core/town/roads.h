@@ -58,7 +58,7 @@ models::Spot besideRoad(const Road& road, double along, double lateral);
 
 // The position of a point relative to the nearest road: beside that road or on it.
 struct Beside {
-  bool known = false;  // false: no road is nearer than RoadNetwork::kReach
+  bool known = false;  // false: no road's centre line is within RoadNetwork::kReach
   double edge = 1e9;   // m beyond the edge of the carriageway, negative on it; corners at joints are rounded
   std::uint32_t road = 0;
   double along = 0;      // m along the road's centre line
@@ -68,7 +68,7 @@ struct Beside {
 
 class RoadNetwork {
  public:
-  static constexpr double kReach = 48;  // m, largest distance of a road's centre line from a point: see Beside::known
+  static constexpr double kReach = 48;  // m, largest distance from which at() finds a road's centre line
 
   void add(Road road);
   // Adds a joint, a point where roads meet. Corners are rounded only near joints; elsewhere roads that touch are

@@ -6,7 +6,7 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kOnLine = 1e-4;  // m; a field whose absolute value is smaller counts as zero
+constexpr double kOnLine = 1e-4;  // m; smaller absolute values of a field count as zero
 
 // Corners are on a lattice of half of the smallest leaf's side, so that the centres of leaves are on the lattice too.
 class Quadtree {

@@ -32,7 +32,7 @@ constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
 // grows with the range. `scale`: pixels per metre at the point. `unit`: 1/850 of the picture's height, at least 0.5.
 double pointDiameter(double range, double scale, double factor, double unit) {
   constexpr double kWorldDiameter = 0.05;  // diameter of a point near the sensor (m)
-  // Increase of the diameter per range (m/m); beams 0.2 degrees apart nearly touch.
+  // Increase of the diameter per range (m/m); points of beams 0.2 degrees apart nearly touch.
   constexpr double kDiameterPerMetre = 0.003;
   constexpr double kLeast = 1.3;  // minimum diameter, in multiples of `unit`
   constexpr double kMost = 16;    // maximum diameter, in multiples of `unit`

@@ -19,8 +19,8 @@ struct Step {
   int exponent = 0;
 
   double size() const { return times(1); }
-  // Returns n steps. Divides by a power of ten instead of multiplying by its inverse, which is not exact in binary, so
-  // that results are printed as round numbers.
+  // Returns the length of n steps. Divides by a power of ten instead of multiplying by its inverse, which is not exact
+  // in binary, so that results are printed as round numbers.
   double times(double n) const {
     const double whole = n * mantissa;
     return exponent < 0 ? whole / std::pow(10.0, -exponent) : whole * std::pow(10.0, exponent);

@@ -39,9 +39,9 @@ struct StripShifts {
   std::size_t place(std::size_t ring, std::size_t column) const;
 };
 
-// Returns shifts such that the left side of the image shows the left. The middle of the image shows straight ahead; if
-// the field of view is less than a full revolution, it shows the middle of the field of view. Returns nothing if the
-// azimuths of two rings differ so much that their rows would not overlap.
+// Returns shifts such that the left side of the image shows what is on the sensor's left. The middle of the image shows
+// straight ahead; if the field of view is less than a full revolution, it shows the middle of the field of view.
+// Returns nothing if the azimuths of two rings differ so much that their rows would not overlap.
 std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns);
 
 }  // namespace scanmill

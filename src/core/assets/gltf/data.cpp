@@ -16,9 +16,9 @@
 namespace scanmill::gltf {
 namespace {
 
-// The most elements of an accessor without data, whose zeroes take no bytes of the file.
+// Largest number of values of an accessor without data: all are zero, and they take no bytes of the file.
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
-// The most bytes that one compressed byte of a view may decode to.
+// Largest number of bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;
 constexpr std::uint64_t kMostDecoded = std::uint64_t{1} << 33;  // largest size of all decoded views together (bytes)
 

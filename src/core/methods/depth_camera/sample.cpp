@@ -32,7 +32,7 @@ struct Batch {
   std::size_t base = 0;  // index of the first of `count` consecutive beams; used only if `index` is empty
   std::size_t count = 0;
   std::vector<std::uint32_t> index;  // indices of the beams in RigBeams
-  std::vector<double> u, v;          // px
+  std::vector<double> u, v;          // px, position of each beam's pixel in its image
   std::vector<std::uint8_t> view;
 
   std::size_t beam(std::size_t i) const { return index.empty() ? base + i : index[i]; }

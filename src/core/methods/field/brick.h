@@ -1,6 +1,6 @@
 #pragma once
 
-// Computes the distances and triangles that the corners of a brick store.
+// Computes the distances and triangles that a brick stores for its corners.
 
 #include <array>
 #include <cstdint>
@@ -42,19 +42,19 @@ class BrickMaker {
     std::uint32_t corner, triangle;
   };
 
-  // Defined in brick.cpp.
+  // These functions are defined in brick.cpp:
   void sortTriangles();
   void addList(std::uint32_t corner);
   void fillWords(const std::uint16_t* distance, std::uint32_t* word) const;
   void placeLists(std::uint32_t* word, std::vector<std::uint32_t>& entries);
   void fillDistances(std::uint16_t* distance) const;
 
-  // Defined in sparse_brick.cpp.
+  // These functions are defined in sparse_brick.cpp:
   void makeSparse(const BrickPlace& place);
   void fillBlock(const BrickPlace& place, int block);
   void listBlock(int block);
 
-  // Defined in dense_brick.cpp.
+  // These functions are defined in dense_brick.cpp:
   void makeDense(const BrickPlace& place);
   [[nodiscard]] bool makeBlock(const BrickPlace& place, int block);
   void searchBlock(const BrickPlace& place, int block);

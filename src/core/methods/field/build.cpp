@@ -289,7 +289,7 @@ std::shared_ptr<const DistanceField> Builder::build() {
   if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
   fillTable();
   findUnmade();
-  // A field with more new bricks than shared ones gets a new pool.
+  // A field gets a new pool if it has more new bricks than shared ones, or if the earlier pool has no room for them.
   const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
   appended ? append() : startPool();
   makeBricks();

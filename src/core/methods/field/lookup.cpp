@@ -19,7 +19,7 @@ int levelAt(const DistanceField& field, const Vec3f& place) {
 }
 
 struct FieldPlace {
-  std::uint32_t brick;              // entry of DistanceField::table
+  std::uint32_t brick;              // value from DistanceField::table
   std::array<std::uint32_t, 3> in;  // voxel within the brick
   std::array<float, 3> f;           // position within the voxel, 0 to 1
 };

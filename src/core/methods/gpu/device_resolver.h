@@ -60,7 +60,7 @@ class DeviceResolver {
   static constexpr std::size_t kTables = 4;
   ComputeTable table(std::size_t binding) const;
 
-  // Consecutive rays in columns().
+  // Consecutive rays [from, from + count) in columns().
   struct Piece {
     std::size_t all;  // number of all rays in columns()
     std::size_t from;

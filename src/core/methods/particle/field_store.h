@@ -31,8 +31,9 @@ class FieldStore {
   // field along with the sensor, are added to the stage "field_build" or "field_update" of `clock`.
   Place around(const Vec3d& sensor, double range, StageClock& clock) const;
 
-  // Returns how many fields' memory the store needs at least while sensors drive, with the space for moving them. Each
-  // thread works on its own drive and may have its own field, as long as all fields fit into an eighth of the memory.
+  // Returns the least number of fields for which the store needs memory at the same time, including the space for
+  // moving fields along with sensors. Each thread works on its own drive and may have its own field, as long as all
+  // fields fit into an eighth of the memory.
   std::size_t fewestFields() const;
 
  private:

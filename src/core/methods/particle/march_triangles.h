@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace scanmill::HWY_NAMESPACE {
 
 // The section of a particle's line that is tested: from `low` to `high` along d, counted from the point x y z (all in
-// m, relative to the world's origin). Split into two records of four floats.
+// m, relative to the world's origin). The section is split into two records of four floats.
 struct LineStart {
   float x, y, z, low;
 };

@@ -32,7 +32,7 @@ class Worlds {
   // Returns the number of triangles of a world and its shared meshes. A baked triangle counts once per instance, a
   // triangle of a shared mesh counts once.
   std::uint64_t triangles() const;
-  // Returns approximately the bytes that these triangles take.
+  // Returns approximately how many bytes the triangles that triangles() counts take.
   std::uint64_t memoryBytes() const;
 
  private:

@@ -37,7 +37,7 @@ constexpr double kReach = 512;                // m, largest distance of the came
                                               // float32 steps are 6e-5 m there
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
                                               // plane, as a fraction of the depth
-constexpr std::size_t kFrameGrain = 1 << 14;  // pixels per task
+constexpr std::size_t kFrameGrain = 1 << 14;  // number of pixels of one parallel task
 constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // more pixels than this with a depth, and none with ids, are
                                                     // an error; fewer may be cut-outs
 

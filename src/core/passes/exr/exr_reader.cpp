@@ -190,8 +190,8 @@ void readRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   input.readPixels(window.min.y + static_cast<int>(first), window.min.y + static_cast<int>(end) - 1);
 }
 
-// Returns true if a part's pixels are stored uncompressed as 4 bytes each, line by line and within a line channel by
-// channel.
+// Returns true if a part's pixels are stored uncompressed as 4 bytes each, line by line and, within each line, channel
+// by channel.
 bool isPlain(const Imf::Header& header) {
   if (header.hasTileDescription() || header.compression() != Imf::NO_COMPRESSION) return false;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {

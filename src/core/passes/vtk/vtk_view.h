@@ -28,7 +28,7 @@ class DrawnView {
   SeenTriangle seen(std::uint32_t pixel, std::uint32_t number) const;
 
  private:
-  // A visible instance of the scene, with its transform from the camera.
+  // A visible instance of the scene, and the transform from the camera's frame to its mesh's frame.
   struct Frame {
     std::uint32_t instance;
     Mat3 meshFromCamera;

@@ -35,7 +35,7 @@ struct BloomingOptions {
 };
 
 struct Stray {
-  float echo = 0;  // relative to a white target at the same range
+  float echo = 0;  // power relative to the echo of a white target at the same range
   float range = 0;
 };
 

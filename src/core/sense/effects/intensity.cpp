@@ -58,7 +58,7 @@ struct IntensityOptions {
   float referenceRange = 10;  // m, range at which a white diffuse target has the power 1
   float nearRange = 1;        // m, targets nearer than this have the power that they would have at this range
   bool inverseSquare = true;
-  double attenuation = 0;  // 1/m
+  double attenuation = 0;  // 1/m, extinction coefficient of the air
   float gain = 1;
   float saturation = FLT_MAX;
   double gamma = 1;

@@ -35,7 +35,7 @@ struct Sigma {
   double base = 0;    // m, standard deviation at range 0
   double growth = 0;  // m per m of range
   std::vector<Ramp> ramps;
-  double overSnr = 0;  // m, the option `over_snr_m`
+  double overSnr = 0;  // m; part of the standard deviation that is divided by the SNR
 
   bool zero() const { return base == 0 && growth == 0 && ramps.empty() && overSnr == 0; }
 };

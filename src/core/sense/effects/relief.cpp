@@ -38,7 +38,7 @@ struct RoughHit {
   std::size_t row = 0;
   Vec3d place, along;  // hit on the mesh (m) and direction of the beam (unit vector), in world
                        // axes
-  // By entry of the relief: standard deviation of the height after averaging over the beam's footprint (m).
+  // Standard deviation of the height after averaging over the beam's footprint (m), for each entry of the relief.
   std::array<double, kMostReliefs> height{};
   std::array<double, kMostReliefs> cubes{};  // cubes per metre, by entry of the relief
   double cosine = 1;                         // cosine of the angle of incidence
@@ -47,8 +47,8 @@ struct RoughHit {
   int steps = 0;
 };
 
-// Follows many beams at once, each in one slot. As soon as a beam has hit the height field, the next beam takes its
-// slot.
+// Follows many beams at once, each in one slot. As soon as the search along a beam ends, the next beam takes
+// its slot.
 class March {
  public:
   March(std::uint64_t seed, std::span<const RoughHit> hits, Returns& returns)
@@ -132,7 +132,7 @@ class March {
   std::size_t levels_ = 0;
   Batch<const RoughHit*> hit_{};
   Batch<int> step_{};      // the current step; after below_ is set, the last step above the height field
-  Batch<double> at_{};     // m along the beam, counted from the mesh
+  Batch<double> at_{};     // m, current position along the beam, counted from the mesh
   Batch<double> above_{};  // m, height of the beam over the height field at the last step above it
   Batch<double> below_{};  // m, height (negative) at the first step below the height field; 0: not found yet
   Places places_{};

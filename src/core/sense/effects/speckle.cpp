@@ -16,7 +16,7 @@
 namespace scanmill {
 namespace {
 
-constexpr int kMostLooks = 30;  // the product of 30 numbers that are at least 2^-33 is still a normal double
+constexpr int kMostLooks = 30;  // largest number of looks; a product of 30 numbers >= 2^-33 is a normal double
 
 class Speckle : public Effect {
  public:

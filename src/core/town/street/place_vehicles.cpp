@@ -141,7 +141,7 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
     }
     placer.search(*m, name, [&] {
       double x = placer.alongStreet(draw, 8);
-      // The vehicle must not be on the crossing.
+      // The vehicle must not be in the intersection.
       const double reach = l.crossEdge + l.cornerRadius + (m->bounds.high.x - m->bounds.low.x) / 2;
       if (l.cross && std::abs(x - l.crossX) < reach) x = l.crossX + (x > l.crossX ? reach : -reach);
       return Spot{x, l.roadEdge / 2 + draw.in(-0.15, 0.1), kPi + draw.in(-0.01, 0.01), 1, 0};

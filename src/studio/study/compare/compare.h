@@ -35,7 +35,7 @@ struct GroupComparison {
 
 struct BandComparison {
   std::string name;
-  double realShare = 0, simulatedShare = 0;  // fractions of all patches of the set
+  double realShare = 0, simulatedShare = 0;  // fraction of each set's patches that are in the band
 };
 
 // Median intensities of patches, divided by the median of the set.

@@ -12,8 +12,9 @@
 
 namespace scanmill {
 
-// The differences between rings. The plane that is fitted to each patch absorbs errors that its rings have in common
-// and errors that grow linearly over its rings. Only differences between neighbouring rings can be measured.
+// The errors of rings, which differ from ring to ring. The plane that is fitted to each patch absorbs errors that its
+// rings have in common and errors that grow linearly over its rings. Only differences between neighbouring rings can be
+// measured.
 struct RingSpread {
   std::vector<double> ofRing;  // error of each ring; 0 if no patch contains the ring
   double sigma = 0;            // standard deviation between rings, after removing the part due to noise

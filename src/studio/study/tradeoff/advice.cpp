@@ -20,7 +20,7 @@ namespace {
 constexpr double kSameTime = 0.10;
 constexpr double kSameShare = 1e-5;  // fraction of beams by which settings may differ and still count as equal
 constexpr double kLittleGain = 1.5;  // speed-up factor below which accepting an error is seldom worthwhile
-// Ratio of the p99 with and without edges from which the p99 without edges is reported too.
+// Least ratio of the p99 of all beams to the p99 of beams away from edges at which the latter is reported too.
 constexpr double kNotableEdges = 3;
 constexpr std::size_t kMostNamed = 6;  // maximum number of settings in one sentence
 

@@ -89,7 +89,7 @@ void Panels::addLabels() {
       addLabel(scenery_.ground + ahead * radius, fmt::format("{} m", radius), false);
   }
   if (context_.options.axes) {
-    // If sensors are at different places, add their names.
+    // If the scans are from sensors at different places, label each place with a sensor's name.
     std::vector<Vec3d> named;
     for (const ShownCloud& cloud : clouds_.list) {
       const Vec3d& stands = cloud.canvasFromScan.translation;

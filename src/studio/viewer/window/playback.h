@@ -33,7 +33,8 @@ class Playback {
   std::shared_ptr<const ViewFrame> take(double now);
   std::shared_ptr<const ViewFrame> wait(double now);
 
-  // Stops playing if frames are played. Otherwise starts at the requested frame, or at the first if this is the last.
+  // Stops playing if frames are played. Otherwise starts playing at the requested frame or, if that is the last frame,
+  // at the first.
   void togglePlaying(double now);
   void stop() { playing_ = false; }
   // Makes playing faster (1) or slower (-1).
@@ -72,7 +73,7 @@ class Playback {
   std::size_t requested_ = 0;
   std::optional<std::size_t> current_;
   std::optional<double> currentTime_;  // time of the current frame in its sequence (s); absent: the frame has no scan
-  double shownAt_ = 0;                 // time at which the current frame was taken or playing began (s)
+  double shownAt_ = 0;                 // time at which the current frame was received or playing began (s)
   double recordedSeconds_ = 0;         // recorded time between the last two frames (s); 0: they are not consecutive
   bool playing_ = false;
   std::size_t speed_;  // index in kSpeeds

@@ -1,4 +1,4 @@
-// Computes the camera of each preset and the first camera, and writes the current camera as text.
+// Computes the camera of each preset and the initial camera, and writes the current camera as text.
 
 #include <algorithm>
 #include <cmath>

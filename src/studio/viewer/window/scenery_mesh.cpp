@@ -98,7 +98,7 @@ void Scenery::tellWhatEncloses() {
   constexpr int kAcross = 7;
   constexpr double kEnough = 0.1;  // least fraction of the lines of sight that must hit the part
   const ViewCamera view = camera.camera(context_.canvas.width(), context_.canvas.height());
-  std::optional<std::size_t> first;  // triangle seen along the first line of sight that hits any
+  std::optional<std::size_t> first;  // triangle seen along the first line of sight that hits a triangle
   int met = 0;
   for (int line = 0; line < kAcross * kAcross; ++line) {
     const int column = line % kAcross;

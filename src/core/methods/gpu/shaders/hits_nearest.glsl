@@ -8,7 +8,8 @@ layout(binding = 5) uniform usamplerBuffer table;
 layout(binding = 6) uniform usamplerBuffer distances;
 layout(binding = 7) uniform usamplerBuffer words;
 
-// Converts a point to the field's frame. Returns false if its float32 bits could differ from the processor's.
+// Converts a point to the field's frame. Returns false if the result's float32 bits could differ from those that the
+// CPU computes.
 bool fieldFrame(dvec3 point, double doubt, out vec3 q) {
   precise dvec3 place = (point - centre.xyz) * centre.w;
   bool sure = true;

@@ -1,6 +1,6 @@
 // Particles that run together march until each has reached a voxel with a list of triangles; then all test their
-// triangles together. Further tables: 4 lists, 5 triangles (three vec4 each: a corner and the two edges from it; m,
-// relative to the world's origin).
+// triangles together. Further tables: lists at binding 4, triangles at binding 5 (three vec4 each: a corner and the
+// two edges from it; m, relative to the world's origin).
 
 #include "march.glsl"
 

@@ -1,6 +1,6 @@
 // Hits of triangles: their planes, labels and textures, and the requested columns of hits, with the same bits as on the
 // processor. The including file declares a uniform block with the members of ResolverBlock (device_resolver.h):
-// nearest, farthest, channels, rays. Storage buffer: 5 the columns.
+// nearest, farthest, channels, rays. Storage buffer at binding 5: the columns.
 
 layout(std430, binding = 5) writeonly restrict buffer HitColumns { uint hitColumns[]; };
 layout(binding = 0) uniform usamplerBuffer planeRecords;
@@ -46,7 +46,7 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range to the plane. `doubt`: largest difference from the processor's number.
+// Returns the range to the plane. `doubt`: largest difference from the range that the CPU computes.
 double distanceTo(Plane p, dvec3 o, out double doubt) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
