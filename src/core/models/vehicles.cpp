@@ -185,7 +185,7 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
     shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});
     shape.box(reflector, {-end + 0.01, side * (width / 2 - 0.25), 0.66}, {0.06, 0.36, 0.14});
     shape.box(metal, {-end - 0.012, side * 0.25, (kBed + height) / 2}, {0.04, 0.04, height - kBed - 0.1});
-    const double x = end - 0.4;  // mirrors
+    const double x = end - 0.4;  // position of the mirrors along the truck
     shape.tube(black, {x, side * (width / 2 - 0.12), 2.2}, {x + 0.1, side * (width / 2 + 0.14), 2.1}, 0.02, 0.02, 6);
     shape.box(black, {x + 0.1, side * (width / 2 + 0.15), 1.85}, {0.08, 0.2, 0.5});
   }

@@ -56,7 +56,7 @@ constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive
 
 struct IntensityOptions {
   float referenceRange = 10;  // m
-  float nearRange = 1;        // m
+  float nearRange = 1;        // m, `near_range_m`: below this range the power does not increase further
   bool inverseSquare = true;
   double attenuation = 0;  // 1/m
   float gain = 1;
