@@ -163,7 +163,7 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   const double middle = (front - end) / 2;
   constexpr double kBed = 0.95;
   shape.box(metal, {middle, 0, (kBed + height) / 2}, {cargo, width, height - kBed});
-  for (const double y : {-width / 2, width / 2}) {  // ribs, reflecting band and under-ride guard
+  for (const double y : {-width / 2, width / 2}) {  // adds ribs, a reflecting band and an under-ride guard
     for (int k = 0; k <= 6; ++k) {
       const double x = lerp(-end + 0.02, front - 0.02, k / 6.0);
       shape.box(metal, {x, y, (kBed + height) / 2}, {0.06, 0.05, height - kBed + 0.03});

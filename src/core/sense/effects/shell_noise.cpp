@@ -45,8 +45,8 @@ class ShellNoise : public Effect {
     });
   }
 
-  double scale_;   // m
-  double growth_;  // m per m of range
+  double scale_;   // m, displacement of points at range 0
+  double growth_;  // m, increase of the displacement per metre of range
 };
 
 }  // namespace
