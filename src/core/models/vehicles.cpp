@@ -13,8 +13,8 @@ namespace {
 // The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
 struct CarShape {
   double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm
-  double nose, hood, height, tail;                                     // z of bonnet's tip and base, roof, boot
-  double windBase, windTop, roofEnd, rearBase;                         // x of the ends of windscreen, roof, rear window
+  double nose, hood, height, tail;                                     // z: tip and base of the bonnet, roof, boot
+  double windBase, windTop, roofEnd, rearBase;                         // x: ends of windscreen, roof and rear window
 };
 
 // The bodies in the order of CarForm.

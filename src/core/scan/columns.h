@@ -40,7 +40,7 @@ enum class ColumnLoss : std::uint8_t {
 // The values that a column may have.
 enum class ColumnValidity : std::uint8_t {
   Any,
-  Finite,       // finite, also Column::none
+  Finite,       // finite numbers, for points without a value too
   Rings,        // integers below the sensor's number of rings
   Columns,      // integers below the sensor's number of columns
   SensorRange,  // metres within the sensor's range limits

@@ -15,7 +15,7 @@ constexpr float kLeftOut = -1;  // Particles::begin of a particle that is left t
 constexpr std::uint32_t kGoOn = 3;                    // the particle continues behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
 
-// rays.glsl alone, for programs that need the rays of shots.
+// The text of rays.glsl alone, for programs that need the rays of shots.
 extern const std::string_view kRaysShader;
 
 // These functions return programs for fields with or without lists of triangles: the launch program creates particles,
