@@ -65,7 +65,7 @@ void printResult(const Repeatability& result, const std::string& date) {
   printText("{}\n", formatTable(rows));
 }
 
-// Writes kResultFile last: if this file exists, the report is complete.
+// Writes the report's files, kResultFile last: if this file exists, the report is complete.
 void writeResult(const Repeatability& result, const std::string& date, const std::filesystem::path& folder) {
   std::vector<Chart> charts = repeatabilityCharts(result, 0);
   if (result.levels.size() > 1) {

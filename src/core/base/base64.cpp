@@ -30,7 +30,8 @@ std::string base64(std::string_view bytes) {
 }
 
 std::optional<std::string> fromBase64(std::string_view text) {
-  // OpenSSL would skip white space at both ends and "-" at the end, and decode padding in the middle as zeroes.
+  // Refuses what OpenSSL would accept: it would skip white space at both ends and "-" at the end, and decode padding in
+  // the middle as zeroes.
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   if (text.size() % 4 == 1 || text.find_first_of("= \t\r\n-") != std::string_view::npos) return std::nullopt;
   std::string out(text.size() / 4 * 3 + 3, '\0');

@@ -25,8 +25,8 @@ std::string lastError() {
 
 }  // namespace
 
-// Reads the program's own list of folders and does not leave the search to dlopen(). With a sanitizer, dlopen() is
-// called by the sanitizer's library and would search the RUNPATH of that library.
+// Returns the folders in which the dynamic linker searches the program's libraries. dlopen() alone does not suffice:
+// with a sanitizer, the sanitizer's library calls it, and it would search the RUNPATH of that library.
 std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo need{};

@@ -1,6 +1,6 @@
 #pragma once
 
-// Numbers, sizes, times and positions as short text, for people.
+// Formats numbers, sizes, times and positions as short text for people.
 
 #include <string>
 

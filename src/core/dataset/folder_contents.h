@@ -35,9 +35,9 @@ std::vector<std::string> listedIn(const std::filesystem::path& manifest);
 // Returns the names of the shards that have records in the hidden folder.
 std::vector<std::string> recordedIn(const std::filesystem::path& hidden);
 
-// Returns the names of the shards in a folder that this program wrote, and of the files that describe their samples.
-// They belong to the dataset in the folder; or, if a process was killed while it published a dataset, to the old or the
-// new dataset. Throws InputError if a manifest in the folder cannot be read.
+// Returns the names of the shards that this program wrote into a folder, and of the files that describe their samples.
+// These files belong to the dataset in the folder; or, if a process was killed while it published a dataset, to the old
+// or the new dataset. Throws InputError if a manifest in the folder cannot be read.
 std::vector<std::string> ownShards(const std::filesystem::path& folder);
 
 // Throws InputError if writing a new dataset would destroy or hide files that this program has not written.

@@ -18,7 +18,7 @@
 namespace scanmill {
 
 inline constexpr std::string_view kObjectsSuffix = "objects.json";
-// Returns the member's name for the sample with this key.
+// Returns the name of the member that lists the objects of the sample with this key.
 std::string objectsMember(const std::string& key);
 
 // How a sensor sees an object in one revolution.

@@ -21,7 +21,7 @@
 
 namespace scanmill {
 
-// The end of the member's name; it takes the place of a format's suffix.
+// The end of the name of a shard's member with voxels, used like the suffix of a format.
 inline constexpr std::string_view kVoxelsSuffix = "voxels.npz";
 
 // The voxels of one scan. Each vector has one entry per voxel of the grid, which is in the frame of the scan's points.
@@ -29,9 +29,8 @@ struct ScanVoxels {
   VoxelGrid grid;
   std::vector<std::uint16_t> label;   // class id of most of the surface in the voxel; 0: empty, or without a class
   std::vector<std::uint8_t> input;    // 1: the voxel contains at least one point of the scan
-  std::vector<std::uint8_t> invalid;  // 1: nothing is known about the voxel: it has surfaces without a class, or it is
-                                      // neither seen nor connected to seen voxels through empty voxels, as inside of
-                                      // objects
+  std::vector<std::uint8_t> invalid;  // 1: the voxel must be ignored: its surfaces have no class, or it is neither seen
+                                      // nor connected to seen voxels through empty voxels, as inside of objects
   std::vector<std::uint8_t> unseen;   // 1: no beam of the scan passes through the voxel or ends in it
 };
 

@@ -44,7 +44,8 @@ struct RosMarker {
   std::string text;
 };
 
-// Return serialised messages. Times are in nanoseconds. Throw Error if the content exceeds a message's limits.
+// These functions return serialised messages. Times are in nanoseconds. They throw Error if the content exceeds a
+// message's limits.
 std::string transformsMessage(std::span<const RosTransform> transforms);
 std::string markersMessage(std::uint64_t time, std::string_view frame, std::span<const RosMarker> markers);
 // The fields are x, y and z, then the scan's columns with their names. An organised scan keeps its misses and its

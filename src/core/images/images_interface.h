@@ -24,7 +24,8 @@ class ImageReader {
  public:
   virtual ~ImageReader() = default;
   virtual ImageHeader header() const = 0;
-  // Reads the next `count` rows, starting at the top: 8 bits per channel, interleaved, width * count * channels bytes.
+  // Reads the next `count` rows; the first call starts at the top row. Fills width * count * channels bytes: 8 bits per
+  // channel, interleaved.
   // Throws std::runtime_error with the library's message.
   virtual void rows(int count, std::uint8_t* pixels) = 0;
 };

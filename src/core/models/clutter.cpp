@@ -162,7 +162,7 @@ void appendWoodPile(Shape& s, Draw& draw) {
   }
 }
 
-// In the order of Clutter.
+// The functions that build each kind of clutter, in the order of Clutter.
 constexpr std::array<void (*)(Shape&, Draw&), static_cast<std::size_t>(Clutter::Count)> kAppend{
     appendCone, appendBarrier,      appendSkip,        appendCart,  appendPallets, appendHeap,
     appendShed, appendBasin<false>, appendBasin<true>, appendSwing, appendWoodPile};

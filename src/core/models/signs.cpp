@@ -32,7 +32,7 @@ std::vector<Point2> rectangle(double width, double height) {
 struct SignForm {
   int corners;        // 0: a square
   double radius;      // m, from the middle to a corner
-  double turn;        // rad, direction of a corner
+  double turn;        // rad, direction from the middle to one of the corners
   double halfHeight;  // m, half of the board's height
 };
 

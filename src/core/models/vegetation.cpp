@@ -295,8 +295,8 @@ Model makeHedgerow(SceneBuilder& builder, std::uint64_t seed, int form) {
     s.tube(bark, root, {root.x + draw.in(-0.2, 0.2), draw.in(-0.3, 0.3) * depth, height * draw.in(0.6, 0.9)}, 0.02,
            0.006, 5);
   }
-  // Adds enough leaves for a leaf area index of 4 across the hedge, but at most 3500; more of them near the surface,
-  // where the light is.
+  // Adds at most 3500 leaves, denser near the hedge's surface, where the light is. Up to this number, their total area
+  // is 4 times the hedge's area seen from the side.
   const double size = draw.in(0.09, 0.14);
   const int leaves = static_cast<int>(4 * 2 * height / (0.6 * 0.7 * size * size));
   for (int k = 0; k < std::min(leaves, 3500); ++k) {

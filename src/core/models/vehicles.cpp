@@ -13,8 +13,8 @@ namespace {
 // The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
 struct CarShape {
   double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm
-  double nose, hood, height, tail;                                     // z of bonnet's tip and base, roof, boot
-  double windBase, windTop, roofEnd, rearBase;                         // x of the ends of windscreen, roof, rear window
+  double nose, hood, height, tail;                                     // z: tip and base of the bonnet, roof, boot
+  double windBase, windTop, roofEnd, rearBase;                         // x: ends of windscreen, roof and rear window
 };
 
 // The bodies in the order of CarForm.
@@ -163,7 +163,7 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
   const double middle = (front - end) / 2;
   constexpr double kBed = 0.95;
   shape.box(metal, {middle, 0, (kBed + height) / 2}, {cargo, width, height - kBed});
-  for (const double y : {-width / 2, width / 2}) {  // ribs, reflecting band and under-ride guard
+  for (const double y : {-width / 2, width / 2}) {  // adds ribs, a reflecting band and an under-ride guard
     for (int k = 0; k <= 6; ++k) {
       const double x = lerp(-end + 0.02, front - 0.02, k / 6.0);
       shape.box(metal, {x, y, (kBed + height) / 2}, {0.06, 0.05, height - kBed + 0.03});
@@ -185,7 +185,7 @@ Model makeTruck(SceneBuilder& builder, std::uint64_t seed, int form) {
     shape.box(metal, {-end + 0.1, side * 0.7, 0.7}, {0.06, 0.08, 0.45});
     shape.box(reflector, {-end + 0.01, side * (width / 2 - 0.25), 0.66}, {0.06, 0.36, 0.14});
     shape.box(metal, {-end - 0.012, side * 0.25, (kBed + height) / 2}, {0.04, 0.04, height - kBed - 0.1});
-    const double x = end - 0.4;  // mirrors
+    const double x = end - 0.4;  // position of the mirrors along the truck
     shape.tube(black, {x, side * (width / 2 - 0.12), 2.2}, {x + 0.1, side * (width / 2 + 0.14), 2.1}, 0.02, 0.02, 6);
     shape.box(black, {x + 0.1, side * (width / 2 + 0.15), 1.85}, {0.08, 0.2, 0.5});
   }

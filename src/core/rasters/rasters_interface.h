@@ -15,8 +15,8 @@ struct RasterHeader {
   int height = 0;  // number of rows; the first row is usually the northernmost
   int bands = 0;
   bool placed = false;                                // true if the file states a geotransform
-  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; column c and row r
-                                                      // are 0 at the edges
+  std::array<double, 6> transform{0, 1, 0, 0, 0, 1};  // x = t0 + c t1 + r t2, y = t3 + c t4 + r t5; (c, r) = (0, 0)
+                                                      // is the outer corner of the first sample
   bool geographic = false;                            // true: x and y are longitude and latitude in degrees
   double metresPerUnit = 1;                           // metres per unit of x and y, if not geographic
   std::string reference;                              // the coordinate system's definition (WKT); empty: not stated

@@ -40,7 +40,7 @@ enum class ColumnLoss : std::uint8_t {
 // The values that a column may have.
 enum class ColumnValidity : std::uint8_t {
   Any,
-  Finite,       // finite, also Column::none
+  Finite,       // finite numbers, for points without a value too
   Rings,        // integers below the sensor's number of rings
   Columns,      // integers below the sensor's number of columns
   SensorRange,  // metres within the sensor's range limits
@@ -412,7 +412,7 @@ struct ScanLayout {
 // Returns the names of all rows, in their order.
 std::vector<std::string> allColumnNames();
 
-// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and the names of the set.
+// Returns the names of all columns of a scan as its files list them: "x", "y", "z" and then `columns`.
 std::vector<std::string> scanColumnNames(ColumnSet columns);
 
 // Returns a text followed by its unit in brackets, such as "time (s)"; only the text if the unit is empty.

@@ -63,7 +63,7 @@ bool knowsBeams(const Scan& scan) {
   return scan.size() == 0 || (!scan[kRing].empty() && !scan[kColumn].empty());
 }
 
-// In an organised scan the key follows from the order of the points, because misses have no ring and no column.
+// If the scan is organised, the key follows from the point's index, because misses have no ring and no column.
 PointKey keyOf(const Scan& scan, std::size_t point) {
   if (scan.organised) {
     const std::size_t row = point / scan.columns;

@@ -108,7 +108,7 @@ class Taker {
  private:
   static constexpr std::uint32_t kNew = std::numeric_limits<std::uint32_t>::max();
   const AssetPart& part_;
-  std::vector<std::uint32_t> moved_;  // by vertex of the part: the vertex's number in the copy, or kNew
+  std::vector<std::uint32_t> moved_;  // by vertex of the part: its number in the copy; kNew: not copied yet
 };
 
 void applyRules(AssetPart part, const Labelling& labelling, const PartFrame& frame, RuleCounts& counts,

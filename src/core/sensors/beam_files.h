@@ -10,7 +10,7 @@
 namespace scanmill {
 
 struct Laser {
-  double elevation = 0;  // deg
+  double elevation = 0;  // deg, upwards from the horizontal
   double azimuth = 0;    // deg, counter-clockwise
   double left = 0;       // m, offset of the beam's origin to the left: see origin_left_m in sensor.h
   double up = 0;         // m, offset of the beam's origin upwards: see origin_up_m in sensor.h

@@ -64,7 +64,7 @@ struct BeamTable {
   double field = 2 * kPi;             // rad, horizontal field of view; in a full circle the last column is one
                                       // step before the first column
   std::vector<double> elevation;      // rad, per ring
-  std::vector<double> azimuthOffset;  // rad, per ring
+  std::vector<double> azimuthOffset;  // rad, per ring; added to the azimuth of each column
   std::vector<double> firingOffset;   // s, per ring
   double originOffset = 0;            // m, distance of the beam origin from the axis, along the head's azimuth
   double originHeight = 0;            // m, height of the beam origin above the origin of the sensor's frame

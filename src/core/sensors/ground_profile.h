@@ -25,7 +25,7 @@ class Ground {
   virtual std::optional<double> near(const Vec3d& place) const = 0;
 };
 
-// Read from YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
+// How a vehicle stands on the ground. In YAML: `drop`, or {height: 1.8, wheels: [2.7, 1.6], on: [road, terrain]}.
 struct GroundOptions {
   double height = 0;                                        // m, height of the vehicle's origin above the ground
   std::optional<std::array<double, 2>> wheels{{2.7, 1.6}};  // m, wheelbase and track; none: the vehicle stays upright

@@ -59,10 +59,10 @@ class RecordedPoses {
 //
 // KITTI: Geiger, Lenz, Urtasun, "Are we ready for autonomous driving?", CVPR 2012: 12 numbers per line, the first three
 // rows of the matrix that transforms points from the left camera's frame to its first frame. TUM: Sturm et al., "A
-// benchmark for the evaluation of RGB-D SLAM systems", IROS 2012: `time x y z qx qy qz qw`. Tables have a first line
-// with the names of their columns: time (s; or time_ms, time_us, time_ns), x, y, z (m), and qw, qx, qy, qz, or yaw,
-// pitch, roll (rad; or yaw_deg, ...), or no rotation, in which case the vehicle heads along its path. Throws InputError
-// with the file and its line.
+// benchmark for the evaluation of RGB-D SLAM systems", IROS 2012: `time x y z qx qy qz qw`. A CSV file's first line has
+// the names of its columns: time (s; or time_ms, time_us, time_ns), x, y, z (m), and qw, qx, qy, qz, or yaw, pitch,
+// roll (rad; or yaw_deg, ...), or no rotation, in which case the vehicle heads along its path. Throws InputError with
+// the file and the line number.
 RecordedPoses readRecordedPoses(const Value& value);
 
 }  // namespace scanmill

@@ -25,7 +25,7 @@ class SpeedProfile {
 
   static constexpr double kSideways = 2;  // m/s^2, largest lateral acceleration in bends
 
-  double duration() const { return nodes_.back().time; }  // s
+  double duration() const { return nodes_.back().time; }  // duration of the drive (s)
   // Returns the distance driven (m) at a time (s); 0 before the start, the path's length after the end.
   double distance(double time) const;
   double speed(double time) const;  // returns the speed (m/s) at a time (s)

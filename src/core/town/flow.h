@@ -18,8 +18,8 @@ struct Leg {
 // A line where vehicles stop while it is closed.
 struct StopLine {
   double at = 0;  // m along the route
-  // For a traffic light: red for the first `red` of every `period` seconds, counted from the time `offset`. If `period`
-  // is 0 and `givesWay` is false, the line is always closed.
+  // If `givesWay` is false, the line has a traffic light: from the time `offset` (s) on, it is red during the first
+  // `red` seconds of every `period` seconds. If `period` is 0, the line is always closed.
   double period = 0, red = 0, offset = 0;
   // If `givesWay` is true, the line is closed while a vehicle on `lane` is between `from` and `to` (m along the lane).
   bool givesWay = false;

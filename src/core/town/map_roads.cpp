@@ -80,7 +80,8 @@ std::optional<double> misfit(const std::vector<Piece>& pieces, const End& a, con
   const bool sameName = !p.name.empty() && p.name == q.name;
   const bool minor = p.kind >= RoadClass::Service;
   if (minor != (q.kind >= RoadClass::Service) && !sameName) return std::nullopt;
-  // Outside of roundabouts, a road continues around a sharp corner only if name and class stay and no other joins.
+  // Outside of roundabouts, a road continues around a sharp corner only if its name and class stay the same
+  // and no other road joins it there.
   const bool corner = p.ring || (alone && p.kind == q.kind && p.name == q.name);
   if (turn > (corner ? kSharpest : 0.8)) return std::nullopt;
   return turn + (sameName ? 0 : 0.5) + 0.3 * std::abs(static_cast<int>(p.kind) - static_cast<int>(q.kind));

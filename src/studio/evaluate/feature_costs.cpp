@@ -61,7 +61,8 @@ double roundSeconds(const Variant& v, std::size_t round) {
   return v.trace[round] + v.effects[round] + v.encode[round];
 }
 
-// Returns a measure of timing noise: the difference (s) between the fastest odd round and the fastest even round.
+// Returns a measure of timing noise: the difference (s) between the fastest odd round and the fastest even round;
+// the complete time if there is only one round.
 double scatterOf(const Variant& v) {
   double least[2] = {INFINITY, INFINITY};
   for (std::size_t round = 0; round < v.trace.size(); ++round) {

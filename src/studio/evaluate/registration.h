@@ -36,7 +36,7 @@ struct Registered {
   std::optional<double> fitness;  // the fitness after the motion (m^2)
 };
 
-// Moves `source` onto `target` by ICP, starting from their given positions.
+// Returns the motion that ICP finds from `source` onto `target`, starting from their given positions.
 Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> target, const IcpOptions& options = {});
 
 // Statistics of the fitness over repeated measurements (m^2). All values are zero if there are no measurements.

@@ -16,7 +16,7 @@ Spread spreadOf(std::vector<double> values) {
     squares += v * v;
   }
   const auto n = static_cast<double>(values.size());
-  // Each percentile is searched only among the values above the previous percentile.
+  // Each percentile is searched only among the values that are not below the previous percentile.
   auto from = values.begin();
   const auto at = [&](double share) {
     const auto place = static_cast<std::size_t>(std::max(std::ceil(share * n) - 1, 0.0));

@@ -13,8 +13,8 @@ namespace scanmill {
 struct LinearFit {
   std::vector<double> coefficients;
   std::vector<double> residuals;
-  // The leverage of each row: the derivative of the row's fitted value with respect to its own value. The variance of a
-  // residual is (1 - leverage) times the variance of the value.
+  // The leverage of each row: the derivative of the row's fitted value with respect to the row's value. The variance of
+  // a residual is (1 - leverage) times the variance of the value.
   std::vector<double> leverages;
   double squares = 0;    // sum of squared residuals
   std::size_t rank = 0;  // number of columns that are used

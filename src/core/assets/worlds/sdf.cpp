@@ -27,7 +27,7 @@ struct Scope {
   struct Frame {
     const XmlNode* node = nullptr;
     Pose pose;
-    std::string relativeTo;               // empty: the scope's own frame
+    std::string relativeTo;               // name of the frame that `pose` refers to; empty: the scope's own frame
     std::shared_ptr<const Scope> inside;  // frames inside a model; null: this frame is not a model
   };
   std::map<std::string, Frame> frames;

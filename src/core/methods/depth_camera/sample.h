@@ -51,7 +51,7 @@ float storedDepth(float depth, DepthFormat format, double nearest, double farthe
 struct RigBeams {
   std::vector<Vec3d> origin;        // origins (m); empty if all are zero
   std::vector<Vec3d> direction;     // unit vectors
-  std::vector<std::uint32_t> beam;  // index in Hits, for the result
+  std::vector<std::uint32_t> beam;  // index in Hits where the result is stored
   double minRange = 0;              // m, hits nearer than this are misses
   double maxRange = 0;
   const BeamTable* table = nullptr;  // table of the sensor; only naive.cpp uses it, for a beam's ring and column

@@ -68,7 +68,8 @@ class BrickMaker {
   std::vector<std::uint64_t> order_;
 
   // Arrays by corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's
-  // list in listed_. Without a known triangle or list: infinite, undefined, kNoWord.
+  // list in listed_. If no triangle is known, the distance is infinite and the triangle undefined; if the corner has no
+  // list, the start is kNoWord.
   std::array<float, kBrickStride> distance2_{};
   std::array<std::uint32_t, kBrickStride> nearest_{};
   std::array<std::uint32_t, kBrickStride> list_{};

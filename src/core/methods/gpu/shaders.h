@@ -15,11 +15,11 @@ constexpr float kLeftOut = -1;  // Particles::begin of a particle that is left t
 constexpr std::uint32_t kGoOn = 3;                    // the particle continues behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
 
-// rays.glsl alone, for programs that need the rays of shots.
+// The text of rays.glsl alone, for programs that need the rays of shots.
 extern const std::string_view kRaysShader;
 
-// Return programs for fields with or without lists of triangles: the first creates particles, the second takes their
-// steps, the third computes hits from their records.
+// These functions return programs for fields with or without lists of triangles: the launch program creates particles,
+// the march program takes their steps, and the last program computes hits from their records.
 std::string launchShader(bool lists);
 std::string marchShader(bool lists);
 std::string particleHitsShader(bool lists);

@@ -313,8 +313,8 @@ class RayStream {
     const Words entry = hn::Load(kWords, group.entry);
     const Mask full = isFull(entry);
     const bool anyFull = !hn::AllFalse(kFloats, full);
-    // The free ball's radius, and r: the particle's position relative to the ball's centre, which is the centre of the
-    // brick or the nearest corner.
+    // Computes `radius`, the radius of a ball without surfaces, and r, the particle's position relative to the ball's
+    // centre, which is the centre of the brick or the nearest corner.
     Floats r[3];
     for (int k = 0; k < 3; ++k) {
       const Ints middle = hn::Sub(hn::BitCast(kInts, hn::Load(kWords, group.in[k])), hn::Set(kInts, kBrickVoxels / 2));

@@ -27,7 +27,8 @@ struct LineCourse {
   float dx, dy, dz, high;
 };
 
-// The intersection of a line with a triangle: its distance from the line's point x y z (m) is numerator / denominator.
+// The intersection of a line with a triangle: numerator / denominator is its distance (m) from the
+// point x y z of LineStart.
 struct Meeting {
   float numerator, denominator;  // denominator > 0: the line hits the triangle
   std::uint32_t triangle;

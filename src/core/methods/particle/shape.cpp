@@ -21,7 +21,7 @@ std::array<double, 3> axes(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// Returns the position of the first corner of a brick of level 0 (m, relative to the world's origin).
+// Returns the corner with the smallest coordinates of a brick of level 0 (m, relative to the world's origin).
 Vec3d placeOf(const Corner& brick, double voxel) {
   const double size = kBrickVoxels * voxel;
   return {static_cast<double>(brick[0]) * size, static_cast<double>(brick[1]) * size,

@@ -128,7 +128,7 @@ class HitsReader {
 
   ExrReader file_;
   Hits& hits_;
-  std::map<std::string, std::vector<std::uint32_t>> wide_;  // uint32 channels that Hits stores otherwise
+  std::map<std::string, std::vector<std::uint32_t>> wide_;  // values of the uint32 channels that need a conversion
   std::vector<ExrTarget> targets_;
 };
 

@@ -77,7 +77,7 @@ void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const Corner& a = piece.corners[i];
   const Corner& b = piece.corners[j];
   const Corner half{(a.position + b.position) * 0.5f, {(a.uv.x + b.uv.x) * 0.5f, (a.uv.y + b.uv.y) * 0.5f}};
-  if (half.position == a.position || half.position == b.position) {  // too short to be halved in float32
+  if (half.position == a.position || half.position == b.position) {  // the edge is too short to be halved in float32
     pieces.push_back(piece);
     return;
   }

@@ -97,8 +97,8 @@ Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   return reread(changes);
 }
 
-// Makes samples of the plan's first sequence, one for each thread. Sets the costs of the scene and of a frame to their
-// times and sizes.
+// Makes samples of the plan's first sequence, one for each thread, and stores in `costs` the measured times and sizes
+// of the scene and of a frame.
 void measure(const Plan& plan, SampleCosts& costs) {
   const std::size_t samples = std::min<std::size_t>(plan.framesInFlight(), plan.pipeline.sequences[0].frames);
   ShotSource source(plan);

@@ -62,8 +62,8 @@ class AngularJitter : public Effect {
     });
   }
 
-  double azimuthSigma_;    // rad
-  double elevationSigma_;  // rad
+  double azimuthSigma_;    // rad, standard deviation of the errors in azimuth
+  double elevationSigma_;  // rad, standard deviation of the errors in elevation
 };
 
 }  // namespace

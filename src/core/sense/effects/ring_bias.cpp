@@ -106,8 +106,8 @@ class RingBias : public Effect {
     }
   }
 
-  PerRing range_;      // m
-  PerRing elevation_;  // deg
+  PerRing range_;      // errors of the range (m)
+  PerRing elevation_;  // errors of the elevation (deg)
   PerRing gain_;
 };
 

@@ -130,7 +130,8 @@ class AnomalySearch {
     // because parts of the object are hidden.
     constexpr double kOwnSpared = 0.1, kBeyondFactor = 1.3, kBeyondMetres = 0.3;
     constexpr int kSidesBeyond = 2;
-    // An object must be within the usual range of the other class, extended by this factor or this length (m).
+    // All its sides must be within the usual range of the class that it resembles, extended by this factor or this
+    // length (m).
     constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;
     std::map<std::uint16_t, std::vector<std::size_t>> wellSeen;
     for (const auto& [id, things] : thingsOf_) {

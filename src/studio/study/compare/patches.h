@@ -24,7 +24,7 @@ struct PatchFeature {
   std::string_view title;  // name for users
   std::string_view unit;   // unit of shown values; a shown value is the stored value times `factor`
   double factor;
-  bool mostlyZero;           // shown values are means; otherwise medians
+  bool mostlyZero;           // true: means of the feature are shown; false: medians
   std::string_view meaning;  // explanation, as a phrase
   std::string_view keys;     // keys of a pipeline that influence the feature
 };

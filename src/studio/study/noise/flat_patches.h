@@ -78,7 +78,7 @@ class BeamImage {
 
  private:
   std::vector<std::uint32_t> ring_;  // ring of each row
-  std::vector<std::int64_t> shift_;  // shift of each row in columns
+  std::vector<std::int64_t> shift_;  // number of columns by which each row is shifted
   std::uint32_t columns_ = 0;
   bool wraps_ = false;
 };

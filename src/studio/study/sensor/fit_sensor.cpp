@@ -51,7 +51,7 @@ double axisDistance(const Point& p) {
   return std::hypot(p.place.x, p.place.y);
 }
 
-// The line z = intercept + slope * rho through the points of a ring, where rho is the distance from the axis (m).
+// The line z = intercept + slope * rho through the points of a ring, where rho is the distance from the z axis (m).
 struct Line {
   double slope = 0, intercept = 0, error = 0;  // `error`: standard error of the intercept (m)
 };
