@@ -125,7 +125,7 @@ class Layout {
   // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
   // half of the strip's width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
-  // Sets the level of each area's water, which is below the lowest point of the area's shore.
+  // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
   // Must be called last: gives buildings the height of the ground at their door, and levels the ground around them.
   void settle();
