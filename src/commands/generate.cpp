@@ -29,7 +29,8 @@ namespace scanmill {
 
 namespace {
 
-// Least number of rays to forecast: a forecast takes most of a second, longer than making a smaller dataset.
+// Least number of rays for which the time is forecast: a forecast takes almost a second, longer than making a smaller
+// dataset.
 constexpr double kRaysWorthAForecast = 1e7;
 
 std::string warningsText() {

@@ -61,7 +61,7 @@ void printSequences(const Pipeline& pipeline) {
 }
 
 // Prints the time (ms, and per cent of the frame) and the bytes that each feature adds to a frame. Features whose time
-// is less than repeated measurements differ share one line.
+// is within the scatter of repeated measurements share one line.
 void printFeatures(const FeatureCosts& costs) {
   if (costs.points == 0) {
     warn(fmt::format("no beam of {} hits anything: the costs of features are not measured", costs.frame));

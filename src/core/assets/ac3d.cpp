@@ -51,7 +51,7 @@ std::string readAc3d(const std::filesystem::path& file) {
       continue;
     }
     const Layer layer = layerOf(line);
-    if (!layer.name.starts_with('"') || base) continue;  // skips empty textures, and all after the base
+    if (!layer.name.starts_with('"') || base) continue;  // skips empty textures, and textures after the base
     base = layer.role == "base";
     if (texture.empty() || base) texture = layer.name;
   }

@@ -24,7 +24,7 @@ struct ImportedMap {
 
 struct ImportedMaterial {
   std::string name;
-  bool stated = true;  // false: the file states no material for its parts
+  bool stated = true;  // false: parts have this material because the file states none
   float roughness = 1;
   float metallic = 0;
   float opacity = 1;

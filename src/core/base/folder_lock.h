@@ -31,8 +31,8 @@ enum class LockKind {
 class [[nodiscard]] FolderLock {
  public:
   // `folder` must exist and may be a link; error messages name this path. `file` lies in `folder` or in folders below
-  // it, none of which may be a link. Throws an InputError that names the holder if another process holds the lock;
-  // ForeignFile; and Error if the file cannot be created or written.
+  // it, none of which may be a link. Throws an InputError that names the holder if another process holds the lock,
+  // ForeignFile as described above, and Error if the file cannot be created or written.
   FolderLock(const std::filesystem::path& folder, const std::filesystem::path& file, LockKind kind = LockKind::Alone);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

@@ -1,6 +1,6 @@
 #pragma once
 
-// Random values in files. Installed because scene/scene.h includes it.
+// Random values in files. This header is installed because scene/scene.h includes it.
 //
 //   const bool random = holdsDistribution(parseYaml("length: {uniform: [200, 400]}", "scene.yaml"));  // true
 //

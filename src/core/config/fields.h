@@ -32,7 +32,7 @@ struct Range {
 // place of the value, what was expected and what was found.
 double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; 1e3, -.5; no hex, no octal
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
-bool readBool(const Value& value, std::string_view what);  // true or false
+bool readBool(const Value& value, std::string_view what);  // only `true` or `false`
 std::string readText(const Value& value, std::string_view what);
 Vec3d readVec3(const Value& value, std::string_view what);  // [x, y, z]
 // An integer of a list, and its place in the file. "..." between two integers stands for all integers between them: [1,

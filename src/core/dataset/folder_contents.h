@@ -18,7 +18,7 @@ struct FolderContents {
   bool unfinished = false;             // true if the folder has an unfinished dataset
   std::vector<std::string> shards;     // names relative to the folder
   std::vector<std::string> leftovers;  // names of temporary files, relative to the folder
-  std::string foreign;                 // name of another file or folder; empty: there is none
+  std::string foreign;                 // name of a file or folder that belongs to no dataset; empty: none
   bool empty() const { return !manifest && !unfinished && shards.empty() && leftovers.empty() && foreign.empty(); }
 };
 

@@ -11,7 +11,7 @@ namespace scanmill {
 
 namespace {
 
-// Largest range of a sound point, as a multiple of the sensor's maximum range. Noise may move a point beyond the
+// Largest range of a valid point, as a multiple of the sensor's maximum range. Noise may move a point beyond the
 // maximum range: the `shell` effect by half the range, Gaussian noise in principle without limit.
 constexpr double kNoiseReach = 1.5;
 // Relative error of ranges, which are stored in float32 or in CSV's decimal digits.

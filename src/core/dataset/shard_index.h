@@ -44,7 +44,7 @@ class ShardIndex {
   std::filesystem::path file_;
   std::vector<ShardMember> members_;
   std::string damage_;
-  std::unordered_map<std::string_view, std::size_t> byName_;  // keys are views of members_
+  std::unordered_map<std::string_view, std::size_t> byName_;  // index in members_, by name; keys are views of members_
 };
 
 }  // namespace scanmill

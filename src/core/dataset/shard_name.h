@@ -29,7 +29,7 @@ bool isLeftover(std::string_view name);
 // not a temporary name.
 std::optional<std::string_view> finalName(std::string_view name);
 
-// Returns the text for some numbers, which must be sorted: "0-9,12".
+// Returns the ranges of numbers, which must be sorted, as a text such as "0-9,12".
 std::string shardRanges(const std::vector<std::uint64_t>& numbers);
 
 // Returns the numbers in `text`, sorted and without duplicates. Throws InputError if the text is not a list of ranges,

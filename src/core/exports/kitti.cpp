@@ -29,7 +29,7 @@ namespace scanmill {
 
 namespace {
 
-// The image and intrinsics of KITTI's camera 2 (px).
+// Image size and intrinsics of KITTI's camera 2 (px).
 constexpr int kWidth = 1242;
 constexpr int kHeight = 375;
 constexpr double kFocal = 721.5377;

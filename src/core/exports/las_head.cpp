@@ -71,7 +71,7 @@ std::string descriptors(std::span<const LasExtra> extra) {
   for (const LasExtra& column : extra) {
     putNumber(std::uint16_t{0}, bytes);
     putNumber(extraType(column.type), bytes);
-    putNumber(std::uint8_t{0}, bytes);  // no value for "none", no range, no scale and no offset
+    putNumber(std::uint8_t{0}, bytes);  // options: no value for "no data", no range, no scale and no offset
     putText(std::string(column.name), 32, bytes);
     bytes.append(4 + 5 * 24, '\0');
     putText(column.unit.empty() ? "" : fmt::format("unit: {}", column.unit), 32, bytes);

@@ -105,7 +105,8 @@ class Layout {
  public:
   virtual ~Layout() = default;
 
-  // Throws InputError if the dataset does not fit, judged only by its manifest. Called before anything is written.
+  // Throws InputError if the dataset's manifest shows that the layout cannot store the dataset. Called before
+  // anything is written.
   virtual void check(const ExportPlan&) const {}
   // Returns true if the samples must be checked, too: checkSample() is then called for all of them before one is
   // written.

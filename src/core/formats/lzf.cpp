@@ -47,7 +47,7 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
   const auto* const begin = reinterpret_cast<const unsigned char*>(in);
   const unsigned char* const end = begin + size;
   const char* const start = out;
-  thread_local std::vector<std::uint32_t> latest;  // position + 1 of the last occurrence, by hash; 0: none
+  thread_local std::vector<std::uint32_t> latest;  // by hash: 1 + latest position of bytes with this hash; 0: none
   latest.assign(std::size_t{1} << kTableBits, 0);
   const unsigned char* literals = begin;  // start of the literals that are not written yet
   const unsigned char* p = begin;

@@ -17,7 +17,7 @@ static_assert(std::endian::native == std::endian::little, "records are read as t
 
 namespace {
 
-constexpr float kFarthest = 1e5f;  // m, largest coordinate of a point
+constexpr float kFarthest = 1e5f;  // m, largest absolute value of a coordinate
 
 template <class T>
 std::vector<T> valuesOf(std::string_view bytes) {

@@ -163,7 +163,7 @@ class MappedCopy {
   std::size_t bytes_ = 0;
   const std::byte* memory_ = nullptr;
   GLsync fence_ = nullptr;
-  std::vector<std::byte> held_;  // holds the copy if the driver does not support persistent mapping
+  std::vector<std::byte> held_;  // holds the copied bytes if the driver does not support persistent mapping
 };
 
 // Measures the time that the device spends on calls, by the device's own clock. The context must be current in all

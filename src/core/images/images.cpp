@@ -50,7 +50,7 @@ bool isReadHere(std::string_view kind) {
   return kind == "png" || kind == "jpg";
 }
 
-// Returns the first bytes of a file, which identify most kinds.
+// Returns the first bytes of a file, which identify most image formats.
 std::string firstBytes(const std::filesystem::path& path) {
   std::string bytes(16, '\0');
   std::ifstream stream(path, std::ios::binary);

@@ -9,7 +9,7 @@
 namespace scanmill::models {
 namespace {
 
-constexpr double kSunk = 0.06;  // m that posts and bases extend below the ground
+constexpr double kSunk = 0.06;  // m, depth to which posts and bases extend below the ground
 
 void appendBench(Shape& s, Draw&) {
   const SurfaceIndex wood = s.surface("object", "wood");

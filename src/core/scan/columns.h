@@ -418,7 +418,7 @@ std::vector<std::string> scanColumnNames(ColumnSet columns);
 // Returns a text followed by its unit in brackets, such as "time (s)"; only the text if the unit is empty.
 [[nodiscard]] std::string withUnit(std::string_view text, std::string_view unit);
 
-// Returns a stored value as people read it, by Column::display: "3.1416 ms", "12", "45.000 deg".
+// Returns a stored value as text for users, formatted as Column::display says: "3.1416 ms", "12", "45.000 deg".
 std::string displayText(const Column& column, double value);
 
 }  // namespace scanmill

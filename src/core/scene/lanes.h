@@ -1,6 +1,7 @@
 #pragma once
 
-// Lanes of a scene's town, along which vehicles can drive. Installed because scenefile/scene_file.h includes it.
+// Lanes of a scene's town, along which vehicles can drive. This header is installed because scenefile/scene_file.h
+// includes it.
 //
 //   const std::optional<SceneLanes> lanes = readSceneLanes("scenes/town.yaml", 1);
 //   const Vec3d start = lanes->lane.front();

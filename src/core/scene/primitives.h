@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// A box and a sphere are centred at the origin.
+// Boxes and spheres are centred at the origin of the primitive's frame.
 void appendBox(Mesh& mesh, std::uint16_t surface, const Affine& place, const Vec3d& size);
 void appendSphere(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, int segments = 32);
 // A cylinder lies along z, from -height/2 to height/2. A cone is a cylinder whose top radius is 0.

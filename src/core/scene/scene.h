@@ -113,7 +113,7 @@ struct RuleUse {
 };
 
 // Properties of a scene before objects were taken out of it (scene/without.h). They decide how the remaining scene is
-// traced, so that all other hits stay the same to the last bit.
+// traced, so that hits on the remaining objects stay the same to the last bit.
 struct WholeScene {
   Box bounds;  // m, in the world's frame at time 0
   bool moves = false;

@@ -37,7 +37,7 @@ const Surface* groundUnder(const std::vector<Surface>& surfaces, double z, const
 class SurfaceHeights {
  public:
   struct Surface {
-    double height = 0;  // m
+    double height = 0;  // m, z in the world frame
     double slope = 0;   // rad, 0 is horizontal
     std::uint16_t semantic = 0;
     bool thing = false;

@@ -22,7 +22,7 @@ struct OrientedBox {
 
 struct Thing {
   std::uint32_t id = 0;            // instance id, 1 or more
-  std::uint16_t semantic = 0;      // class of most of the thing's triangles
+  std::uint16_t semantic = 0;      // the most frequent class of the thing's triangles
   std::string name;                // name of the instance with most of the thing's triangles
   std::vector<std::string> parts;  // names of the thing's nodes, sorted, without duplicates; "": a node without a name
   // True: the box has the axes of the placed object, turned so that x is the direction in which the object faces

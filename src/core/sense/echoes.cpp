@@ -145,7 +145,7 @@ class EchoFinder {
 
   struct PowerAndMean {
     double power;
-    double mean;  // m
+    double mean;  // m, mean of the ranges, weighted by power
   };
 
   // Returns the sum of the rays' powers, and the mean of their ranges weighted by power. If no ray has power, all have

@@ -46,8 +46,8 @@ Weather rainOf(double rate) {
   const double face = fresnel(1, kWaterIndex);
   const double focus = kWaterIndex / (2 - kWaterIndex);
   const double gain = face + (1 - face) * (1 - face) * face * focus * focus;
-  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;  // pi times gain a^2 / 4 per steradian, with the drop's radius a
-                                                        // = D / 2
+  // pi times the drop's echo per steradian, which is gain a^2 / 4 for the radius a = D / 2.
+  made.dropEcho = kPi * gain / 16 * kSquareMillimetre;
   return made;
 }
 

@@ -81,7 +81,8 @@ struct BeamTable {
   bool uniformBeam = false;            // true: equal power over the whole beam; false: Gaussian
   double pulse = 0;                    // s, duration for which the emitted pulse exceeds half of its maximum
 
-  // Number of neighbouring columns of the three tables above that are rays of one beam: see sensors/footprint.h.
+  // Number of neighbouring columns in `direction`, `origin` and `time` that are rays of one beam: see
+  // sensors/footprint.h.
   std::uint32_t raysPerBeam = 1;
 
   std::size_t size() const { return std::size_t{rings} * columns; }

@@ -60,7 +60,7 @@ class GroundProfile {
 
  private:
   struct Sample {
-    double height = 0;           // m
+    double height = 0;           // m, height of the ground; in samples_, GroundOptions::height is added
     double along = 0, left = 0;  // slopes ahead and to the left, as a ratio; positive is upwards
   };
   static std::vector<Sample> evened(const std::vector<Sample>& samples, const std::vector<double>& driven);

@@ -11,7 +11,7 @@ class Path;
 // A place on the path at which a vehicle stops for some time.
 struct DriveStop {
   double at = 0;    // m along the path
-  double wait = 0;  // s
+  double wait = 0;  // s, duration of the stop
 };
 
 class SpeedProfile {

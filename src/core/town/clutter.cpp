@@ -137,7 +137,7 @@ void placeCrossing(Placer& placer, const Model& light) {
   putLights(placer, light, road, *at - 1, *at + kLength + 1, true, "crossing's light");
 }
 
-// Places lights at about one in three places where a side road joins the main road.
+// Places traffic lights at about one in three of the junctions of a side road with the main road.
 void placeSignals(Placer& placer, const Model& light) {
   const Layout& l = placer.layout;
   const Road& main = l.roads().roads().front();

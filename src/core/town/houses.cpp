@@ -16,7 +16,7 @@ using models::Kind;
 using models::Shape;
 
 constexpr double kPanel = 2;        // m, length of a panel
-constexpr double kPlinthDepth = 3;  // m that plinths extend below the door, to fill slopes
+constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
 
 Model makePlinth(SceneBuilder& builder, const models::House& house) {
   Shape s(builder, "plinth");

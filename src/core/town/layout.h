@@ -125,7 +125,7 @@ class Layout {
   // Adds a strip of ground from the point `inner` at a house towards the road. `yaw` is the yaw of the house, `half` is
   // half of the strip's width (m).
   void addStrip(const Point2& inner, double yaw, double half, double length, GroundKind kind);
-  // Sets the water level of each area of water below the lowest point of its shore.
+  // Sets the water level of each area that is water: the level is below the lowest point of the area's shore.
   void findWaterLevels();
   // The last step of building a layout: gives buildings the height of the ground at their door, and levels the ground
   // around them.

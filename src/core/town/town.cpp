@@ -22,8 +22,8 @@ town::Layout readLayout(Fields& fields, std::uint64_t seed, const SupplyFactors&
           town::cutOut(map, parameters, seed, town::Layout::reachOf(parameters) - town::Layout::kEdge, where)};
 }
 
-// Returns a point of the layout in the town's frame. A layout is always for right-hand traffic and is mirrored for
-// left-hand traffic.
+// Transforms a point from the layout's frame to the town's frame. A layout is always for right-hand traffic; for
+// left-hand traffic the town is its mirror image.
 Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }

@@ -19,7 +19,7 @@ using models::Kind;
 
 constexpr double kHeavyLane = 3.2;  // m, least width of a lane that lorries and buses use
 constexpr double kUpstream = 1000;  // m of the route before the town, on which vehicles that arrive later start
-constexpr double kBeyond = 300;     // m beyond the town; vehicles disappear there, out of sight
+constexpr double kBeyond = 300;     // m, distance beyond the town at which vehicles disappear, out of sight
 constexpr double kWarmUp = 20;      // s of simulation before the drive begins
 constexpr double kDuration = 120;   // s; all vehicles stand still after this time
 constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle

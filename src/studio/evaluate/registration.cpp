@@ -128,7 +128,7 @@ class PclPair {
   }
 
  private:
-  // Turns off PCL's messages about too few matches, since Registered::moved reports this case.
+  // Turns off PCL's messages. The expected message, about too few matches, is not needed: see Registered::moved.
   static void silence() {
     static const bool done = [] {
       pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);

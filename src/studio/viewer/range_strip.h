@@ -24,7 +24,7 @@ struct RangeStrip {
   std::vector<std::uint32_t> pixelOf;
   bool ringsRise = false;   // true: ring 0 is the lowest; it is in the last row
   bool outward = false;     // true: the image's left side is to the sensor's left; upright edges appear upright
-  bool fullTurn = false;    // true: `outward` is true, and straight ahead is in the middle
+  bool fullTurn = false;    // true: `outward` is true and the columns form a full turn; straight ahead is in the middle
   std::size_t columns = 0;  // number of the sensor's columns; the image is wider if rings of a partial turn are shifted
 
   // Returns the column and the row of the pixel of a point.

@@ -42,7 +42,7 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
   const auto multiples = [&] {
     constexpr double kSlack = 1e-9;  // tolerance as a fraction of the span, so that round values at the ends get a tick
     constexpr int kMostMultiples = 1000;
-    constexpr double kLargest = 1e15;  // larger doubles do not represent all integers exactly
+    constexpr double kLargest = 1e15;  // largest multiple; doubles above 9e15 do not represent all integers
     std::vector<ScaleTick> found;
     const double first = std::ceil((low - kSlack * span) / step.size());
     for (int k = 0; k < kMostMultiples && std::abs(first) < kLargest; ++k) {

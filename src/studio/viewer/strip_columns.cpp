@@ -67,7 +67,7 @@ class AzimuthGrid {
 
 std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings, std::size_t columns) {
   constexpr std::size_t kLeastPairs = 16;
-  // Tolerance as a fraction of a revolution, since the vehicle may turn during the revolution.
+  // Largest difference of a full turn's sweep from 2 pi, as a fraction of 2 pi, since the vehicle may turn meanwhile.
   constexpr double kTurnSlack = 0.03;
   StripColumns look;
   std::vector<double> turns = grid.turns(1, 0);

@@ -24,7 +24,7 @@ namespace scanmill {
 namespace {
 
 using Json = nlohmann::json;
-constexpr int kDeepestTile = 64;  // largest depth of nested tiles, through nested tilesets too
+constexpr int kDeepestTile = 64;  // largest depth of nested tiles, including those of nested tilesets
 
 class TilesetReader {
  public:

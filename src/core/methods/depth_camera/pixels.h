@@ -23,8 +23,8 @@ class PixelReader {
   PixelReader(PixelSource& source, const SampleOptions& options, PassChoice choice)
       : source_(source), options_(options), choice_(choice) {}
 
-  // After reset(), aim() or aimAtNothing() must be called for each pixel before fetch(). aimAtNothing() gives a pixel
-  // the address kNoPixel.
+  // Between reset() and fetch(), each pixel needs a call of aim() or aimAtNothing(). aimAtNothing() gives a pixel the
+  // address kNoPixel.
   void reset(std::size_t pixels);
   void aim(std::size_t pixel, const CameraView& view, double column, double row);
   void aimAtNothing(std::size_t pixel);

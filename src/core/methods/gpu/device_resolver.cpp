@@ -43,7 +43,7 @@ struct ColumnPlaces {
     primitive = next(channels.has(Channel::Primitive), 1);
     normal = next(channels.has(Channel::Normal), 3);
   }
-  std::size_t end;  // length of all columns; the first one, the range, begins at 0
+  std::size_t end;  // total length of the columns; the range is the first column and begins at 0
   std::size_t incidence, reflectance, instance, label, primitive, normal;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // The interface of a method, which turns a shot into Hits. To add a method, add a file and a row in methods()
-// (methods/method.h). Installed because methods/method.h includes it.
+// (methods/method.h). This header is installed because methods/method.h includes it.
 //
 //   const Value defaults;
 //   Fields options(defaults, "particle");

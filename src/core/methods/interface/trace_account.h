@@ -1,7 +1,7 @@
 #pragma once
 
-// The time that a call of a method took, and its warnings for the user. Installed because methods/interface/method.h
-// includes it.
+// The time that a call of a method took, and its warnings for the user. This header is installed because
+// methods/interface/method.h includes it.
 //
 //   TraceAccount account;
 //   account += makeReference(scene)->trace(shot, Channel::Range, hits);

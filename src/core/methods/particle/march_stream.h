@@ -368,7 +368,7 @@ class RayStream {
     hn::Store(hn::Add(hn::Load(kWords, group.outcome), hn::Set(kWords, 4)), kWords, group.outcome);
   }
 
-  // Gives tester_ the lines of the lanes that have triangles to test.
+  // Adds a line to tester_ for each lane of the group that has triangles to test.
   void ask(std::size_t g, const Floats (&d)[3], Floats way, Floats exit, Floats grow) {
     const LaneGroup& group = groups_[g];
     const Floats metres = hn::Set(kFloats, static_cast<float>(field_.shape.voxel));

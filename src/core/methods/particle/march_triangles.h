@@ -1,5 +1,5 @@
-// Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp. Included once for each
-// instruction set: see march_cpu.cpp.
+// Intersects the lines of many particles with the triangles of many lists, for march_cpu.cpp. This file is included
+// once for each instruction set: see march_cpu.cpp.
 #if defined(SCANMILL_MARCH_TRIANGLES_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCANMILL_MARCH_TRIANGLES_H
 #undef SCANMILL_MARCH_TRIANGLES_H

@@ -35,7 +35,7 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kTilesAtOnce = 128;  // largest number of tiles of a work item, whose hits stay in the L2 cache
-constexpr std::size_t kFewestPieces = 64;  // least number of work items if there are as many tiles: keeps cores busy
+constexpr std::size_t kFewestPieces = 64;  // least number of work items, to keep cores busy; fewer if tiles are fewer
 
 // Returns groups of 16 beams of a ring, sector by sector of the revolution, so that particles that march together stay
 // close to each other and read nearby parts of the field.

@@ -20,7 +20,7 @@ struct PacketJob {
   const Shot& shot;
   const ShotFrame& frame;
   int raysPerCall;
-  float coplanarFloor;  // m
+  float coplanarFloor;  // m, see coplanarFloor()
 };
 
 // Returns the length of traced rays (m): slightly more than the maximum range, so that float32 rounding does not decide

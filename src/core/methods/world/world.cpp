@@ -63,7 +63,8 @@ void fillVertices(TriangleBlock& block, const std::vector<Source>& sources) {
   });
 }
 
-// Computes the planes in double from the meshes' corners and transforms, without the rounding of transformed vertices.
+// Computes the triangles' planes in double from the meshes' corners and transforms, without the rounding of transformed
+// vertices.
 void fillPlanes(TriangleBlock& block, const std::vector<Source>& sources) {
   parallelFor(block.triangles.size(), 4096, [&](std::size_t first, std::size_t last) {
     for (std::size_t t = first; t < last; ++t) {

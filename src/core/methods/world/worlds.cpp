@@ -8,8 +8,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kOriginGrid = 1024;        // m, spacing of the origins
-constexpr double kMovingOriginGrid = 16;    // m, spacing of the origins if something moves
+constexpr double kOriginGrid = 1024;        // m, spacing of the worlds' origins if nothing moves
+constexpr double kMovingOriginGrid = 16;    // m, spacing of the worlds' origins if something moves
 constexpr std::size_t kWorldsInMemory = 2;  // number of cached worlds if nothing moves, for two neighbouring origins
 
 constexpr std::uint64_t kBytesPerTriangle = 150;  // bytes, measured: hierarchy, corners and records

@@ -64,7 +64,7 @@ class SeenSource : public PixelSource {
  private:
   std::shared_ptr<const Resolver> resolver_;
   std::vector<Camera> cameras_;
-  std::vector<SeenTriangle> seen_;     // the visible triangles, indexed by pixel address
+  std::vector<SeenTriangle> seen_;     // the visible triangle of each pixel, indexed by PixelAddress
   std::vector<SeenTriangle> fetched_;  // reused by each fetch
 };
 

@@ -207,7 +207,7 @@ void copyRows(Imf::MultiPartInputFile& file, int part, std::span<const ExrTarget
   const Imf::Header& header = file.header(part);
   const Imath::Box2i window = header.dataWindow();
   const auto width = static_cast<std::size_t>(window.max.x - window.min.x) + 1;
-  std::vector<std::string> names;  // the channels, in their order within a line
+  std::vector<std::string> names;  // names of the channels, in the order in which a line stores them
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     names.emplace_back(channel.name());
   }

@@ -18,7 +18,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void setTotal(std::uint64_t total) { total_ = total; }  // sets the total if it was unknown when the work started
+  void setTotal(std::uint64_t total) { total_ = total; }  // for a total that was unknown at the start of the work
   void advance(std::uint64_t count, double work);
   // Shows a text about the current activity while the count does not advance: on a terminal in place of the bar,
   // otherwise as a line at most every few seconds.

@@ -55,7 +55,7 @@ Parameters readParameters(Fields& fields) {
 
 namespace {
 
-// m beyond the front line in which the plot is flat; more than the depth of the deepest house with its setback.
+// m, depth of the flat part of a plot, from the front line; it exceeds the deepest house's setback plus depth.
 constexpr double kPlotDepth = 18;
 constexpr double kUndulation = 0.5;  // m, largest amplitude of a wave of the terrain
 

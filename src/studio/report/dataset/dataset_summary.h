@@ -68,7 +68,7 @@ struct ThingSummary {
   std::uint32_t id = 0;
   std::map<std::uint16_t, std::uint64_t> pointsOfClass{};
   std::uint64_t points = 0, scans = 0;
-  std::uint16_t mostClass = 0;  // class of most of the object's points
+  std::uint16_t mostClass = 0;  // the most frequent class of the object's points
   // Largest length, width and height of the object over all scans that show it well; absent if no scan does. The
   // largest values are used since each scan shows only some sides.
   std::optional<SeenSize> size{};

@@ -26,8 +26,8 @@ const GroupErrors* awayFromEdges(const BeamErrors& errors);
 double wrongShare(const GroupErrors& errors);
 // Returns the number of false negatives divided by the number of beams with a true hit.
 double falseNegativeShare(const GroupErrors& errors);
-// Returns the 99th percentile of the range error (m); 0 if it is below kExactRange; NaN if no beam hits in truth and
-// test.
+// Returns the 99th percentile of the range error (m); 0 if it is below kExactRange; NaN if no beam hits both in the
+// truth and in the test.
 double rangeP99(const GroupErrors& errors);
 // Returns the mean distance (m) from true points to the nearest points of the setting; 0 if it is below kExactRange;
 // NaN if there are no points.

@@ -94,7 +94,7 @@ bool Clouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
 }
 
 // Returns the quantity that the view's colours show: the user's choice, otherwise the first of class, intensity and
-// range that the scan has. The second view of a single scan shows another quantity than the first view.
+// range that the scan has and, in the second view of a single scan, that the first view does not show.
 ColorBy Clouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!context_.frame || context_.frame->scans.empty()) return kByClass;

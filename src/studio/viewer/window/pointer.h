@@ -55,7 +55,8 @@ struct Pointer {
   // Returns the point at a pixel of the range image. `rect`: rectangle of the canvas in which the image is drawn.
   std::optional<PickedThing> pickStrip(const PixelRect& rect, int px, int py) const;
   PickedThing pickedPoint(std::size_t cloud, std::size_t point) const;
-  // Adds the scan's name and the points of the same beam in the other scans that are shown, if there are any.
+  // Returns `thing` with the name of its scan and the points of the same beam in other shown scans; unchanged if no
+  // other scan is shown.
   PickedThing inFull(PickedThing thing) const;
   // True if the point or triangle is not hidden and its scan is shown.
   bool isShown(const PickedThing& thing) const;

@@ -27,7 +27,8 @@ enum class ViewLayout {
 };
 
 struct ViewOptions {
-  std::vector<ColorBy> colors{};      // quantities that the views' colours show; the viewer chooses missing ones
+  // Quantities that the views' colours show, in the order of the views; the viewer chooses missing quantities.
+  std::vector<ColorBy> colors{};
   std::optional<ScaleRange> scale{};  // ends of the scale of views that show numbers; absent: computed from the values
   ViewLayout layout = ViewLayout::One;
   // If a scene is shown without scans, a named view is fitted to it, and a given target is in the scene's coordinates.

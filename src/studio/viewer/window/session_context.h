@@ -48,7 +48,7 @@ struct SessionContext {
 
   // Shows a message for some seconds.
   void say(const std::string& text, double seconds = 4);
-  // Shows a message for a longer time. The same message is shown only once in a session.
+  // Shows a message for longer than say() does by default. The same message is shown only once in a session.
   void hint(const std::string& text);
   // Removes the notices whose time is over. Returns true if there was at least one.
   bool forgetNotices();

@@ -1,5 +1,5 @@
-// Hits in fields without lists, where particles rest at a surface. Further tables: 4 the field's levels, 5 its table,
-// 6 distances, 7 words.
+// Computes the hits in fields without lists, where particles stop at a surface. Further buffers: 4 the levels of the
+// field, 5 its table, 6 distances, 7 words.
 
 #include "hits.glsl"
 
