@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures how much time each stage of some work takes. Installed because pipeline/run/generate.h includes it.
+// Measures how much time each stage of some work takes. Installed with pipeline/run/generate.h, which includes it.
 //
 //   StageClock clock;
 //   {

@@ -14,7 +14,7 @@ namespace scanmill {
 // The position of a brick. Points near the brick are given in voxels, relative to its centre.
 struct BrickPlace {
   Vec3d centre;      // m, relative to the world's origin
-  double voxel = 0;  // m
+  double voxel = 0;  // m, edge of a voxel
 };
 
 using TriangleCorners = std::array<Vec3d, 3>;

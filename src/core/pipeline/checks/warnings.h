@@ -11,8 +11,8 @@
 
 namespace scanmill {
 
-// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh; at
-// most five, then a line with the number of further ones.
+// Warns of meshes whose size suggests a wrong unit: more than 5 km or less than 1 mm. Returns one line per mesh for
+// at most five meshes, then a line with the number of further meshes.
 std::vector<std::string> sizeWarnings(const Scene& scene);
 
 // Warns of damaged meshes, some triangles of which were left out: a corner of the triangle is not finite or does not

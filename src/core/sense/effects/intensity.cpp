@@ -50,7 +50,7 @@
 namespace scanmill {
 namespace {
 
-// Smallest alpha of GGX, because a specular lobe is not narrower than the beam: 4 mrad is the width of a wide beam.
+// Lower limit of GGX's alpha: a specular lobe is never narrower than the beam, and a wide beam has a width of 4 mrad.
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 
@@ -76,7 +76,7 @@ struct Lobes {
   float glossy = 0;
   float alpha2 = 1;
   float retro = 0;
-  float even = 1;     // factor of cos t in the diffuse part
+  float even = 1;     // factor of cos t in the diffuse part; t: angle of incidence
   float grazing = 0;  // factor of sin^2 t in the diffuse part
 };
 

@@ -45,7 +45,7 @@ struct ViewOptions {
   bool rangeImage = false;
   bool still = false;                 // true: draws a picture, without buttons, menus and fields
   bool bare = false;                  // true: draws no panels
-  std::vector<std::string> hidden{};  // names or ids of hidden classes; if `only` is true, all others are hidden
+  std::vector<std::string> hidden{};  // names or ids of the hidden classes; if `only` is true, of the shown classes
   bool only = false;
   std::vector<std::uint32_t> instances{};  // ids of the only instances that are shown; empty: all are shown
   std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
