@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kOnLine = 1e-4;  // m; a field whose absolute value is smaller counts as zero
 
-// Corners are on a lattice of half of the smallest leaf's side, so that the centres of leaves are on the lattice too.
+// Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)

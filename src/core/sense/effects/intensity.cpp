@@ -116,8 +116,8 @@ float reflected(const Lobes& lobe, float c, float reflectance) {
   const float sin2 = (1 - c) * (1 + c);
   const float width = lobe.alpha2 * c * c + sin2;
   const float f0 = lobe.glossy + lobe.metal * reflectance;
-  // This is pi D F0 G / (4 cos t), where cos t is combined with G to 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2
-  // t)).
+  // The specular part is pi D F0 G / (4 cos t) with G = 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2 t)), so that
+  // cos t cancels out.
   const float masking = c + std::sqrt(c * c + lobe.alpha2 * sin2);
   const float specular = f0 * lobe.alpha2 / (2 * width * width * masking);
   const float diffuse = lobe.matt * reflectance;

@@ -59,7 +59,7 @@ struct PickedThing {
   std::vector<std::pair<std::string, std::string>> rows;
   std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
   std::string alarm;                                       // name of the row that is shown as a warning; empty: none
-  std::size_t scan = 0;                                    // index in the frame; kNoScan: a triangle
+  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
   std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
   Vec3d place;                                             // position (m, canvas frame)
 };
