@@ -11,7 +11,7 @@
 namespace scanmill {
 
 struct SceneFindings {
-  std::vector<std::string> modelled;  // lines of modelled(), then the method's lines about these scenes
+  std::vector<std::string> modelled;  // lines of modelled(), then the method's lines about the scenes
   std::uint64_t bytes = 0;            // largest memory that the method takes for a scene; 0: not measured
 };
 

@@ -17,8 +17,8 @@ constexpr double kLeastLow = 0.01;
 constexpr double kMostGraded = 0.3;
 constexpr double kMostGone = 0.15;
 
-// Sums over triangles of the triangle's area times a number of its sample points: `all` with all points, each member of
-// `parts` with the points that meet its condition.
+// Sums over triangles. A triangle adds its area times the number of its sample points to `all`; to a member of `parts`
+// it adds its area times the number of its sample points that meet the member's condition.
 struct Sum {
   double all = 0;
   AlphaShares parts;

@@ -164,7 +164,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     release();  // the process that held the lock has just removed the file
   }
   if (kind == LockKind::Shared && !locked_)
-    return true;  // writes no text, since others would take it for a lock held alone
+    return true;  // writes no text, because another process would take the text for that of an exclusive lock
   const std::string words = ownWords();
   ssize_t n = ::ftruncate(descriptor_, 0);
   for (std::size_t done = 0; n >= 0 && done < words.size(); done += static_cast<std::size_t>(std::max<ssize_t>(n, 0))) {

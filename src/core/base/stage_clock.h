@@ -1,6 +1,7 @@
 #pragma once
 
-// Measures how much time each stage of some work takes. Installed because pipeline/run/generate.h includes it.
+// Measures how much time each stage of some work takes. This header is installed because pipeline/run/generate.h
+// includes it.
 //
 //   StageClock clock;
 //   {
@@ -37,7 +38,8 @@ class StageClock {
   StageSeconds seconds_;
 };
 
-// Measures from its construction to its destruction, and adds that time to a stage of a clock, which must outlive it.
+// Measures the time from its construction to its destruction and adds it to a stage of a clock. The clock must outlive
+// the timer.
 class [[nodiscard]] StageTimer {
  public:
   StageTimer(StageClock& clock, const char* stage) : clock_(clock), stage_(stage) {}

@@ -1,7 +1,7 @@
 #pragma once
 
-// Vectors, rotations and transforms. Frames are right-handed, in metres and radians; x forward, y left, z up (REP
-// 103). Installed because scan/scan.h includes it.
+// Vectors, rotations and transforms. Frames are right-handed, in metres and radians; x forward, y left, z up (REP 103).
+// This header is installed because scan/scan.h includes it.
 //
 //   const Pose worldFromSensor{fromYawPitchRoll(radians(90), 0, 0), {0, 0, 1.9}};
 //   const Vec3d point = worldFromSensor * Vec3d{10, 0, 0};  // (0, 10, 1.9)

@@ -1,6 +1,6 @@
 #pragma once
 
-// Measures wall-clock time. Installed because base/stage_clock.h includes it.
+// Measures wall-clock time. This header is installed because base/stage_clock.h includes it.
 //
 //   const WallTimer timer;
 //   const double seconds = timer.seconds();

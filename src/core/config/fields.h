@@ -1,7 +1,7 @@
 #pragma once
 
-// Strict reading of maps: every key is read by its name and type, and finish() refuses keys that were never read.
-// Installed because formats/format.h includes it.
+// Strict reading of maps: every key is read by its name and type, and finish() refuses keys that were never read. This
+// header is installed because formats/format.h includes it.
 //
 //   const Value file = parseYaml("name: top", "sensor.yaml");
 //   Fields fields(file, "sensor");
@@ -30,7 +30,7 @@ struct Range {
 
 // Each function reads one value as a certain type. `what` names the value in messages. All throw an InputError with the
 // place of the value, what was expected and what was found.
-double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; 1e3, -.5; no hex, no octal
+double readNumber(const Value& value, std::string_view what, Range range = {});  // finite; decimal, such as 1e3 or -.5
 std::int64_t readInteger(const Value& value, std::string_view what, std::int64_t low, std::int64_t high);
 bool readBool(const Value& value, std::string_view what);  // only `true` or `false`
 std::string readText(const Value& value, std::string_view what);

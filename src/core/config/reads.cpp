@@ -111,7 +111,7 @@ Vec3d readVec3(const Value& value, std::string_view what) {
 }
 
 std::vector<PlacedInteger> readIntegers(const Value& list, std::string_view what, std::int64_t low, std::int64_t high) {
-  constexpr std::int64_t kMost = 1'000'000;  // the most integers that one "..." may stand for
+  constexpr std::int64_t kMost = 1'000'000;  // maximum number of integers that one "..." may stand for
   if (list.kind != Value::Kind::Sequence) refuse(list, what, "a list of integers");
   std::vector<PlacedInteger> numbers;
   numbers.reserve(list.items.size());

@@ -1,6 +1,6 @@
 #pragma once
 
-// A YAML document as a checked tree in which every node knows its place in the file. Installed because
+// A YAML document as a checked tree in which every node knows its place in the file. This header is installed because
 // sensors/sensor.h includes it.
 //
 //   Value pipeline = readYaml("pipelines/quickstart.yaml");

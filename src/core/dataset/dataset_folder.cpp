@@ -325,7 +325,7 @@ void DatasetFolder::publish(const Manifest& manifest, std::uint64_t mostSampleBy
           fmt::format("{}: has changed since it was written: --resume makes it again", placeOf(shard.file).string()));
     }
     if (fs::exists(folder_ / kManifestName)) {
-      // The manifest is moved first, and the move is flushed to the disk, so that a mixture of both datasets never
+      // The manifest is moved first, and the move is flushed to the disk, so that a mixture of old and new files never
       // looks complete.
       moveFile(folder_ / kManifestName, staging_ / kReplacedName);
       syncFolder(folder_);

@@ -34,7 +34,7 @@ struct ScanVoxels {
   std::vector<std::uint8_t> unseen;   // 1: no beam of the scan passes through the voxel or ends in it
 };
 
-// Returns the bytes of the archive. Throws Error if a vector does not have one entry per voxel.
+// Returns the bytes of an archive with these voxels. Throws Error if a vector does not have one entry per voxel.
 std::string encodeVoxels(const ScanVoxels& voxels);
 // Reads the bytes of an archive. Throws an InputError that begins with `what` if the bytes are not an archive of
 // voxels.

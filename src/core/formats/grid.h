@@ -1,7 +1,7 @@
 #pragma once
 
-// Regular grids for quantised floats. The value that a reader computes in float32 from an index lies within a stated
-// bound of the original value.
+// Regular grids for quantised floats. The value that a reader computes in float32 from an index differs from the
+// original value by at most a given bound.
 
 #include <cstdint>
 #include <span>
@@ -24,8 +24,8 @@ struct Grid {
 // possible bound.
 Grid chooseGrid(std::span<const float> low, std::span<const float> high, double bound, const std::string& what);
 
-// Returns an upper bound of the bits of an index, on the grid that chooseGrid() chooses for values between -reach and
-// reach.
+// Returns an upper bound of the number of bits of an index on the grid that chooseGrid() chooses for values between
+// -reach and reach.
 int mostIndexBits(double reach, std::size_t components, double bound);
 
 // Writes for each value the index of the nearest grid point; the components of a point follow each other. `indices`

@@ -44,7 +44,7 @@ struct PcdHeader {
 
 constexpr std::uint64_t kMostFields = 1024;
 constexpr std::uint64_t kMostElements = 65536;
-// The most that LZF expands data: its longest back reference turns 3 bytes into 264.
+// Largest factor by which LZF expands data: its longest back reference turns 3 bytes into 264.
 constexpr std::uint64_t kLzfGain = 88;
 
 Words split(std::string_view line) {

@@ -119,8 +119,8 @@ std::array<float, 256> divisionByAlpha(double gamma) {
   return gain;
 }
 
-// The most pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, and a byte contains
-// at most 8 pixels. The bound exposes headers that claim a false size. It holds for the kinds in isBoundedByBytes().
+// Maximum number of pixels that a byte of a file can encode: deflate expands a byte to at most 1032 bytes, and a byte
+// contains at most 8 pixels. The bound exposes headers with a false size. It holds for the kinds in isBoundedByBytes().
 constexpr double kMostPixelsPerByte = 8 * 1032;
 
 bool isBoundedByBytes(const std::string& kind) {

@@ -15,8 +15,8 @@ namespace scanmill {
 
 namespace {
 
-// The most scans of a progressive JPEG: encoders write about ten, but a small hostile file may contain very many, each
-// of which is decoded over the complete image.
+// Maximum number of scans of a progressive JPEG: encoders write about ten, but a small hostile file may contain very
+// many, each of which is decoded over the complete image.
 constexpr int kMostScans = 500;
 
 class JpegReader final : public ImageReader {

@@ -100,7 +100,7 @@ std::optional<ScanFolder> readNuScenesFolder(const fs::path& folder) {
       ++absent;
       return;
     }
-    const std::uint64_t time = row.at("timestamp").get<std::uint64_t>();  // us
+    const std::uint64_t time = row.at("timestamp").get<std::uint64_t>();  // microseconds
     found.scans.push_back({nameOf[sceneOf[sample]] + "-" + std::to_string(time), points,
                            labels == labelsOf.end() ? fs::path() : labels->second});
   });

@@ -2,7 +2,8 @@
 
 // Channels are the properties of a hit that may be computed. A channel is allocated and computed only if an effect, a
 // column or a recording asks for it. Each channel has a row in kChannels, a member of Hits with a line in
-// forEachChannel() (scan/hits.h), and code that fills this member. Installed because scan/hits.h includes it.
+// forEachChannel() (scan/hits.h), and code that fills this member. This header is installed because scan/hits.h
+// includes it.
 //
 //   const Channels asked = Channel::Range | Channel::Semantic;
 //   const bool normals = asked.has(Channel::Normal);  // false

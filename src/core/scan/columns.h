@@ -1,8 +1,8 @@
 #pragma once
 
 // The table of the columns that a point of a scan may have besides its position. Each column is defined only here: all
-// code that writes, reads, checks, plans, describes or colours columns iterates over this table. To add a column, add
-// a row here and the lines in sense/gather.cpp that fill it. Installed because scan/scan.h includes it.
+// code that writes, reads, checks, plans, describes or colours columns iterates over this table. To add a column, add a
+// row here and the lines in sense/gather.cpp that fill it. This header is installed because scan/scan.h includes it.
 //
 //   const ColumnSet columns = ColumnSet::byDefault().with(kRangeTrue).without(kTime);
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The hit of each ray: exact and noise-free, misses included. Installed because methods/interface/method.h includes
-// it.
+// The hit of each ray: exact and noise-free, misses included. This header is installed because
+// methods/interface/method.h includes it.
 //
 //   std::size_t met = 0;
 //   for (std::size_t ray = 0; ray < hits.rays(); ++ray) met += hits.hit(ray) ? 1 : 0;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The reason of a beam: what its return comes from, or why it has no return. Installed because dataset/manifest.h
-// includes it.
+// The reason of a beam: what its return comes from, or why it has no return. This header is installed because
+// dataset/manifest.h includes it.
 //
 //   for (const auto& [reason, beams] : countReasons(scan.reasonOfBeam)) {
 //     std::printf("%s: %llu\n", findReason(reason)->name.data(), static_cast<unsigned long long>(beams));

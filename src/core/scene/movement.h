@@ -1,6 +1,7 @@
 #pragma once
 
-// The rigid motion of an object of a scene, over the time of a drive. Installed because scene/scene.h includes it.
+// The rigid motion of an object of a scene, over the time of a drive. This header is installed because scene/scene.h
+// includes it.
 //
 //   const Movement movement(Vec3d{5, 0, 0});           // m/s
 //   const Vec3d moved = movement.at(2.0).translation;  // (10, 0, 0) m

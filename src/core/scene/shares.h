@@ -1,7 +1,7 @@
 #pragma once
 
-// Bounds on the share of a class among a sensor's hits: the key `shares` of a town. Installed because scene/scene.h
-// includes it.
+// Bounds on the share of a class among a sensor's hits: the key `shares` of a town. This header is installed because
+// scene/scene.h includes it.
 //
 //   for (const ShareBound& bound : scene.shares) {
 //     if (!bound.met()) std::puts(bound.name.c_str());

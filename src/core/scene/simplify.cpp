@@ -23,9 +23,9 @@ constexpr std::size_t kFewTriangles = 32;
 // Largest error in units of the mesh's extent: so large that the error never ends the simplification.
 constexpr float kAnyError = 1e6f;
 
-// Corners of triangles become one vertex if their Welds are equal. Corners in different surfaces therefore never do,
-// and every triangle keeps its surface. The seam between two surfaces still stays closed, since meshoptimizer moves
-// vertices at equal positions together.
+// Corners of triangles become one vertex if their Welds are equal. Corners in different surfaces therefore stay
+// separate, and every triangle keeps its surface. The seam between two surfaces still stays closed, since meshoptimizer
+// moves vertices at equal positions together.
 struct Weld {
   Vec3f position;
   Vec2f uv;  // zero if the surface has no texture

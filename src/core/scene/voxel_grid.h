@@ -1,6 +1,7 @@
 #pragma once
 
-// A grid of cubes, which finds the voxel of a point. Installed because pipeline/read/pipeline.h includes it.
+// A grid of cubes, which finds the voxel of a point. This header is installed because pipeline/read/pipeline.h includes
+// it.
 //
 //   const VoxelGrid grid;
 //   const std::optional<std::size_t> voxel = grid.at({10, 0, -1.5});  // the point is in the grid's frame (m)

@@ -29,7 +29,7 @@ struct Concept {
   std::vector<std::string> words;  // folded: see foldedName()
 };
 
-// Reads a file such as labels/words.yaml. Throws InputError with the place.
+// Reads a file such as labels/words.yaml. Throws InputError with the place of the fault in the file.
 std::vector<Concept> readConcepts(const std::filesystem::path& path);
 
 // Returns the first of a concept's classes that the ontology has, by name or alias; null if the ontology has none.

@@ -15,8 +15,8 @@
 namespace scanmill {
 namespace {
 
-// A clip of an animation is sampled at equal steps of at most kMoment; if it is too long for kMostMoments of them, at
-// kMostMoments times.
+// A clip of an animation is sampled at equal steps of at most kMoment. A clip that would need more than kMostMoments
+// steps is sampled at kMostMoments times.
 constexpr double kMoment = 0.05;  // s
 constexpr double kMostMoments = 48;
 

@@ -236,8 +236,8 @@ std::vector<std::uint32_t> divideThings(std::vector<LabelledPart>& parts, std::v
   return objects;
 }
 
-// Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts the
-// triangles that cannot be traced in `dropped`.
+// Adds one mesh of several parts of a file. Returns the mesh's index; nullopt if no triangle remains. Counts in
+// `dropped` the triangles that cannot be traced.
 std::optional<std::uint32_t> addParts(SceneBuilder& builder, std::vector<AssetPart> assetParts, const Vec3d& origin,
                                       const Labelling& labelling, const Location& where, RuleCounts& counts,
                                       Dropped& dropped) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// Detection: combines the rays of a beam into echoes. Installed because sense/returns.h includes it.
+// Detection: combines the rays of a beam into echoes. This header is installed because sense/returns.h includes it.
 //
 //   const std::vector<Echo> echoes = findEchoes(hits, {}, 0.9);  // a pulse of 6 ns is 0.9 m long
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Beams are data: a sensor is a table of directions, origins and firing times. Installed because sensors/sensor.h
-// includes it.
+// Beams are data: a sensor is a table of directions, origins and firing times. This header is installed because
+// sensors/sensor.h includes it.
 //
 //   const Vec3d firstOfRing3 = beams->direction[3 * beams->columns];
 
@@ -53,8 +53,7 @@ struct BeamTable {
   double period = 0;    // s, duration of one revolution
 
   // Compact description of the beams, which the manifest stores; fillBeams() computes the three tables above from it.
-  // If `listed` or `rosette` is set, the members for rings on cones below are not used; the field of view is a full
-  // circle.
+  // If `listed` or `rosette` is set, the members for rings on cones below are not used, and `field` is a full circle.
   std::shared_ptr<const ListedBeams> listed;  // null: the beams are not listed one by one
   std::optional<Rosette> rosette;             // pattern that each ring traces; the columns fire evenly over the period
   double start = 0;                   // s since the start of the drive: time at which column 0 of a rosette fires
@@ -65,7 +64,7 @@ struct BeamTable {
                                       // step before the first column
   std::vector<double> elevation;      // rad, per ring
   std::vector<double> azimuthOffset;  // rad, per ring; added to the azimuth of each column
-  std::vector<double> firingOffset;   // s, per ring
+  std::vector<double> firingOffset;   // s, per ring; added to the column's time
   double originOffset = 0;            // m, distance of the beam origin from the axis, along the head's azimuth
   double originHeight = 0;            // m, height of the beam origin above the origin of the sensor's frame
   // Shifts of the beam's origin per ring (m): to the left, perpendicular to the beam; and upwards, perpendicular to the

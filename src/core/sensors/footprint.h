@@ -1,6 +1,6 @@
 #pragma once
 
-// Samples a beam of finite width with several rays. Installed because pipeline/plan/plan.h includes it.
+// Samples a beam of finite width with several rays. This header is installed because pipeline/plan/plan.h includes it.
 //
 //   const Footprint footprint = makeFootprint(*beams, 7);  // seven rays for each beam
 

@@ -16,7 +16,7 @@ namespace scanmill {
 Quat checkedRotation(const Quat& q, const Location& where);
 
 std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
-std::vector<double> readTimes(const std::filesystem::path& file);  // s, one per line
+std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
 // Returns cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.
 Affine readKittiCalibration(const std::filesystem::path& file);
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);

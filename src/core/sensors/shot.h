@@ -54,7 +54,7 @@ enum class MotionKind { None, PerColumn, Steps };
 
 struct Motion {
   MotionKind kind = MotionKind::None;
-  std::uint32_t steps = 1;  // used only by MotionKind::Steps
+  std::uint32_t steps = 1;  // number of poses in a revolution; used only by MotionKind::Steps
   bool deskew = false;
   Location where;
 };

@@ -21,7 +21,7 @@ Point2 pointAt(const Line& line, double along);  // returns the line's end if `a
 struct Nearest {
   double distance = 1e9;
   double along = 0;  // m along the line
-  Point2 heading;    // direction of the line at this point, a unit vector
+  Point2 heading;    // direction of the line at the nearest point, a unit vector
 };
 Nearest nearestOn(const Line& line, const Point2& p);
 
@@ -40,7 +40,7 @@ double distanceToRings(const std::vector<const Polygon*>& rings, const Point2& p
 // Returns the ring's corners and points between them, at most `step` apart.
 std::vector<Point2> pointsAlong(const Polygon& ring, double step);
 double sizeOf(const Polygon& ring);  // area in m^2; negative if the ring is clockwise
-// Returns the smallest rectangle around a polygon that is parallel to one of the polygon's sides.
+// Returns the smallest rectangle that contains a polygon and is parallel to one of the polygon's sides.
 models::Footprint rectangleAbout(const Polygon& ring);
 // Returns the part of a polygon in the square about the origin with sides of 2 * half: Sutherland and Hodgman,
 // "Reentrant polygon clipping", Communications of the ACM 17 (1974). If clipping separates the polygon into parts, the

@@ -31,7 +31,7 @@ struct Plot {
   std::uint32_t number = 0;
   std::uint32_t road = 0;
   int side = 1;             // 1: at the left of the road's line; -1: at its right
-  double from = 0, to = 0;  // m along the road
+  double from = 0, to = 0;  // m along the road, ends of the plot
   bool built = false;
   bool bare = false;  // true: open land, with only a hedge or fence along the road
   double depth = 9;   // m, depth of the building

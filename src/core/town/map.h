@@ -85,7 +85,7 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
 // Builds a map from an extract in memory.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
-// Joins roads that meet end to end, and at crossings roads that continue straight ahead.
+// Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
 
 // Returns the length (m) that a tag's value such as "12", "12.5 m" or "40'" gives; nullopt for other values.

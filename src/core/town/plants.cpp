@@ -193,7 +193,7 @@ void placeBushes(Placer& placer) {
   const Layout& l = placer.layout;
   const Character& c = l.character();
   if (c.gardenBushes <= 0) return;
-  const double bushFoliage = std::max(c.foliage, 0.3);  // average of bushes that lose their leaves and evergreen bushes
+  const double bushFoliage = std::max(c.foliage, 0.3);  // not below 0.3, since some bushes are evergreen
   const std::vector<Model> forms =
       models::makeForms(kBushForms, [&](int f) { return models::makeBush(placer.builder, l.seed(), f, bushFoliage); });
   int number = 0;

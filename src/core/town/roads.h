@@ -99,7 +99,7 @@ class RoadNetwork {
 
   std::vector<Road> roads_;
   std::unordered_map<std::uint64_t, std::vector<Run>> cells_;      // runs within kReach of a cell
-  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints that round corners in a cell
+  std::unordered_map<std::uint64_t, std::vector<Point2>> joints_;  // joints whose rounding of corners reaches a cell
 };
 
 }  // namespace scanmill::town

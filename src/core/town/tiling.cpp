@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kOnLine = 1e-4;  // m; smaller absolute values of a field count as zero
 
-// Corners are on a lattice of half of the smallest leaf's side, so that the centres of leaves are on the lattice too.
+// Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
 class Quadtree {
  public:
   Quadtree(double half, double smallest, const std::function<bool(double, double, double)>& divided)
@@ -56,8 +56,8 @@ class Quadtree {
     return found->second;
   }
 
-  // Appends the points on one side of a leaf, with its first end but without its other end. They include the corners of
-  // smaller neighbours.
+  // Appends the points on the side of a leaf from (ax, ay) to (bx, by), without (bx, by). The points include the
+  // corners of smaller neighbours.
   void addSide(std::int64_t ax, std::int64_t ay, std::int64_t bx, std::int64_t by) {
     const std::int64_t mx = (ax + bx) / 2;
     const std::int64_t my = (ay + by) / 2;

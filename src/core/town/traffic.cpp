@@ -25,7 +25,7 @@ constexpr double kDuration = 120;   // s; all vehicles stand still after this ti
 constexpr double kInterval = 0.25;  // s between the stored positions of a vehicle
 constexpr double kAlways = -1e9;    // s, start time of vehicles that never wait
 
-// A way as a path, with marks where the path passes known positions on roads.
+// The path of a vehicle on a `Way`, with marks where the path passes known positions on roads.
 struct Course {
   std::shared_ptr<const Path> path;
   struct Mark {

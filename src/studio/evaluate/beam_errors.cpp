@@ -50,8 +50,8 @@ struct Outcome {
   float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known
 };
 
-// Counts and errors of a group of beams. All single errors are stored, since percentiles need them; as float, since
-// seven digits are enough.
+// Counts and errors of a group of beams. All individual errors are stored, since percentiles need them. Their type
+// is float, since seven digits are enough.
 struct GroupSum {
   GroupErrors counts;
   std::vector<float> range;

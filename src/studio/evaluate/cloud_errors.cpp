@@ -12,7 +12,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoDistance = std::numeric_limits<float>::quiet_NaN();
 
 struct Cloud {
   std::vector<Vec3f> points;  // finite points of the cloud (m)
@@ -43,7 +43,7 @@ Cloud finitePoints(std::span<const Vec3f> points) {
 // points that are not finite. Float is exact enough, since the points are float32 too.
 std::vector<float> distancesByPoint(std::span<const Vec3f> from, const Cloud& to) {
   const Tree tree(3, to);
-  std::vector<float> distances(from.size(), kUnknown);
+  std::vector<float> distances(from.size(), kNoDistance);
   parallelFor(from.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       if (!isFinite(from[i])) continue;
@@ -68,7 +68,7 @@ CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3
   if (!there.points.empty() && !here.points.empty()) {
     return {distancesByPoint(truth, here), distancesByPoint(tested, there), 0};
   }
-  return {std::vector<float>(truth.size(), kUnknown), std::vector<float>(tested.size(), kUnknown),
+  return {std::vector<float>(truth.size(), kNoDistance), std::vector<float>(tested.size(), kUnknown),
           there.points.size() + here.points.size()};
 }
 

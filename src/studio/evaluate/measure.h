@@ -41,8 +41,8 @@ struct Measurement {
 
 struct MeasureOptions {
   int repeats = 3;  // least number of timed scans per shot, after one that is not timed; 0: no timing
-  // Scans of a shot are repeated until they took this time (s), but at most 30 times, since other processes easily
-  // disturb measurements of a few milliseconds.
+  // Scans of a shot are repeated until they took this time (s) together, or until there are 30 scans: other processes
+  // easily disturb measurements of a few milliseconds.
   double leastSeconds = 0;
   bool clouds = true;  // measure distances between point clouds, overall and for each group of beams
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.

@@ -10,7 +10,7 @@
 namespace scanmill {
 
 struct ScaleTick {
-  double share = 0;  // position on the bar, from 0 at its low end to 1
+  double share = 0;  // position on the bar, from 0 at its low end to 1 at its high end
   std::string figure;
 };
 

@@ -118,7 +118,7 @@ class HeightAsset {
     expectSame(*classes_, wanted_.classes);
   }
 
-  // Returns the bounds of the heights, extended by a sample on each side.
+  // Returns the x and y bounds of the height samples, extended by one sample on each side.
   RasterBounds boundsOfHeights() const {
     RasterBounds b{INFINITY, INFINITY, -INFINITY, -INFINITY};
     for (const int column : {-1, heights_.width}) {

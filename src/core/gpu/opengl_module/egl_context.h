@@ -23,7 +23,7 @@ class EglContext {
   EglContext& operator=(const EglContext&) = delete;
 
   // Makes the context current on the calling thread until another context is made current. Throws std::runtime_error
-  // if this fails. Switching contexts is slow: drivers then flush, which may take as long as a scan.
+  // if this fails. Switching contexts is slow: drivers then flush, which may take as long as tracing a scan.
   void makeCurrent();
   // Does the same as makeCurrent(), but returns false instead of throwing.
   bool tryMakeCurrent() noexcept;

@@ -45,7 +45,7 @@ constexpr BrickMaker::Points kBlockCentres = blockCentres();
 
 namespace {
 
-// Number of triangles near a brick above which makeDense() is faster than makeSparse(); measured on the street.
+// Number of triangles near a brick above which makeDense() is faster than makeSparse(); measured in the scene "street".
 constexpr std::size_t kFew = 128;
 
 }  // namespace

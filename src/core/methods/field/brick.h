@@ -112,7 +112,7 @@ static_assert(kListedRadius * kListedRadius > 3 * kListedHalf * kListedHalf);
 // Triangles that are at most kExact from a corner of the brick are at most this far from the brick's centre.
 constexpr float kSeen = kRadius + kExact;
 
-// Positions of the corners relative to the brick's centre, by block.
+// Positions relative to the brick's centre: the corners of each block, and the centres of the blocks.
 extern const std::array<BrickMaker::Points, BrickMaker::kBlock> kBlockCorners;
 extern const BrickMaker::Points kBlockCentres;
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The full bricks of a field that moves: fields at successive positions share a pool, so that their common bricks are
-// stored once.
+// Stores the bricks near surfaces ("full bricks") of a moving field: fields at successive positions share a pool, so
+// that their common bricks are stored once.
 
 #include <cstdint>
 #include <mutex>

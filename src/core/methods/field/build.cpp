@@ -22,7 +22,7 @@ constexpr std::uint32_t kUnmade = 0xFFFFFFFFu;  // table entry of a full brick t
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;    // means "no index"
 constexpr float kNothing = 1e30f;               // voxels, the distance to surfaces in an empty world
 constexpr std::size_t kBricksPerTask = 8;
-// Largest number of full bricks, because the lanes of march_stream.h address distances by offsets of 31 bits.
+// Largest number of full bricks: march_stream.h addresses their distances by byte offsets of 31 bits.
 constexpr std::size_t kMostBricks = 0x7FFFFFFFu / (kBrickStride * sizeof(std::uint16_t));
 
 // Returns the number of bricks for which a moving field with `count` bricks reserves space. On a street this is enough

@@ -33,7 +33,7 @@ constexpr float kListedBend = 0.78805f;  // c for R >= kListed and M = sqrt(3) /
 constexpr float kSeam = 1e-5f;
 constexpr float kBehind = 0.25f;  // voxels; a hit may be this far behind the particle, because the particle may have
                                   // stepped past it
-constexpr float kTie = 1e-4f;     // a later triangle of a list replaces a hit only if it is nearer by more than this
+constexpr float kTie = 1e-4f;     // voxels by which a later triangle of a list must be nearer to replace a hit
 constexpr float kNudge = 1e-3f;   // voxels; length by which a step goes past a voxel's face
 // Distance from a voxel's centre to the planes at which a particle leaves the voxel. The planes are slightly past the
 // faces, so that the particle is certainly in the next voxel, and so that a particle that moves within a face does not

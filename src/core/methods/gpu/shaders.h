@@ -11,7 +11,7 @@ namespace scanmill {
 
 constexpr float kLeftOut = -1;  // Particles::begin of a particle that is left to the processor
 
-// Further values in the outcome column of hit records.
+// Values that the outcome column of hit records can have besides those of Outcome.
 constexpr std::uint32_t kGoOn = 3;                    // the particle continues behind a hole
 constexpr std::uint32_t kParticleDone = 0x80000000u;  // flag: the particle's result is complete
 

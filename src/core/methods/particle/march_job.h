@@ -46,8 +46,8 @@ double farthest(const BeamTable& beams);
 // misses.
 void launch(const MarchJob& job, std::span<const Tile> tiles, Particles& particles, std::size_t first);
 
-// Turns the same particles into hits after they have marched: lets them continue through transparent triangles (in
-// fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor misses to
+// Turns the particles of launch() into hits after they have marched: lets them continue through transparent triangles
+// (in fields with lists), fills the channels that `hits` has, and appends the beams that are neither hits nor misses to
 // `unresolved`.
 MarchCounts resolve(const MarchJob& job, const std::vector<CompactMaterial>& materials, std::span<const Tile> tiles,
                     HitRecords& records, std::size_t first, Hits& hits, std::vector<std::uint32_t>& unresolved);

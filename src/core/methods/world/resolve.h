@@ -52,7 +52,7 @@ struct Resolved {
   alignas(64) Lane nx, ny, nz;  // unit normals
   alignas(64) Lane offset;      // m, normal . p for points p of the plane
   alignas(64) Lane traced;      // m, the range that Embree or the particle found; infinite for a miss
-  alignas(64) Lane range;       // m; infinite for a miss
+  alignas(64) Lane range;       // m, the range that follows from the plane; infinite for a miss
   alignas(64) Lane cosine;      // dot product of normal and beam direction
 };
 

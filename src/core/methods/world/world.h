@@ -41,7 +41,7 @@ struct TriangleBlock {
   std::vector<BlockTriangle> triangles;
   std::vector<HitSurface> surfaces;  // HitSurface::instance is the instance id (baked), or the object's number in its
                                      // mesh (instanced)
-  std::uint32_t firstAlpha = 0;      // index of the first alpha-tested triangle
+  std::uint32_t firstAlpha = 0;      // triangles with at least this index are alpha-tested
 
   const HitSurface& surfaceOf(std::uint32_t triangle) const { return surfaces[triangles[triangle].surface]; }
   std::uint32_t global(std::uint32_t geometry, std::uint32_t primitiveOfGeometry) const {

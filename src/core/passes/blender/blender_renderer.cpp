@@ -31,8 +31,8 @@ constexpr std::size_t kMaxImages = 8;
 constexpr std::uint32_t kMinSide = 4;         // px, Blender's smallest image side
 constexpr double kMaxStretch = 200;           // largest aspect ratio of a pixel that Blender allows
 constexpr float kBlenderSky = 1e9f;           // m; pixels with a larger depth show no surface: Blender writes 1e10
-constexpr float kExact = 16777216.0f;         // 2^24, largest exact integer of a float32; larger object numbers are
-                                              // written in two parts: see the script
+constexpr float kExact = 16777216.0f;         // 2^24, up to which float32 represents every integer; larger object
+                                              // numbers are written in two parts: see the script
 constexpr double kReach = 512;                // m, largest distance of the cameras from the scene's origin in Blender:
                                               // float32 steps are 6e-5 m there
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's

@@ -60,7 +60,7 @@ class ObjectList {
   // each beam is its axis.
   void add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns);
 
-  // Returns the objects that were within the reach of any shot, sorted by id.
+  // Returns the objects that at least one shot hits or has within its sensor's range, sorted by id.
   [[nodiscard]] SampleObjects finish() const;
 
  private:

@@ -1,7 +1,8 @@
 #pragma once
 
 // The mounts of the sensors and the effects of their receivers in a frame. They are the same in all frames, unless the
-// pipeline gives random distributions for them. Installed because pipeline/scenes/shot_source.h includes it.
+// pipeline gives random distributions for them. This header is installed because pipeline/scenes/shot_source.h includes
+// it.
 //
 //   ShotSource source(plan);
 //   const Pose vehicleFromSensor = source.settings().sensors.front().vehicleFromSensor;

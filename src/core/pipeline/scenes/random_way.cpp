@@ -325,7 +325,7 @@ class Search {
 };
 
 // Returns the state at `place` with the heading in which a vehicle can drive straight on farthest. Returns nothing if
-// this is not farther than two arcs.
+// this distance is not longer than two arcs.
 std::optional<State> startAt(const FreeSurface& surface, Vec3d place, Draws& draws) {
   std::optional<State> best;
   int farthest = 2 * static_cast<int>(kStep);

@@ -53,7 +53,7 @@ void drawBlocks(const Shot& shot, Purpose purpose, const Returns& returns, std::
   for (std::size_t i = 0; i < count; ++i) draw(i, returns.beam(first + i), returns.number(first + i));
 }
 
-// Sets `words` to the first two random words of each of the rows first, first + 1, ...
+// Sets `words` to two random words for each row of the batch that begins at row `first`.
 inline void drawWords(const Shot& shot, Purpose purpose, const Returns& returns, std::size_t first,
                       RandomWords& words) {
   drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {

@@ -29,7 +29,7 @@ namespace {
 
 struct BloomingOptions {
   double share = 0;
-  double angle = 0;  // rad
+  double angle = 0;  // rad, angle at which the halo has fallen to 1/e^2
   float above = 0;
   std::uint16_t label = 0;
 };

@@ -50,7 +50,7 @@
 namespace scanmill {
 namespace {
 
-// Smallest alpha of GGX, because a specular lobe is not narrower than the beam: 4 mrad is the width of a wide beam.
+// Lower limit of GGX's alpha: a specular lobe is never narrower than the beam, and a wide beam has a width of 4 mrad.
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 
@@ -76,7 +76,7 @@ struct Lobes {
   float glossy = 0;
   float alpha2 = 1;
   float retro = 0;
-  float even = 1;     // factor of cos t in the diffuse part
+  float even = 1;     // factor of cos t in the diffuse part; t: angle of incidence
   float grazing = 0;  // factor of sin^2 t in the diffuse part
 };
 
@@ -116,8 +116,8 @@ float reflected(const Lobes& lobe, float c, float reflectance) {
   const float sin2 = (1 - c) * (1 + c);
   const float width = lobe.alpha2 * c * c + sin2;
   const float f0 = lobe.glossy + lobe.metal * reflectance;
-  // This is pi D F0 G / (4 cos t), where cos t is combined with G to 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2
-  // t)).
+  // The specular part is pi D F0 G / (4 cos t) with G = 2 cos t / (cos t + sqrt(cos^2 t + alpha^2 sin^2 t)), so that
+  // cos t cancels out.
   const float masking = c + std::sqrt(c * c + lobe.alpha2 * sin2);
   const float specular = f0 * lobe.alpha2 / (2 * width * width * masking);
   const float diffuse = lobe.matt * reflectance;

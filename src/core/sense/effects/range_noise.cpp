@@ -33,7 +33,7 @@ struct Ramp {
 
 struct Sigma {
   double base = 0;    // m, standard deviation at range 0
-  double growth = 0;  // m per m of range
+  double growth = 0;  // growth of the standard deviation, m per m of range
   std::vector<Ramp> ramps;
   double overSnr = 0;  // m; part of the standard deviation that is divided by the SNR
 

@@ -63,7 +63,7 @@ class RingBias : public Effect {
 
  private:
   struct Errors {
-    double range = 0;  // m
+    double range = 0;  // m, added to the range
     SinCos elevation{0, 1};
     double gain = 1;
   };

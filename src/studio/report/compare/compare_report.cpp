@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kReal = 0, kSimulated = 1;  // indices of colours in the charts' palette
 constexpr std::size_t kMostNamed = 3;             // maximum number of features that the page names for a group
 
-// Adds the titles, explanations and pipeline keys of the table `rows` to the items of a list. The name of an item's row
-// is its value `key`. compare.json has no titles and explanations, which are for users.
+// Adds to each item of a list the title, explanation and pipeline keys of its row in the table `rows`, which is the row
+// with the name item[key]. compare.json has no titles and explanations, which are for users.
 template <class Rows>
 void addWords(Json& list, const char* key, const Rows& rows) {
   for (Json& item : list) {

@@ -19,7 +19,7 @@ struct Separation {
   // The mean of |area under the ROC curve - 0.5| over bands, weighted by the number of patches in the smaller set. 0:
   // the sets do not differ; 0.5: a single patch is enough to tell the sets apart.
   double strength = 0;
-  // The mean area under the ROC curve with the same weights; above 0.5 if the simulated set has the greater values.
+  // The mean area under the ROC curve, weighted as `strength`; above 0.5 if the simulated set has the greater values.
   double area = 0.5;
   std::uint64_t real = 0, simulated = 0;  // numbers of patches that were compared
   // The median of the feature over these patches; the mean for features that are mostly zero.

@@ -167,7 +167,7 @@ class GridMaker {
     for (std::uint32_t r = 0; r < rings; ++r) {
       // Azimuths are noisy, so a rounded column may be wrong by one. A point that is less than 1.5 steps after the
       // previous point gets the column after the previous point's column.
-      std::int64_t last = -2;  // no previous point
+      std::int64_t last = -2;  // column of the previous point; -2: there is no previous point
       double before = 0;
       for (const std::uint32_t i : ofRing[r]) {
         const double azimuth = azimuthOf(scan_.position[i]) + kPi - phase;

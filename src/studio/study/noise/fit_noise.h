@@ -16,7 +16,7 @@
 
 namespace scanmill {
 
-// The fraction lost / of, with its standard error.
+// The fraction `lost` / `of`, with its standard error.
 struct MeasuredShare {
   std::uint64_t lost = 0;
   std::uint64_t of = 0;

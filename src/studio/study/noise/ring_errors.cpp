@@ -41,8 +41,8 @@ struct PatchView {
   std::vector<std::uint32_t> ring;
   std::vector<double> difference;
   std::vector<Vec3d> slope;
-  std::vector<double> brightness;  // natural logarithms of the intensities, only of returns that have one; brightRing,
-                                   // brightRow: their rings and rows
+  std::vector<double> brightness;  // natural logarithms of the intensities of returns that have an intensity;
+                                   // brightRing, brightRow: rings and rows of these returns
   std::vector<std::uint32_t> brightRing;
   std::vector<double> brightRow;
 };

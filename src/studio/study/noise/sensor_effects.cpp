@@ -27,7 +27,7 @@ bool isComment(const std::string& line) {
   return at != std::string::npos && line[at] == '#';
 }
 
-// True for a blank line or a comment without indentation: such a line separates two keys and may belong to the next.
+// True for a blank line or a comment without indentation: such a line between two keys may belong to the second key.
 bool standsBetween(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
 }

@@ -19,8 +19,8 @@ namespace scanmill {
 struct SensingResult {
   std::string name;           // what the variation simplifies, such as "7 rays a beam"
   std::string failure;        // why the variation could not be measured; then the members below are empty
-  double traceSeconds = 0;    // time per scan with all threads (s)
-  double effectsSeconds = 0;  // time per scan with one thread (s)
+  double traceSeconds = 0;    // time to trace a scan with all threads (s)
+  double effectsSeconds = 0;  // time to apply the effects to a scan with one thread (s)
   std::uint64_t beams = 0;
   std::uint64_t both = 0;       // number of beams with a return in both scans
   std::uint64_t missing = 0;    // number of beams with a return only in the truth

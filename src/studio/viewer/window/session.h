@@ -46,7 +46,7 @@ struct ViewOptions {
   bool rangeImage = false;
   bool still = false;                 // true: draws a picture, without buttons, menus and fields
   bool bare = false;                  // true: draws no panels
-  std::vector<std::string> hidden{};  // names or ids of hidden classes; if `only` is true, all others are hidden
+  std::vector<std::string> hidden{};  // names or ids of the hidden classes; if `only` is true, of the shown classes
   bool only = false;
   std::vector<std::uint32_t> instances{};  // ids of the only instances that are shown; empty: all are shown
   std::optional<CloseUp> closeUp{};        // only points in this ball are shown, and the camera looks at it
@@ -60,7 +60,7 @@ struct PickedThing {
   std::vector<std::pair<std::string, std::string>> rows;
   std::vector<std::pair<std::string, std::string>> brief;  // rows of the tooltip beside the pointer
   std::string alarm;                                       // name of the row that is shown as a warning; empty: none
-  std::size_t scan = 0;                                    // index in the frame; kNoScan: a triangle
+  std::size_t scan = 0;                                    // index of the scan in the frame; kNoScan: a triangle
   std::size_t point = 0;                                   // index of the point in the scan or the triangle in the mesh
   Vec3d place;                                             // position (m, canvas frame)
 };

@@ -21,7 +21,7 @@ Facet facetOf(uint triangle) {
   return Facet(texelFetch(triangles, at).xyz, texelFetch(triangles, at + 1).xyz, texelFetch(triangles, at + 2).xyz);
 }
 
-// The nearest triangle of a list that a particle hits in a voxel.
+// A search for the nearest triangle of a list that a particle hits in a voxel.
 struct Search {
   vec3 d, place;    // direction (unit vector) and position of the particle (m)
   float low, high;  // limits of a hit's distance from `place` along d (m)
