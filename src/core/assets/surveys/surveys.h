@@ -1,7 +1,7 @@
 #pragma once
 
-// Surveys as assets. A point cloud is a recorded place, which can be scanned again by another sensor; a height raster is
-// a digital elevation model.
+// Surveys as assets. A point cloud is a recorded place, which can be scanned again by another sensor; a height raster
+// is a digital elevation model.
 
 #include <filesystem>
 #include <string_view>
