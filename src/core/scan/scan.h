@@ -74,7 +74,8 @@ class Scan {
   decltype(columnsOfTable(std::make_index_sequence<kColumnCount>())) values_;
 };
 
-// Calls visit(key, values) for every row of the table; the values are empty for columns that the scan does not have.
+// Calls visit(key, values) for every column in the table of columns (scan/columns.h); the values are empty if the scan
+// does not have the column.
 template <class ScanType, class Visit>
 void visitTable(ScanType& scan, Visit&& visit) {
   forEachColumn([&](auto key) { visit(key, scan[key]); });

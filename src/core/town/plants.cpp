@@ -154,8 +154,8 @@ void placeWoods(Placer& placer) {
   Nursery nursery(placer);
   const std::vector<Model> bushes = models::makeForms(
       4, [&](int f) { return models::makeUndergrowth(placer.builder, l.seed(), f, l.character().foliage); });
-  // The field exceeds this threshold on about the fraction `woods` of the land, since its values are nearly normal with
-  // a standard deviation of a quarter.
+  // The random `density` below exceeds this threshold on about the fraction `woods` of the land: its values are nearly
+  // normal, with mean 0 and a standard deviation of a quarter.
   const double threshold = 0.42 * (1 - 2 * c.woods);
   Draw lattice(l.seed(), Kind::Wood);
   const double spacing = lattice.in(3.2, 4.6);

@@ -48,8 +48,8 @@ constexpr float kBehindHoleShare = 1e-5f;
 // Largest distance of a particle from the plane of its triangle for which the plane is trusted: a particle rests at
 // most kRest from a surface, and the corner that stores the triangle is at most half a diagonal away.
 constexpr float kTrusted = 1.5f;
-// Largest distance to the nearest surface, in the field, at the corrected position of a hit. If it is larger, the
-// position is in the plane of the triangle, but beyond the triangle's edge.
+// A hit is moved to the plane of its triangle only if the field's distance at the new position is at most kThere.
+// Otherwise the new position is beyond the triangle's edge.
 constexpr float kThere = 0.6f;
 
 // Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest

@@ -1,7 +1,8 @@
 #pragma once
 
-// Distance fields on a device. A field that has moved shares its bricks with the field before
-// (methods/field/brick_pool.h): only bricks that are not on the device yet are uploaded.
+// Distance fields on a device. When a field moves with its sensor, the field at the new position shares a pool of
+// bricks with the field at the previous position (methods/field/brick_pool.h). Only bricks that are not on the device
+// yet are uploaded.
 
 #include <cstdint>
 #include <list>

@@ -25,7 +25,7 @@ struct SetFigure {
   std::string_view unit;   // unit of shown values; a shown value is the stored value times `factor`
   double factor;
   std::string_view meaning;
-  std::string_view keys;  // keys of a pipeline that influence the figure
+  std::string_view keys;  // what influences the figure: keys of a pipeline, properties of the scene
 };
 
 inline constexpr auto kSetFigures = std::to_array<SetFigure>({
