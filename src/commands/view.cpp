@@ -270,7 +270,7 @@ void drawSheet(const std::filesystem::path& file, const Arguments& parsed, const
                "a cell for each object of " + file.string());
 }
 
-// Shows an EXR image or the images of a recording, or writes a picture of one.
+// Shows an EXR image or the images of a recording, or writes a picture of one of these images.
 void viewImages(const std::filesystem::path& path, const Arguments& parsed, const PictureSize& size,
                 const Outputs& outputs) {
   for (const char* option :

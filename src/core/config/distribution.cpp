@@ -198,8 +198,8 @@ Value withDraws(const Value& value, const std::string& key, const RandomAddress&
   if (isDistribution(value)) {
     Value one = value;
     RandomAddress own = address;
-    for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {  // an item may be a distribution
-                                                                                     // again
+    // An item of a choice may be a distribution, too.
+    for (own.number = 0; isDistribution(one); own.number = (own.number + 1) % 16) {
       Fields fields = fieldsOf(one);
       own.frame = isPerFrame(fields) ? address.frame : 0;
       one = draw(fields, randomOf(key, own));

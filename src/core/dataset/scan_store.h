@@ -48,8 +48,9 @@ class ScanStore {
   // Returns the classes of the labels, from the manifest or the layout; null if they are unknown.
   const Ontology* ontology() const;
   std::filesystem::path folder() const { return folder_; }  // folder of the manifest
-  // Returns the beam table of a sensor, filled up to 2^23 beams; null if the sensor's beams are unknown. `time`: time
-  // of the scan (s), for sensors whose beams differ from scan to scan. May be called from any thread.
+  // Returns the beam table of a sensor, filled by fillBeams() if it has at most 2^23 beams; null if the sensor's beams
+  // are unknown. `time`: time of the scan (s), for sensors whose beams differ from scan to scan. May be called from any
+  // thread.
   std::shared_ptr<const BeamTable> beams(const std::string& sensor, double time) const;
 
   // Returns the keys of all samples; for a single scan, the name of its file.

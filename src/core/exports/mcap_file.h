@@ -63,7 +63,8 @@ class McapFile {
   std::uint16_t schemaCount_ = 0;
   std::uint32_t chunkCount_ = 0;
   std::uint32_t metadataCount_ = 0;
-  std::map<std::uint16_t, std::uint64_t> messageCounts_;  // by channel: count, also the next sequence number
+  // Number of messages by channel, which is also the channel's next sequence number.
+  std::map<std::uint16_t, std::uint64_t> messageCounts_;
   TimeSpan times_;
 };
 

@@ -41,7 +41,7 @@ Scan readNpz(std::string_view bytes, const std::string& what);
 // the name of the bytes, if they are not LAS, of another version, truncated, or compressed (LAZ).
 Cloud readLas(std::string_view bytes, const std::string& what);
 
-// Reads the points of a PLY file, its element `vertex`. For the names of columns see readCloud() in
+// Reads the points of a PLY file (the element `vertex`). For the names of columns see readCloud() in
 // formats/cloud_file.h. Throws an InputError with the file and line.
 Cloud readPly(const std::filesystem::path& file);
 

@@ -70,7 +70,7 @@ class PersonMaker {
   }
 
  private:
-  // Adds the trunk: elliptic rings from the seat to the neck.
+  // Adds the trunk: elliptic rings from the seat (with a coat: from the thighs) to the neck.
   void torso(const Pose& p) {
     const Vec3d up = normalized(p.shoulders - p.hips);
     const Vec3d left{0, 1, 0};

@@ -33,7 +33,7 @@ struct SignForm {
   int corners;        // 0: a square
   double radius;      // m, from the middle to a corner
   double turn;        // rad, direction from the middle to one of the corners
-  double halfHeight;  // m, half of the board's height
+  double halfHeight;  // m, upper bound of the distance from the middle to the top and to the bottom
 };
 
 // The boards in the order of TrafficSign.

@@ -34,7 +34,7 @@ void appendTrailer(Shape& s, Draw& draw) {
   s.box(metal, {0, 0, bed}, {length, width, 0.05});
   wheels(s, 0, width / 2 + 0.03, 0.28, 0.16);
   s.tube(black, {length / 2 + 0.7, 0, 0.05}, {length / 2 + 0.7, 0, bed}, 0.03, 0.03, 8);
-  if (draw.chance(0.5)) {  // with a cover
+  if (draw.chance(0.5)) {  // half of the trailers have a cover
     const SurfaceIndex cover = s.surface(kClass, "cloth");
     s.box(cover, {0, 0, bed + wall + 0.6}, {length - 0.03, width - 0.03, 1.2});
   }

@@ -325,7 +325,7 @@ inline constexpr ColumnKey<columnIndex("return")> kReturn;
 inline constexpr ColumnKey<columnIndex("cause")> kCause;
 inline constexpr ColumnKey<columnIndex("power")> kPower;
 
-// Calls visit(key) for every row of the table, in its order.
+// Calls visit() with the ColumnKey of every row of kColumns, in the order of kColumns.
 template <class Visit>
 constexpr void forEachColumn(Visit&& visit) {
   [&]<std::size_t... Index>(std::index_sequence<Index...>) {
@@ -409,7 +409,7 @@ struct ScanLayout {
   bool reasons = false;  // true: Scan::reasonOfBeam is filled
 };
 
-// Returns the names of all rows, in their order.
+// Returns the names of all rows of kColumns, in the order of kColumns.
 std::vector<std::string> allColumnNames();
 
 // Returns the names of all columns of a scan as its files list them: "x", "y", "z" and then `columns`.

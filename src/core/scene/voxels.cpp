@@ -80,8 +80,8 @@ class ClassAreas {
 // Consecutive triangles of an instance that may be in the grid.
 struct SceneVoxels::PlacedBlock {
   std::uint32_t instance = 0;  // index into Near::instances
-  std::uint32_t first = 0;     // first triangle in the mesh
-  std::uint32_t last = 0;      // one past the last triangle
+  std::uint32_t first = 0;     // index of the first of these triangles in the mesh
+  std::uint32_t last = 0;      // index of the last of these triangles, plus one
   Box box;                     // in units of voxels
 };
 

@@ -26,7 +26,7 @@ struct Concept {
   // Only for a detail: names of the concepts that it belongs to. A detail without classes of its own gets theirs.
   std::vector<std::string> of;
   std::optional<Between> size;     // m, usual lengths of the longest edge of a thing of this concept
-  std::vector<std::string> words;  // folded: see foldedName()
+  std::vector<std::string> words;  // words that state this concept in names, as foldedName() returns them
 };
 
 // Reads a file such as labels/words.yaml. Throws InputError with the place of the fault in the file.

@@ -17,7 +17,7 @@ constexpr int kForms = 6;
 constexpr double kReach = 5;  // m; tufts are placed up to this far beyond the pavement
 constexpr int kMost = 2500;
 
-// Builds a tuft of blades that bend outwards, up to a height of 0.12 to 0.4 m.
+// Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
 Model makeTuft(SceneBuilder& builder, std::uint64_t seed, int form, bool dry) {
   Draw draw(seed, Kind::Grass, static_cast<std::uint32_t>(1 + form));
   models::Shape s(builder, "tuft of grass");

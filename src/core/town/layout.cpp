@@ -54,7 +54,7 @@ bool Layout::nearPothole(const Point2& p, double reach) const {
   });
 }
 
-// Adds the index to all grid cells within kPatchReach of the rectangle.
+// Adds the index to the grid cells of a square that contains all points within kPatchReach of the rectangle.
 void Layout::enter(const Footprint& f, std::uint32_t index, Cells& cells) {
   const double reach = std::hypot(f.halfX, f.halfY) + kPatchReach;
   for (const double y : models::steps(f.center.y - reach, f.center.y + reach + kPatchCell, kPatchCell)) {

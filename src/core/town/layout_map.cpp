@@ -47,8 +47,8 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   return s;
 }
 
-// Narrows a cross section so that the carriageway ends before the walls beside the road, and the pavement before most
-// of the walls. `walls` has the walls' distances from the centre line (m).
+// Narrows a cross section, but not below its least widths, so that the carriageway ends before nearly all walls beside
+// the road, and the pavement before most of them. `walls` has the walls' distances from the centre line (m).
 void makeRoom(CrossSection& s, std::vector<double>& walls) {
   constexpr double kGap = 0.4;      // m between the carriageway and the nearest wall
   constexpr double kLeast = 1.6;    // m, half of the width of the narrowest road

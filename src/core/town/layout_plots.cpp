@@ -52,7 +52,8 @@ void Layout::settle() {
   for (std::uint32_t i = 0; i < terraces_.size(); ++i) enter(terraces_[i].place, i, terraceCells_);
 }
 
-// True if the rectangle is at least `gap` metres from roads and sidewalks, and its ground is not occupied.
+// True if the rectangle's middle, corners and middles of sides are at least `gap` metres from roads and sidewalks, and
+// its ground is not occupied.
 bool Layout::fits(const Footprint& f, double gap) const {
   for (const double u : {-1.0, 0.0, 1.0}) {
     for (const double v : {-1.0, 0.0, 1.0}) {

@@ -126,8 +126,8 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
   return road;
 }
 
-// Returns a ring in the plane. Outer rings stay counter-clockwise and inner rings clockwise, even if the plane is
-// mirrored.
+// Returns the ring of the nodes in the plane, without points on straight walls. Outer rings stay counter-clockwise and
+// inner rings clockwise, even if the plane is mirrored.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
   constexpr double kShortest = 0.25;  // m, shortest wall
   Polygon ring;

@@ -113,7 +113,7 @@ void placePeople(Placer& placer) {
   const Layout& l = placer.layout;
   const double length = l.mainTo() - l.mainFrom();
   Draw counts(l.seed(), Kind::Person, 999);
-  // Places at least one of each kind, unless people are switched off.
+  // Returns the number of people or vehicles of a kind: at least one, unless people are switched off.
   const auto count = [&](double share) {
     const int drawn = static_cast<int>(share * l.character().people * length / 100 + counts.next());
     return l.parameters().people > 0 ? std::max(1, drawn) : 0;

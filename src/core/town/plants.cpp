@@ -17,7 +17,7 @@ using models::TreeModel;
 
 constexpr int kTreesOfAForm = 2;
 constexpr std::array<double, kTreesOfAForm> kRagged{0.6, 1};  // irregularity of the crowns: see makeTree()
-constexpr double kOverhang = 0.5;                             // m that crowns may reach over a road
+constexpr double kOverhang = 0.5;   // m that crowns with a radius above 1.6 m may reach over a road
 constexpr double kFar = 25;         // m from the nearest road, beyond which trees have fewer and larger leaves
 constexpr double kFarDetail = 0.3;  // factor on the number of leaves of trees beyond kFar
 constexpr int kBushForms = 6;
@@ -168,7 +168,7 @@ void placeWoods(Placer& placer) {
       Draw draw(l.seed(), Kind::Wood, ++cell);
       const Spot spot{{x + draw.in(0, spacing), y + draw.in(0, spacing)}, draw.in(0, 2 * kPi), draw.in(0.7, 1.4), 0};
       const Beside b = l.roads().at(spot.at.x, spot.at.y);
-      // Skip places on a road, and places far from all roads, which nearer trees would hide.
+      // Skip places on a road or beside its sidewalk, and places far from all roads, which nearer trees would hide.
       if (!b.known || b.edge < b.section.outer() + 1.2) continue;
       const double density =
           relief(l.seed() + 21, spot.at.x, spot.at.y, 45) + 0.4 * relief(l.seed() + 22, spot.at.x, spot.at.y, 12);

@@ -137,7 +137,7 @@ class Writer {
                             quoted(k.texture))] += k.triangles;
         continue;
       }
-      if (k.what == file) continue;  // writeRest() gives parts with the file's concept their class, without a rule
+      if (k.what == file) continue;  // parts with the file's own concept need no rule: writeRest() writes their class
       const Patterns patterns = patternsFor(k, parts, concepts_);
       const auto keys = std::count_if(patterns.begin(), patterns.end(), [](const auto& p) { return !p.empty(); });
       if (keys == 1) {

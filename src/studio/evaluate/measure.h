@@ -44,7 +44,7 @@ struct MeasureOptions {
   // Scans of a shot are repeated until they took this time (s) together, or until there are 30 scans: other processes
   // easily disturb measurements of a few milliseconds.
   double leastSeconds = 0;
-  bool clouds = true;  // measure distances between point clouds, overall and for each group of beams
+  bool clouds = true;  // true: distances between point clouds are measured, for all beams and for each group
   // The channels that are traced while time is measured. For the errors, kErrorChannels are traced in addition.
   Channels channels{};
   // Returns the noise-free intensity of each beam from a method's hits; null: intensities are not compared.

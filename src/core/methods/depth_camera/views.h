@@ -42,11 +42,11 @@ struct BeamBlock {
 struct Places {
   double* u;
   double* v;
-  std::uint8_t* view;  // kNoView: the beam is in no image
+  std::uint8_t* view;  // kNoView: no image contains the point
 };
 
-// Finds an image for each of at most kBlock points (or of directions, if `points` is false): of the images that contain
-// the point, the one in which its depth is largest.
+// Finds for each of at most kBlock points (directions, if `points` is false) the image in which the point's depth is
+// largest, among the images that contain the point.
 void place(std::span<const CameraView> views, const double* x, const double* y, const double* z, std::size_t count,
            bool points, Places places);
 

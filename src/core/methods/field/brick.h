@@ -83,7 +83,7 @@ class BrickMaker {
 
   // Buffers for sparse bricks.
   std::vector<Facet<float>> facets_;    // facets of triangles_
-  std::vector<Lanes> centreDistance2_;  // voxels^2, from each facet to the blocks' centres
+  std::vector<Lanes> centreDistance2_;  // squared distances (voxels^2) from each facet to the blocks' centres
 
   // Buffers for dense bricks.
   FacetCache cache_;

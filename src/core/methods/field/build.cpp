@@ -69,7 +69,7 @@ class Builder {
   };
   std::vector<Brick> bricks_;                      // in the order of their places, which are consecutive
   std::size_t first_ = 0;                          // the place in the pool that the first brick of bricks_ has
-  std::vector<std::uint32_t> unmade_;              // indices of new bricks' table entries
+  std::vector<std::uint32_t> unmade_;              // indices of the table entries of new bricks
   std::size_t kept_ = 0;                           // number of bricks taken from earlier fields
   std::vector<std::vector<std::uint32_t>> lists_;  // lists of each new brick; the brick's words are offsets in them
 };
@@ -260,7 +260,7 @@ std::uint64_t Builder::placeLists() {
   return end;
 }
 
-// Copies bricks of the earlier pool, and the lists of all bricks, to their places.
+// Copies the bricks that are taken from the earlier pool, and the lists of all bricks, to their places in the pool.
 void Builder::assemble() {
   const BrickPool* from = poolBefore_.get();
   parallelFor(bricks_.size(), kBricksPerTask, [&](std::size_t begin, std::size_t end) {

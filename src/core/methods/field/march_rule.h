@@ -53,8 +53,8 @@ constexpr float kTrusted = 1.5f;
 constexpr float kThere = 0.6f;
 
 // Thin layers, such as markings on a road, are found by a lookup on the beam's side of the surface: the corner nearest
-// to a point kAside in front of the surface is at least kLayer in front of it, and so beyond the layer. In the scene
-// "street" 0.6 % of all beams get their label this way, in "truck_town" 0.03 %.
+// to a point kAside in front of a surface that is parallel to an axis plane is at least kLayer in front of the surface,
+// and so beyond the layer. In the scene "street" 0.6 % of all beams get their label this way, in "truck_town" 0.03 %.
 constexpr double kLayer = 0.1;  // voxels, largest thickness of a layer
 constexpr double kAside = 0.5 + kLayer;
 constexpr double kAlike = 0.9;  // least cosine of the angle between a layer and the surface below the layer

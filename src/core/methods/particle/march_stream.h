@@ -35,7 +35,7 @@ constexpr std::uint32_t kCornerLayer = kBrickCorners * kBrickCorners;
 // The particles in a group of lanes.
 struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
-  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // only in fields with lists
+  HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // used only in fields with lists
   HWY_ALIGN_MAX LaneFloats way = {};
   HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps
   std::size_t particle[kLanes] = {};

@@ -72,7 +72,7 @@ struct Pipeline {
   Value root;        // the parsed text; studies read their keys from it
   std::uint64_t seed = 1;
   std::filesystem::path ontology;  // file that replaces the scenes' ontologies; empty: each scene's ontology is used
-  std::filesystem::path vehicle;   // scene file of the ego vehicle, in its frame; empty: none
+  std::filesystem::path vehicle;   // scene file of the ego vehicle, in the vehicle's frame; empty: no vehicle
   int wavelengthNm = 905;
   std::vector<Sequence> sequences;
   std::vector<MountedSensor> sensors;

@@ -94,8 +94,8 @@ class FreeSurface {
     return std::none_of(met.begin(), met.end(), [](const auto& m) { return m.has_value(); });
   }
 
-  // Returns the state one metre further along an arc; nothing if there is no room for a vehicle or an obstacle is in
-  // between.
+  // Returns the state one metre further along an arc; nothing if a vehicle has no room there, or if an obstacle is
+  // between the two states.
   std::optional<State> metreOn(const State& from, double curvature) const {
     State s = from.on(1, curvature);
     const std::optional<double> height = room(s);

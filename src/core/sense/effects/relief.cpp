@@ -170,7 +170,7 @@ class ReliefEffect : public Effect {
   }
 
  private:
-  // Appends the row to `rough` if its material has a relief; the caller sets position and direction.
+  // Appends a RoughHit for the row if the row's hit has a material with a relief. The caller sets `place` and `along`.
   void prepare(const Hits& hits, const Shot& shot, std::span<const Material> materials, const Returns& returns,
                std::size_t row, std::vector<RoughHit>& rough) const {
     if (!returns.returned(row) || returns.hit(row) == kNoHit) return;

@@ -33,7 +33,7 @@ class Painter {
     for (std::size_t i = 1; i + 1 < n; ++i) shape_.triangle(paint_, high(0), high(i), high(i + 1));
   }
 
-  // Adds a rectangle between x0 and x1 and between y0 and y1, each in any order.
+  // Adds a rectangle between x0 and x1 and between y0 and y1; the smaller or the larger value may come first.
   void bar(double x0, double x1, double y0, double y1) {
     const auto [left, right] = std::minmax(x0, x1);
     const auto [low, high] = std::minmax(y0, y1);

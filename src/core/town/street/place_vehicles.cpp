@@ -18,7 +18,7 @@ class Fleet {
 
   const Model& anyCar(Draw& draw) {
     if (cars_.empty()) {
-      // Hatchbacks and saloons are the most common cars: there are two of each.
+      // Hatchbacks and saloons are the most common cars: there are two models of each.
       cars_ = makeForms(kCarForms + 2, [&](int k) {
         return makeCar(placer_.builder, placer_.layout.seed, static_cast<CarForm>(k % kCarForms), k);
       });
@@ -133,7 +133,7 @@ void placeTraffic(Placer& placer, Fleet& fleet) {
     }
     if (l.cross && car >= 0 && car % 3 == 1) {
       const double side = car % 2 == 1 ? -1 : 1;
-      const int row = car / 6;  // number of vehicles that already wait there
+      const int row = car / 6;  // place in the queue on this side of the intersection; 0: at the lights
       const double nose = l.walkOuter + 2.0 + m->bounds.high.x + draw.in(0, 0.6) + row * 7.0;
       const Spot s{l.crossX - side * l.crossEdge / 2 + draw.in(-0.15, 0.15), side * nose, -side * kPi / 2, 1, 0};
       placer.tryPut(*m, s, name);

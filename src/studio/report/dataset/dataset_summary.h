@@ -115,7 +115,8 @@ struct DatasetSummary {
 DatasetSummary summarise(const Manifest& manifest, const std::vector<ScanPlace>& places,
                          const std::vector<std::optional<ScanCounts>>& counts, const RangeSteps& steps);
 
-// A scan is reported for few points if their number is below this fraction of the median number of its sensor's scans.
+// A scan is reported to have few points if it has fewer than this fraction of the median number of points in its
+// sensor's scans.
 inline constexpr double kFewPointsShare = 0.5;
 
 }  // namespace scanmill

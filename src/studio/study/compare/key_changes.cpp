@@ -71,7 +71,8 @@ std::optional<Shown> ofSets(const SetComparison& comparison, std::string_view na
   return {};
 }
 
-// Returns the figure of the complete sets, from which chance has been removed; if there is none, the figure of patches.
+// Returns the figure that describes the complete sets, which is corrected for chance; if there is none, the figure that
+// describes patches.
 // Returns nothing if both exist and suggest opposite changes, since something other than the key then causes the
 // difference.
 std::optional<Shown> shown(const SetComparison& comparison, const Mover& mover) {

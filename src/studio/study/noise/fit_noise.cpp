@@ -71,7 +71,7 @@ MeasuredShare dropOutOf(const Patches& patches, std::uint32_t stream) {
   };
   MeasuredShare all = count(patches);
   if (all.of == 0) return all;
-  // If no return is lost, the bootstrap error is 0, although a return might have been lost by chance.
+  // If no return is lost, the bootstrap error is 0, which is too small. The error is then one lost return.
   const double least = std::sqrt(static_cast<double>(all.lost + 1)) / static_cast<double>(all.of);
   const double spread = bootstrapError(patches, stream, [&](const Patches& chosen) { return count(chosen).share(); });
   all.error = std::max(all.lost == 0 ? least : 0.0, spread);

@@ -203,8 +203,8 @@ class Comparison {
     return best;
   }
 
-  // Returns the plainest() of the settings with the least error; differences up to kSameShare and kExactRange do not
-  // count.
+  // Returns the plainest() of the settings with the fewest wrong beams and, among these, the smallest range error.
+  // Differences up to kSameShare (wrong beams) and kExactRange (range error) do not count.
   std::size_t mostExactOf(const std::vector<std::size_t>& settings) const {
     double least = 1;
     for (const std::size_t i : settings) least = std::min(least, wrongShare(errors(i)));

@@ -300,8 +300,8 @@ class StudyRun {
         plan_, scene_, shots, [this](const std::string& name) { progress_.say(name); }, measureOptions_.stop);
   }
 
-  // Draws pictures of the errors: for each method with noticeable errors, of its first setting with such errors and of
-  // the one with the largest p99 of the range.
+  // Draws pictures of the errors of two settings of each method: of the first setting with noticeable errors, and of
+  // the setting with the largest 99th percentile of the range error. Methods without noticeable errors get no picture.
   void takePictures() {
     if (!options_.drawErrors) return;
     std::set<std::string> wanted;

@@ -21,8 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Returns a label for each file or folder: its name, preceded by as many parent folders as are needed to make all
-// labels different.
+// Returns a label for each file or folder: its name, preceded by as many parent folders (at most kMostFolders) as are
+// needed to make all labels different.
 std::vector<std::string> shortestLabels(const std::vector<fs::path>& paths) {
   constexpr int kMostFolders = 8;
   std::vector<fs::path> whole;

@@ -93,8 +93,9 @@ bool Clouds::hasColor(const ViewScan& viewed, const ColorBy& by) const {
   return scanmill::hasColor(viewed.scan, by, !viewed.error.empty());
 }
 
-// Returns the quantity that the view's colours show: the user's choice, otherwise the first of class, intensity and
-// range that the scan has and, in the second view of a single scan, that the first view does not show.
+// Returns the quantity that the view's colours show: the user's choice if there is one, otherwise the first of class,
+// intensity and range that the scan has, otherwise the height. The second view of a single scan skips the quantity that
+// the first view shows.
 ColorBy Clouds::colorOf(std::size_t view) const {
   if (colors[view]) return *colors[view];
   if (!context_.frame || context_.frame->scans.empty()) return kByClass;

@@ -25,7 +25,7 @@ constexpr std::array<double, 4> kRingRadii{10, 20, 50, 100};  // radii of the ra
 void addAxes(LineSet& lines, const Affine& pose, double length);
 // Adds horizontal circles with the radii kRingRadii.
 void addRangeRings(LineSet& lines, const Vec3d& center, const Rgb& color);
-// Adds lines from place to place, darker before the place with the index `current`, and a small circle around it.
+// Adds lines from place to place, darker before the place `places[current]`, and a small circle around that place.
 void addTrack(LineSet& lines, std::span<const Vec3d> places, std::size_t current, const Rgb& color);
 
 // Adds the edges of a box and, if `front` is true, a line that sticks out of its front. `pose`: pose of its centre.

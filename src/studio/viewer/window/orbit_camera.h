@@ -42,7 +42,7 @@ struct OrbitCamera {
   bool operator==(const OrbitCamera&) const = default;
 };
 
-// Returns the camera that shows the same picture as makeCamera(). The target of the view Driver is 10 m ahead.
+// Returns the camera that shows the same picture as makeCamera(). The target of View::Driver is 10 m ahead.
 OrbitCamera presetCamera(View view);
 
 // The user's choice of a camera.
