@@ -44,7 +44,7 @@ ImportedFile importPly(const std::filesystem::path& file, const std::string& kin
   const bool stated = std::any_of(header.elements.begin(), header.elements.end(),
                                   [](const PlyElement& element) { return element.name == "material"; });
   if (stated) return imported;
-  // The importer invents a grey material, or a white one if vertices have colours.
+  // The file has no element `material`: the importer has invented a grey one, or a white one if vertices have colours.
   for (ImportedMaterial& material : imported.materials) {
     material.stated = false;
     material.color = {1, 1, 1};

@@ -38,8 +38,8 @@ class Details {
   double pitch() const { return h_.width / h_.columns; }
   double windowMiddle(int column) const { return (column + 0.5) * pitch(); }
 
-  // Adds floors, a wall along the middle of the house, walls across the house between the columns of windows, and a few
-  // pieces of furniture.
+  // Adds floors, a wall along the middle of the house, walls across the house between some columns of windows, and a
+  // piece of furniture for each floor and column.
   void rooms() {
     const SurfaceIndex inside = s_.surface("building", "plaster");
     const SurfaceIndex boards = s_.surface("building", "wood");

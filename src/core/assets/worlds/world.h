@@ -21,7 +21,7 @@ struct WorldPart {
   bool centred = false;        // true: the submesh is moved so that its middle is the origin
   std::optional<Mesh> solid;
   Affine thingFromPart;  // includes the part's scale
-  std::string material;  // name of the material, for solids and for meshes without a material
+  std::string material;  // name of the material of a solid, or of a mesh whose file names no material
   std::optional<std::array<float, 3>> color;
   std::filesystem::path texture;     // replaces the mesh's texture; empty: the mesh keeps its texture
   std::optional<float> alphaCutoff;  // beams pass where the alpha of `texture` is below this

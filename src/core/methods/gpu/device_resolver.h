@@ -24,7 +24,7 @@ constexpr std::uint64_t kResolverBytesPerTriangle = 48;
 
 // The result of a ray that is neither a hit nor a miss: a NaN in place of its range.
 enum class RayVerdict : std::uint32_t {
-  Open = 0x7FC00001u,       // left to the processor
+  Open = 0x7FC00001u,       // the ray is left to the processor
   Exhausted = 0x7FC00002u,  // a particle used up its steps
   Left = 0x7FC00003u,       // a particle left the field
 };

@@ -37,7 +37,7 @@ struct LaneGroup {
   HWY_ALIGN_MAX LaneFloats o[3] = {}, d[3] = {}, begin = {}, end = {};
   HWY_ALIGN_MAX LaneFloats w[3] = {}, inverse[3] = {};  // used only in fields with lists
   HWY_ALIGN_MAX LaneFloats way = {};
-  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps
+  HWY_ALIGN_MAX LaneWords outcome = {};  // 4 * number of steps; record() gets this number plus the Outcome
   std::size_t particle[kLanes] = {};
   LaneBits active = 0;  // lanes that have a particle
 

@@ -18,7 +18,7 @@ namespace scanmill {
 // threads. Their origins are on a grid of 16 m, because rounding errors grow with the distance from the origin.
 class Worlds {
  public:
-  // The scene must outlive the object.
+  // The scene must outlive this object.
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
   // Returns the world whose origin is nearest to the sensor (m). Safe to call from several threads.

@@ -19,7 +19,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kCell = 0.25;     // cell size of the cached heights (m)
-constexpr double kReach = 1;       // maximum change of the surface's height between two tested positions (m)
+constexpr double kReach = 1;       // a surface up to this far above or below a tested position is always found (m)
 constexpr double kClear = 2.5;     // free height that a vehicle needs above the surface (m)
 constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
 constexpr double kHalfLength = 2;  // half of a vehicle's length (m)

@@ -35,7 +35,7 @@ struct NoiseLevel {
 struct RepeatabilityChoice {
   std::uint32_t scans = 5;
   std::vector<NoiseLevel> levels;
-  std::size_t reference = 0;  // index in `levels`
+  std::size_t reference = 0;  // index of the reference level in `levels`
   std::vector<MethodSetting> methods;
   std::string object;   // name of an object; empty: the object nearest to the sensor
   double margin = 0.1;  // distance (m) from the object's bounding box within which points are kept
