@@ -33,7 +33,7 @@ struct AssetPart {
 
 // How the alpha of a base colour decides whether beams pass through a surface.
 enum class AlphaUse {
-  // Beams pass where the file declares it. glTF: where alpha is below alphaCutoff (alphaMode MASK) or below 0.5
+  // Beams pass where the file declares transparency. glTF: where alpha is below alphaCutoff (alphaMode MASK) or 0.5
   // (BLEND). Other kinds: where alpha is below 0.5, if the material has an opacity map or an opacity between 0 and 1
   // (MTL map_d, d and Tr; COLLADA transparent; FBX TransparentColor; AC3D trans). Many of these other files declare
   // nothing, and their alpha can mean cut-outs (leaves) or, for example, which parts of a car are painted. Beams then

@@ -226,7 +226,7 @@ class Importer {
     struct Item {
       const aiNode* node;
       Affine assetFromParent;
-      std::string name;  // name of the nearest named ancestor below the root, which the importer often adds
+      std::string name;  // name of the nearest named ancestor; never the root's name, which the importer often invents
     };
     std::vector<Item> open{{scene_->mRootNode, assetFromImported(read.up), {}}};
     for (std::uint32_t index = 0; !open.empty(); ++index) {

@@ -42,9 +42,8 @@ std::vector<std::string> programLibraryFolders() {
   std::vector<std::string> folders;
   const Dl_serpath* paths = info->dls_serpath;
   for (unsigned i = 0; i < info->dls_cnt; ++i) {
-    if (paths[i].dls_name[0] == '/')
-      folders.emplace_back(paths[i].dls_name);  // skips relative folders, which depend
-                                                // on the working directory
+    // Relative folders are skipped, because they depend on the working directory.
+    if (paths[i].dls_name[0] == '/') folders.emplace_back(paths[i].dls_name);
   }
   return folders;
 }

@@ -14,7 +14,7 @@ namespace {
 // Largest range of a valid point, as a multiple of the sensor's maximum range. Noise may move a point beyond the
 // maximum range: the `shell` effect by half the range, Gaussian noise in principle without limit.
 constexpr double kNoiseReach = 1.5;
-// Relative error of ranges, which are stored in float32 or in CSV's decimal digits.
+// Largest relative rounding error of ranges, which are stored in float32 or in CSV's decimal digits.
 constexpr double kRangeRounding = 1e-5;
 
 // Counts the points that break a rule, and stores the first of them.
@@ -77,7 +77,7 @@ class ScanCheck {
   }
 
   // Returns true if the point possibly does not come from a surface: its cause is not Surface, or the scan lacks the
-  // column cause.
+  // column `cause`.
   bool mayComeFromNothing(std::size_t i) const {
     return scan_[kCause].empty() || scan_[kCause][i] != static_cast<std::uint8_t>(1);
   }

@@ -96,7 +96,7 @@ class Returns {
   }
 
   // Returns a point's return number in the lower four bits, and the number of returns of its beam in the upper four.
-  // Must be called for all points in order, without misses.
+  // Must be called once for each point that is not a miss, in the order of the points.
   std::uint8_t next(std::size_t point) {
     std::uint32_t number = counts_ ? ++soFar_[beamOf(point)] : 1;
     std::uint32_t all = counts_ ? all_[beamOf(point)] : 1;

@@ -13,7 +13,7 @@
 // - Points are in the frame of the real LIDAR_TOP, x to the right, y forward, z up, so that models trained on nuScenes
 //   can be used; calibrated_sensor has the frame's pose on the vehicle. Rings are numbered from the lowest beam; they
 //   are all equal if the dataset has no ring numbers. Intensities are integers from 0 to 255, as from the real sensor:
-//   intensities above the full scale become 255, and all are 0 without the column.
+//   intensities above the full scale become 255, and all are 0 without the column `intensity`.
 // - Every frame is a key frame with a sample, however close the frames are; sweeps/ is empty.
 // - Each sequence is a scene with a log. The first scene is on 2020-01-01, and each further scene one day later,
 //   because times must differ from scene to scene. Times and ego_pose are those at the start of a revolution.
@@ -23,9 +23,9 @@
 // - Instances are numbered from 1 to 999 within each class of a scene, in the order of the dataset's ids.
 // - splits.json lists the scenes of each split, for newer versions of the devkit. These versions reserve the names of
 //   nuScenes's splits (`train`, `val`, ...), so each split is also listed with a prefix, as `scanmill_train`.
-// - Without the column label there are no labels, without the column instance there are no panoptic labels, and without
-//   lists of objects the tables sample_annotation and instance are empty. The devkit refuses to read labels of a scan
-//   without points.
+// - Without the column `label` there are no labels, without the column `instance` there are no panoptic labels, and
+//   without lists of objects the tables sample_annotation and instance are empty. The devkit refuses to read labels of
+//   a scan without points.
 
 #include <fmt/core.h>
 

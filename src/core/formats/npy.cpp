@@ -109,7 +109,7 @@ NpyArray parseNpy(const std::string& name, const std::string& file, const std::s
   }
   const std::size_t element = npyNumberBytes(array.type);
   array.bytes = file.substr(before + length);
-  if (element == 0) return array;  // callers that need numbers refuse it
+  if (element == 0) return array;  // no array of numbers; callers that need numbers refuse it
   if (element > 1 && array.type[0] != '<')
     fail(fmt::format("is of the type {}, big-endian: save it as <f4", array.type));
   std::size_t expected = element;

@@ -429,7 +429,7 @@ class BodyReader {
   const PcdHeader& header_;
   Location where_;
   Vec3d* origin_;
-  std::vector<Vec3d> exact_;  // m, positions before the origin is subtracted; empty without `origin`
+  std::vector<Vec3d> exact_;  // m, positions before the origin is subtracted; empty if origin_ is null
 };
 
 }  // namespace

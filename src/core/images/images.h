@@ -2,8 +2,8 @@
 
 // Reads and writes images: PNG by libpng, JPEG by libjpeg, all other kinds by OpenImageIO. Most scenes have only PNG
 // and JPEG, and OpenImageIO brings hundreds of shared libraries. Its module (images/images_interface.h) is therefore
-// loaded at its first use, from any thread. If it cannot be loaded, these functions throw an Error that says how to
-// install it.
+// loaded at its first use, from any thread. If it cannot be loaded, functions that need it throw an Error that says how
+// to install it.
 
 #include <cstdint>
 #include <filesystem>

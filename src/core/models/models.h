@@ -206,7 +206,7 @@ struct House {
 struct Block {
   std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
   std::vector<std::vector<Point2>> courts;  // outlines of the courtyards, clockwise
-  int floors = 2;                           // 0: a shed without windows
+  int floors = 2;                           // number of floors; 0: the building is a shed without windows
   double height = 0;                        // m, top of the walls; 0: follows from `floors`
   Point2 entrance;                          // the door is in the wall whose middle is nearest to this point
   bool shop = false;

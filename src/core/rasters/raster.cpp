@@ -34,9 +34,9 @@ std::unique_ptr<RasterReader> open(const std::filesystem::path& file) {
   }
 }
 
-// Throws an InputError for words that are not numbers in a text grid (Esri's .asc), since GDAL reads such words as 0.
-// Allowed are words that consist of characters of numbers, "nan", "inf", "1.#IND" and "1.#QNAN", and of "*", which
-// stands for no sample (GRASS).
+// Throws InputError if a word below the heading of a text grid (Esri's .asc) is not a number, since GDAL reads it as 0.
+// Allowed characters are those of numbers, of "nan", "inf", "1.#IND" and "1.#QNAN", and "*", with which GRASS marks
+// missing samples.
 void refuseWords(const std::filesystem::path& file) {
   const std::string text = readFile(file);
   std::size_t line = 0;

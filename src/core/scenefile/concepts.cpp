@@ -143,7 +143,7 @@ std::string foldedName(std::string_view name) {
     if (std::isalpha(c) == 0) {
       blank();
     } else {
-      // Split BusStop before the S, but do not split CAR.
+      // "BusStop" is split before the "S"; "CAR" is not split.
       if (std::isupper(c) != 0 && lower) blank();
       out += static_cast<char>(std::tolower(c));
       lower = std::islower(c) != 0;

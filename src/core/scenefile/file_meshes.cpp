@@ -15,8 +15,8 @@
 namespace scanmill {
 namespace {
 
-// A clip of an animation is sampled at equal steps of at most kMoment. A clip that would need more than kMostMoments
-// steps is sampled at kMostMoments times.
+// A clip of an animation is sampled at equal steps of at most kMoment or, if this would need more than kMostMoments
+// steps, at kMostMoments longer steps.
 constexpr double kMoment = 0.05;  // s
 constexpr double kMostMoments = 48;
 

@@ -62,7 +62,7 @@ class Returns {
   std::size_t size() const { return range.size(); }
   bool returned(std::size_t row) const { return range[row] < kMiss; }
 
-  // Returns true if every row i is the first return of beam i and comes from hit i.
+  // Returns true if each beam has exactly one row, and row i belongs to beam i and hit i.
   bool onePerBeam() const { return onePerBeam_; }
   std::uint32_t beam(std::size_t row) const { return onePerBeam() ? static_cast<std::uint32_t>(row) : beam_[row]; }
   // Returns the index of the row among its beam's rows, from 0. Together with seed, scene, frame, sensor and beam this

@@ -55,7 +55,7 @@ class GroundProfile {
   // Places a pose on the ground: the result has the pose's horizontal position and heading, the ground's pitch and
   // roll, and lies GroundOptions::height above the ground. `at`: the position on the path.
   [[nodiscard]] Pose place(const Pose& pose, double at) const;
-  // Returns the fraction of the path's samples that have no ground and therefore copy a neighbouring sample.
+  // Returns the fraction of the path's samples for which no ground was found, and which copy another sample.
   double bare() const { return bare_; }
 
  private:

@@ -32,8 +32,8 @@ std::vector<Stretch> stretches(const Layout& l) {
   return found;
 }
 
-// Calls `place` at random positions along the roads, `per100m` times per 100 m of road. If `place` returns false, since
-// the position is not free, it is called again at other positions, up to kTries times for an object.
+// Tries to place `per100m` objects per 100 m of each road that is not minor. For each object, calls `place` with random
+// positions until it returns true, since the position is free, at most kTries times.
 template <class Place>
 void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   std::uint32_t number = 0;

@@ -15,7 +15,7 @@ using models::Fencing;
 using models::Kind;
 using models::Shape;
 
-constexpr double kPanel = 2;        // m, length of a panel
+constexpr double kPanel = 2;        // m, length of a boundary's panel before it is scaled
 constexpr double kPlinthDepth = 3;  // m, depth to which plinths extend below the door, to close gaps on slopes
 
 Model makePlinth(SceneBuilder& builder, const models::House& house) {

@@ -50,7 +50,7 @@ CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
 // Narrows a cross section, but not below its least widths, so that the carriageway ends before nearly all walls beside
 // the road, and the pavement before most of them. `walls` has the walls' distances from the centre line (m).
 void makeRoom(CrossSection& s, std::vector<double>& walls) {
-  constexpr double kGap = 0.4;      // m between the carriageway and the nearest wall
+  constexpr double kGap = 0.4;      // m, width kept free between the carriageway and the nearest wall that counts
   constexpr double kLeast = 1.6;    // m, half of the width of the narrowest road
   constexpr double kBehind = 0.15;  // fraction of the walls that may be on the pavement
   constexpr double kIgnored = 0.02;

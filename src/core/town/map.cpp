@@ -164,7 +164,7 @@ std::optional<Land> landOf(const OsmTags& tags) {
       isOneOf(tags["landuse"], {"grass", "meadow", "farmland"}) || isOneOf(tags["natural"], {"grassland", "heath"})) {
     return Land::Grass;
   }
-  // In OpenStreetMap squares are areas of pedestrian roads.
+  // OpenStreetMap represents squares as areas of roads for pedestrians or services, or as marketplaces.
   const bool square = tags["area"] == "yes";
   if ((square && isOneOf(tags["highway"], {"pedestrian", "footway", "service"})) || tags["amenity"] == "marketplace") {
     return Land::Paved;

@@ -55,7 +55,7 @@ bool plant(Placer& placer, Nursery& nursery, Draw& draw, Spot spot, bool broadle
   const TreeModel& tree = nursery.tree(draw, broadleaf, far);
   spot.yaw = draw.in(0, 2 * kPi);
   spot.scale = draw.in(0.75, 1.35);
-  // Limits the crown so that the lanes stay clear.
+  // Near a road, limits the crown's radius so that it reaches at most kOverhang over the road, but not below 1.6 m.
   if (!far) room = std::min(room > 0 ? room : 1e9, std::max(1.6, b.edge + kOverhang));
   if (room > 0) spot.scale = std::min(spot.scale, room / tree.crownRadius);
   if (spot.scale < 0.5 || !placer.isFree({spot.at, 0.6, 0.6, 0})) return false;

@@ -6,7 +6,7 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kOnLine = 1e-4;  // m; smaller absolute values of a field count as zero
+constexpr double kOnLine = 1e-4;  // m; if the field of cutAlong() has a smaller absolute value, it counts as zero
 
 // Corners are on a lattice whose spacing is half the smallest leaf's side, so that leaves' centres are on it, too.
 class Quadtree {

@@ -261,7 +261,7 @@ class Traffic {
   void addDriver(std::uint32_t route, double at, const Model& vehicle, const std::optional<Model>& rider, double speed,
                  double out, double starts) {
     const double length = vehicle.bounds.high.x - vehicle.bounds.low.x;
-    // No vehicle starts at an obstacle or shortly before it.
+    // No vehicle starts within 14 m of a StopLine without a traffic light: an obstacle or a give-way line.
     for (const StopLine& s : routes_[route].stops) {
       if (s.period <= 0 && std::abs(at - s.at) < 14) return;
     }

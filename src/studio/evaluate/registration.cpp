@@ -101,7 +101,7 @@ class PclPair {
   }
 
   // Returns the fitness (m^2) of the source at the position to which the last align() has moved it; nothing if no
-  // distance is at most `within` (m).
+  // point of the source is within `within` (m) of the target.
   std::optional<double> fitness(double within) {
     if (source_->empty() || target_->empty()) return std::nullopt;
     const double score = icp_.getFitnessScore(square(within));

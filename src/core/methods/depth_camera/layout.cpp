@@ -213,7 +213,7 @@ class Candidate {
   int sides_;
   double steep_;
   double origin_ = 0;
-  std::vector<double> bounds_;  // borders between neighbouring side cameras, in units of fromOrigin()
+  std::vector<double> bounds_;  // values of fromOrigin() at the borders between neighbouring side cameras
   std::vector<Camera> cameras_;
 };
 

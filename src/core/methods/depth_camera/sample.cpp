@@ -196,7 +196,7 @@ class Sampler {
       for (std::size_t first = begin; first < end; first += kBlock) {
         const std::size_t count = std::min(kBlock, end - first);
         load(batch, first, count, block);
-        for (std::size_t i = 0; i < count;) {  // neighbouring beams are mostly in the same image
+        for (std::size_t i = 0; i < count;) {  // one turn for each run of successive beams in the same image
           const std::uint8_t view = batch.view[first + i];
           std::size_t next = i + 1;
           while (next < count && batch.view[first + next] == view) ++next;

@@ -67,7 +67,7 @@ void BrickMaker::scatter(const BrickPlace& place, std::uint32_t triangle) {
   }
 }
 
-// Makes the lists of all corners from listings_. The triangles of a list stay in order.
+// Makes the lists of all corners from listings_. The triangles of a list keep the order that they have in listings_.
 void BrickMaker::sortListings() {
   std::array<std::uint32_t, kCornersPerBrick + 1> first{};
   for (const Listing& l : listings_) ++first[l.corner + 1];

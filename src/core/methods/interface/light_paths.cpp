@@ -106,7 +106,7 @@ class LightFollower {
     }
   }
 
-  // Returns a shot whose beams are these rays, as a single ring, in world axes, relative to the sensor's position.
+  // Returns a shot with the rays `onward` as beams of a single ring, in world axes, relative to the sensor's position.
   Shot shotOf(const std::vector<Onward>& onward) const {
     auto table = std::make_shared<BeamTable>();
     table->model = shot_.beams->model;

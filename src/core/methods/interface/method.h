@@ -45,8 +45,8 @@ class Method {
   virtual std::uint64_t memoryBytes() const = 0;
   // Returns this method if it renders passes that can be saved (MethodCapabilities::passes), otherwise null.
   virtual const DepthCamera* depthCamera() const { return nullptr; }
-  // Returns the method's hierarchies of the scene's triangles, if they are built with thingFilter()
-  // (methods/ray_tracing/unobstructed.h) for occlusions and others may share them; otherwise null.
+  // Returns the method's hierarchies of the scene's triangles if other code may share them and their filter for
+  // occlusions is thingFilter() (methods/ray_tracing/unobstructed.h); otherwise null.
   virtual const Worlds* worlds() const { return nullptr; }
 };
 

@@ -10,7 +10,7 @@ namespace scanmill {
 
 inline constexpr double kLargestVoxel = 10;                     // m, largest value of ParticleOptions::voxel
 inline constexpr std::uint32_t kFewestVoxels = 64;              // least number of voxels across each level
-inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // step of the number of voxels across each level
+inline constexpr std::uint32_t kVoxelsStep = 2 * kBrickVoxels;  // divides the number of voxels across each level
 
 // The map `particle: {...}` of a pipeline.
 struct ParticleOptions {

@@ -38,8 +38,9 @@ constexpr double kReach = 512;                // m, largest distance of the came
 constexpr double kPlaneShare = 1e-3;          // largest difference of Blender's depth from the depth of the triangle's
                                               // plane, as a fraction of the depth
 constexpr std::size_t kFrameGrain = 1 << 14;  // number of pixels of one parallel task
-constexpr std::ptrdiff_t kFewestWithoutIds = 1000;  // more pixels than this with a depth, and none with ids, are
-                                                    // an error; fewer may be cut-outs
+// If an image has more than this number of pixels with a depth, and none of its pixels has an id, ids are missing: this
+// is an error. Fewer pixels without ids may be cut-outs.
+constexpr std::ptrdiff_t kFewestWithoutIds = 1000;
 
 // Rendered images, stored in memory.
 class SeenSource : public PixelSource {

@@ -42,7 +42,7 @@ struct VtkScene {
   std::span<const std::uint32_t> words;  // bits of all cut-outs
 };
 
-// An instance of consecutive triangles. In the image, triangle k of the batch has the number firstNumber + k; the
+// An instance of the triangles of a VtkDraw. In the image, the draw's triangle k has the number firstNumber + k; the
 // number 0 means that a pixel shows no triangle.
 //
 //   (x, y, w) of clip space = rows * (position, 1); the depth buffer contains nearest / w

@@ -24,8 +24,8 @@ std::vector<std::string> thingSizeWarnings(const Scene& scene);
 
 // Returns a warning for each vehicle model whose front is not on the side that the scene file states: at most five
 // lines, then a line with the number of those left out. Checks object instances whose heading is known and whose class
-// has wheels according to labels/words.yaml. A heading counts as wrong if the box is wider than long, or if the vehicle
-// drives sideways. `boxes`: the bounding boxes of the scene's objects.
+// has wheels according to labels/words.yaml. A heading counts as wrong if the box's width exceeds 1.1 times its length,
+// or if the vehicle drives sideways. `boxes`: the bounding boxes of the scene's objects.
 std::vector<std::string> headingWarnings(const Scene& scene, const ThingBoxes& boxes);
 
 // Warns of triangles to which no rule gives a class, and states their number.

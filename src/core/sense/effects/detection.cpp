@@ -50,7 +50,7 @@ enum class Report { Strongest, First, Last, Dual };
 
 struct DetectionOptions {
   Report report = Report::Strongest;
-  std::uint32_t most = 1;  // number of echoes that Report::Strongest reports
+  std::uint32_t most = 1;  // largest number of echoes that Report::Strongest reports for a beam
   double noise = 0;
   double threshold = 4.8;
   float separation = 0;  // m, least distance between reported echoes

@@ -22,7 +22,8 @@
 namespace scanmill {
 namespace {
 
-constexpr double kNearest = 0.001;  // m, least range that is reported
+// Noise makes no range smaller than kNearest (m), or than the exact range if the exact range is below kNearest.
+constexpr double kNearest = 0.001;
 
 // Sigma rises by `slope` per metre, from `start` (m) on, for at most `length` (m).
 struct Ramp {

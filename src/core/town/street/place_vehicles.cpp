@@ -60,8 +60,8 @@ void placeParked(Placer& placer, Fleet& fleet) {
   const int cars = l.p.count(l.p.cars);
   const int motorcycles = l.p.count(l.p.motorcycles);
   const std::vector<Bay> free = bays(placer);
-  // Three motorcycles share a bay, at an angle. Motorcycles fill bays from the end of the list, cars from its
-  // beginning.
+  // Up to three motorcycles share a bay, at an angle to the road. Motorcycles fill bays from the end of the list, cars
+  // from its beginning.
   const auto motorcycleForms =
       makeForms(motorcycles > 0 ? 2 : 0, [&](int f) { return makeMotorcycle(placer.builder, l.seed, f); });
   int standing = 0;
@@ -93,7 +93,7 @@ void placeParked(Placer& placer, Fleet& fleet) {
     const Bay& b = free[i];
     const Model& m = fleet.anyCar(draw);
     const double half = (m.bounds.high.y - m.bounds.low.y) / 2;
-    const double room = l.p.parkingWidth / 2 - half;  // m between a car in the bay's middle and each edge
+    const double room = l.p.parkingWidth / 2 - half;  // m between a car in the bay's middle and each edge of the bay
     const bool against = draw.chance(0.08);
     const double yaw = (b.side > 0) == against ? 0 : kPi;  // on the left side traffic drives to -x
     const double error = draw.in(-0.02, 0.02);

@@ -11,8 +11,8 @@
 namespace scanmill {
 
 // Adds a street along x, centred at the origin of its frame, with the road's surface at z = 0 and right-hand traffic.
-// `fields` are the keys of `street:` in a scene file: lengths, widths, and densities of objects; finish() is called
-// here. Throws InputError with the place in the file.
+// `fields` are the keys of `street:` in a scene file: lengths, widths, and densities of objects. Calls fields.finish().
+// Throws InputError with the place in the file.
 void addStreet(SceneBuilder& builder, Fields& fields, std::uint64_t seed, const Affine& worldFromStreet);
 
 }  // namespace scanmill

@@ -57,8 +57,8 @@ struct Calibration {
 };
 
 // Measures the settings of a plan with `method: auto`, and chooses one of them. Throws Error if no setting keeps the
-// limits; the message states the setting that comes nearest to this and the limits that it exceeds. Also throws Error
-// if `*stop` becomes true; `stop` may be null.
+// limits; the message states the setting that comes nearest to the limits, and which of them it exceeds. Also throws
+// Error if `*stop` becomes true; `stop` may be null.
 Calibration calibrate(const Plan& plan, bool quiet, const std::atomic<bool>* stop = nullptr);
 
 // Returns the index of the setting to choose from measured settings, by the rules at the top of this file. `where`:

@@ -227,7 +227,7 @@ std::vector<DistanceRing> distanceRings(const DatasetSummary& summary) {
       if (s.ranges[i] > 0) last = std::max(last, i + 1);
     }
   }
-  // Rings are narrower near the sensor, where most points are. The last ring includes all larger distances.
+  // Rings of distance are narrower near the sensor, where most points are. The last ring has all larger distances.
   std::vector<std::size_t> ends;
   for (const std::size_t end : {5, 10, 20, 30, 40, 50, 60, 80, 100}) {
     if (end < count - 1) ends.push_back(end);

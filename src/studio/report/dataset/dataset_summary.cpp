@@ -36,7 +36,7 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t i = 0; i < part.size(); ++i) sum[i] += part[i];
 }
 
-// Splits the name of a sequence: "street-s1-lane" is the scene street with the seed 1 and the trajectory lane.
+// Splits the name of a sequence: "street-s1-lane" is the scene "street" with the seed 1 and the trajectory "lane".
 SequenceSummary sequenceNamed(const std::string& name) {
   SequenceSummary sequence{name, {}, {}, {}, {}, 0, 0, 0, 0};
   for (std::size_t at = name.find("-s"); at != std::string::npos; at = name.find("-s", at + 1)) {

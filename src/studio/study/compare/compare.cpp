@@ -18,7 +18,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr std::size_t kFewestInGroup = 50;  // least number of patches of each set in a band that has a figure
+constexpr std::size_t kFewestInGroup = 50;  // a band with fewer patches of a set has no figure for this set
 constexpr double kUnmeasured = std::numeric_limits<double>::quiet_NaN();
 
 // The group number of each patch. Equal numbers mean the same group in both sets.

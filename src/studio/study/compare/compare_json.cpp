@@ -1,5 +1,5 @@
-// Writes compare.json. Fractions and areas are numbers from 0 to 1. Angles and lengths have the units stated in
-// kPatchFeatures and kSetFigures. Unknown figures are null.
+// Writes compare.json. Values of figures and features have the units stated beside them. Shares of points and areas
+// under ROC curves are from 0 to 1. Unknown values are null.
 
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -91,8 +91,8 @@ double rangeOnPlane(const BeamTable& beams, std::size_t beam, const PatchPlane& 
 std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& image, const RecordedScan& scan,
                                       const PatchWindow& window);
 
-// Returns the flat patches of all scans, sorted by scan, colour of the tested beams and position in the image. Patches
-// with the same scan and colour do not overlap.
+// Returns the flat patches of all scans, sorted by scan, by the chessboard colour of the tested beams and by position
+// in the image. Patches with the same scan and colour do not overlap.
 std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector<RecordedScan>& scans);
 
 // Returns the lower edges of the bands of range (m), ascending. The last band has no upper edge.

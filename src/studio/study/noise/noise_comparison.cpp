@@ -87,7 +87,7 @@ std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::
   const BeamImage image(beams);
   const Effects made = makeEffects(effects);
   const double leastCosine = std::cos(fit.mostIncidence);
-  std::vector<FlatPatch> recorded[2];  // patches at incidence angles up to fit.mostIncidence, and above
+  std::vector<FlatPatch> recorded[2];  // [0]: patches at incidence angles up to fit.mostIncidence; [1]: above it
   std::vector<FlatPatch> simulated[2];
   for (std::uint32_t s = 0; s < scans.size(); ++s) {
     for (std::uint32_t tested = 0; tested < 2; ++tested) {

@@ -223,7 +223,7 @@ RecordedScan rangesAlong(const Scan& scan, const BeamTable& beams, const std::st
 }
 
 double rangeStep(const std::vector<RecordedScan>& scans) {
-  constexpr double kSame = 2e-5;      // rounding error of ranges that are computed from float32 coordinates (m)
+  constexpr double kSame = 2e-5;      // assumed error of ranges that are computed from float32 coordinates (m)
   constexpr double kSmallest = 5e-4;  // smaller steps (m) cannot be distinguished from rounding errors
   constexpr double kShare = 0.99;     // least fraction of the ranges that must be multiples of the step
   std::vector<double> sorted;

@@ -103,8 +103,8 @@ struct Study {
   // Methods that the pipeline cannot use, since they do not support its footprint, light paths or moving objects.
   std::vector<std::string> refused;
   std::vector<RingFit> rings;
-  // The time of StudyOptions::showScan to show a scan on the screen, depending on the number of rings. The scans are
-  // those of the first setting, but the member `setting` is empty. Absent if the time was not measured.
+  // The time that StudyOptions::showScan takes to show a scan on the screen, by number of rings. The scans are those of
+  // the first setting, but RingFit::setting is empty. Absent if the time was not measured.
   std::optional<RingFit> showing;
   std::vector<std::string> left;  // lines about what the study left out, such as settings for lack of time
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.

@@ -152,8 +152,8 @@ void fillBoxes(ViewMesh& view) {
 Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
   constexpr std::size_t kCells = 32;          // number of cells along the longest side of the bounds
   constexpr std::size_t kEnough = 1'000'000;  // maximum number of triangles that are examined
-  constexpr double kLeftOut = 0.05;           // fraction of the weight that may be outside of each side of the box
-  constexpr double kLarge = 0.5;  // fraction of the bounds' longest side from which a triangle counts as large
+  constexpr double kLeftOut = 0.05;  // fraction of the cells' total weight that may be beyond each side of the box
+  constexpr double kLarge = 0.5;     // fraction of the bounds' longest side from which a triangle counts as large
   struct Cell {
     Box box;
     double corners = 0;

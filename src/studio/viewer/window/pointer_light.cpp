@@ -26,7 +26,7 @@ std::vector<Vec3f> returnsOf(const Scan& scan, std::size_t point) {
 
 }  // namespace
 
-// The outline consists of the instance's points in white, larger and slightly farther away than the points themselves.
+// Outlines the instance under the pointer: draws its points again in white, larger and slightly farther away.
 void Pointer::lightInstance() {
   constexpr double kRest = 0.15;  // time without a move after which the pointer is at rest (s)
   const PickedThing* const thing = shown();

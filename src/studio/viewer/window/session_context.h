@@ -25,7 +25,7 @@ struct ViewNotice {
   std::optional<KeyAction> cause;  // the action that caused the message
 };
 
-// Which points and triangles are shown.
+// Selects the points and triangles that are shown.
 struct ShownFilter {
   ClassFilter classes;
   std::set<std::uint32_t> instances;  // ids of the only instances that are shown; empty: all are shown

@@ -6,7 +6,7 @@
 // added to the distance). Tables: 0 the field's levels (two uvec4 each: bits of the offset and the first entry, then
 // the numbers of bricks), 1 the field's table, 2 its distances, 3 its words.
 
-// The same members as the struct MarchBlock in device_march.cpp.
+// Must have the same members as the struct MarchBlock in device_march.cpp.
 layout(std140, binding = 0) uniform MarchParameters {
   int lastLevel;
   float perReach;
