@@ -73,7 +73,7 @@ SceneFindings checkScenes(ShotSource& source) {
   SceneFindings found{modelled(plan, source.blockedShares()), 0};
   Rows scenes{{"scene", "triangles", "placed", "instances", "things", "materials", "dropped", "place"}};
   std::map<UnlabeledPart, std::uint64_t> unlabeled;
-  std::set<std::string> rules;  // warnings about rules, once for all seeds
+  std::set<std::string> rules;  // warnings about rules; each is printed once for all seeds
   std::uint64_t more = 0;       // number of scenes that are not loaded
   for (std::size_t i = 0; i < pipeline.sequences.size(); ++i) {
     const Sequence& s = pipeline.sequences[i];

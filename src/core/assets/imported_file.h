@@ -28,7 +28,7 @@ struct ImportedMaterial {
   float roughness = 1;
   float metallic = 0;
   float opacity = 1;
-  std::array<float, 3> color{1, 1, 1};  // linear
+  std::array<float, 3> color{1, 1, 1};  // base colour, linear RGB
   ImportedMap base;                     // image of the base colour
   ImportedMap opacityMap;
   // Returns the index of the set of texture coordinates to read for parts with this material.
@@ -42,7 +42,7 @@ struct ImportedImage {
   std::string bytes;
 };
 
-// A part of an imported file, which becomes an AssetPart; see there for the members.
+// A part of an imported file, from which an AssetPart is made. For the members see AssetPart.
 struct ImportedPart {
   std::string node;
   std::uint32_t nodeIndex = 0;

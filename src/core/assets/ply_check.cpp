@@ -120,7 +120,8 @@ std::string_view nextWord(std::string_view& line) {
   return word;
 }
 
-// Checks that a line, which may be empty, has all values of a row. Additional words at its end are ignored.
+// Throws InputError if a line of an ASCII file, which may be empty, lacks values of the element's row `row` (counted
+// from 0), or if a number has a comma. Additional words at the end of the line are ignored.
 void checkRow(const PlyElement& element, std::uint64_t row, std::string_view line, const Location& where) {
   const auto word = [&] {
     const std::string_view found = nextWord(line);

@@ -5,7 +5,8 @@
 
 namespace scanmill {
 
-// Integrates the speed by Gauss-Legendre quadrature with five points (Abramowitz and Stegun, table 25.4).
+// Returns the length of the curve between two parameters: the integral of the derivative's length, by Gauss-Legendre
+// quadrature with five points (Abramowitz and Stegun, table 25.4).
 double Path::Segment::travelled(double from, double to) const {
   constexpr std::array<double, 5> kNode = {0.0, -0.538469310105683, 0.538469310105683, -0.906179845938664,
                                            0.906179845938664};

@@ -86,8 +86,8 @@ class Fields {
   // rotation: [w, x, y, z]}.
   Pose pose();
 
-  // Marks keys as known that are read later or by other code. If also() and finish() are called before any key is read,
-  // an unknown key is reported before a missing key.
+  // Marks keys as known, since they are read later or by other code. If also() and finish() are called before any key
+  // is read, an unknown key is reported before a missing key.
   Fields& also(std::initializer_list<std::string_view> keys);
   // Marks the keys in a description as known, such as step_m and gain in "step_m: 1 m, what it is; gain: 2".
   Fields& alsoDescribed(std::string_view keys);

@@ -315,7 +315,7 @@ std::vector<std::size_t> ScanStore::unreadableSamples() const {
       const std::uint64_t size = fs::file_size(shard.file, missing);
       try {
         if (missing || size < shard.bytes) openIndex(shard);
-      } catch (const InputError&) {  // this is reported when one of the shard's samples is loaded
+      } catch (const InputError&) {  // loading one of the shard's samples reports the fault
       }
     }
     suspect.push_back(shard.failed || (shard.index != nullptr && !shard.index->damage().empty()));

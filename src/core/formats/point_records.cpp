@@ -31,7 +31,7 @@ std::vector<T> valuesOf(std::string_view bytes) {
 // so that points slightly out of order near this azimuth begin no further rings.
 std::vector<std::uint16_t> ringsByOrder(const std::vector<Vec3f>& points) {
   constexpr std::size_t kFewest = 8, kMost = 256;
-  constexpr double kOrdered = 0.9;  // least fraction of rings that must be lower than the previous ring
+  constexpr double kOrdered = 0.9;  // least fraction of rings whose median elevation is below the previous ring's
   std::vector<double> azimuth;
   double way = 0;
   for (const Vec3f& p : points) {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kBuffer = 1 << 16;
 
-// The most characters that a number of this type takes, with the separator after it.
+// Largest number of characters of a number of this type, including the separator after the number.
 template <class T>
 constexpr std::size_t kLongest = std::is_same_v<T, float> ? 16  // "-1.17549435e-38"
                                  : std::is_same_v<T, double>

@@ -10,7 +10,7 @@
 namespace scanmill {
 
 // An ideal pinhole, without distortion. Camera axes, as OpenCV's: x right, y down, z forward (m). Pixel (column i, row
-// j) covers [i, i + 1) x [j, j + 1) of the image plane, its centre is at (i + 0.5, j + 0.5); row 0 is the top one.
+// j) covers [i, i + 1) x [j, j + 1) of the image plane, and its centre is at (i + 0.5, j + 0.5); row 0 is the top row.
 //
 //   u = cx + fx * x / z,  v = cy + fy * y / z
 struct Camera {

@@ -36,7 +36,7 @@ struct ShareBound {
   bool met() const { return found >= least && found <= most; }
 };
 
-std::string_view nameOf(Supply supply);  // as in YAML: greenery, vehicles, people
+std::string_view nameOf(Supply supply);  // returns the name in YAML: "greenery", "vehicles" or "people"
 
 // Reads {car: [0, 0.02], greenery: [0.2, 0.4]}. Throws InputError with the place in the file, also for classes that
 // belong to no supply.

@@ -7,6 +7,8 @@
 
 namespace scanmill {
 
+// Reads the options of a point cloud:
+//
 //   points:
 //     spacing: 0.05                  # m, edge of the cubes of a grid: one point per cube is kept; default: keep all
 //     neighbors: 12                  # number of points from which a normal and a radius are estimated

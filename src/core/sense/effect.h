@@ -30,7 +30,7 @@ class Effect {
   virtual ~Effect() = default;
   // Returns the channels of Hits that apply() reads. Every effect needs the ranges.
   virtual Channels reads() const { return Channel::Range; }
-  virtual bool setsIntensity() const { return false; }     // apply() fills Returns::power and Returns::intensity
+  virtual bool setsIntensity() const { return false; }     // true: apply() fills Returns::power and Returns::intensity
   virtual double intensityFullScale() const { return 1; }  // full scale of the intensity: 255 for bytes, else 1
   virtual bool needsIntensity() const { return false; }    // apply() requires an earlier effect with setsIntensity()
   virtual bool setsSnr() const { return false; }           // apply() fills Returns::snr

@@ -128,8 +128,8 @@ void Returns::add(const AddedReturn& added, const Hits& hits) {
   append(snr, added.snr);
   append(label, added.label);
   append(instance, std::uint32_t{0});
-  // If the table had no rows, columns that effects have set looked like unset ones, because both are empty. Set them
-  // from this row.
+  // In a table without rows, columns that effects have set cannot be told from columns that no effect has set: both are
+  // empty. The first row therefore sets these columns.
   if (size() != 1) return;
   intensity = {0.0f};
   power = {added.power};

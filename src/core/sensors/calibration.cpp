@@ -129,8 +129,8 @@ bool hasFiring(const Unit& unit) {
   return std::any_of(unit.lasers.begin(), unit.lasers.end(), [](const Laser& l) { return l.firing != 0; });
 }
 
-// Throws InputError if the firing times come from the preset, but the file lists its lasers in the opposite order of
-// the preset's rings.
+// Throws InputError if the firing times come from the preset, but the file lists its lasers in the reverse order of the
+// preset's rings.
 void checkFiring(const Value& preset, const Value& own, const Unit& unit, const Location& where) {
   if (preset.find("firing_time_us") == nullptr || own.find("firing_time_us") != nullptr || hasFiring(unit)) return;
   const Value* const order = preset.find("ring_order");

@@ -26,8 +26,8 @@ constexpr double pulseLength(double width) {
 }
 
 // Returns the effective area that a beam illuminates at a range (m^2): the beam's power divided by the power density on
-// its axis. This is the full cross-section of a uniform beam, and half of the area within 1/e^2 of a Gaussian beam.
-// Returns 0 if the sensor file gives no beam width.
+// its axis. This is the full cross-section of a uniform beam. For a Gaussian beam it is half of the area in which the
+// power density exceeds 1/e^2 of the density on the axis. Returns 0 if the sensor file gives no beam width.
 double beamArea(const BeamTable& beams, double range);
 
 struct Footprint {

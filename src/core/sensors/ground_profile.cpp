@@ -11,8 +11,8 @@
 namespace scanmill {
 namespace {
 
-constexpr double kSmooth = 0.3;        // m of path on each side over which the profile is averaged, as springs and
-                                       // tyres do
+constexpr double kSmooth = 0.3;        // m of path before and behind a sample over which the profile is averaged,
+                                       // since springs and tyres smooth it
 constexpr double kBareUntilLost = 10;  // m of path without ground, after which ground of any height is accepted
 constexpr double kSpacing = 0.1;       // m, largest distance between samples
 constexpr std::size_t kMostSamples = 10'000'000;

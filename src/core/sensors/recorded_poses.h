@@ -47,8 +47,8 @@ class RecordedPoses {
 //   recorded:
 //     file: poses/00.txt
 //     format: kitti                  # kitti, tum, nuscenes, csv; default: by the file's name
-//     times: sequences/00/times.txt  # kitti: s, one per line; or
-//     interval: 0.1                  # s from pose to pose
+//     times: sequences/00/times.txt  # kitti: file with the time of each pose (s), one per line
+//     interval: 0.1                  # kitti: in place of `times`, the time from pose to pose (s)
 //     calib: sequences/00/calib.txt  # kitti: file whose transform Tr gives the poses of the laser scanner; without the
 //                                    # key, the poses are the camera's, turned so that x is forward and z is up
 //     scene: scene-0061              # nuscenes: the file is v1.0-*/ego_pose.json, beside the other tables

@@ -36,7 +36,7 @@ LaidOut layOut(const Layout& l, const Way& way, double out, double least);
 
 // Returns the distance along a side road (m) at which its lanes begin, which is the same for all side roads.
 double mouthOf(const Layout& l);
-double stopAtMouth(const Layout& l);                    // m along a side road; vehicles that leave the road stop here
+double stopAtMouth(const Layout& l);  // returns where vehicles that leave a side road stop (m along it)
 double endOf(const Layout& l, std::uint32_t sideRoad);  // m along the side road; its lanes end here
 // Returns the distance along the main road (m) between a side road's junction and the start of the turn into it.
 double cornerOf(const Layout& l, std::uint32_t sideRoad);

@@ -37,8 +37,8 @@ struct OsmWay {
   std::vector<OsmNode> nodes;  // nodes that are missing in the extract are left out
 };
 
-// A closed way or a multipolygon relation, cut into parts with one outer ring each. The first node of a ring is not
-// repeated at its end; outer rings are counter-clockwise, inner rings clockwise.
+// A part of a closed way or of a multipolygon relation: one outer ring with its inner rings. The first node of a ring
+// is not repeated at its end; outer rings are counter-clockwise, inner rings clockwise.
 struct OsmArea {
   OsmTags tags;
   std::vector<OsmNode> outer;

@@ -87,7 +87,8 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
     const Spot middle = at(k + 0.5, 0);
     placer.occupancy.add({middle.at, way / pieces / 2, 0.4, middle.yaw});
   }
-  const double round = 0.25 * pieces / way;  // length in pieces of the 0.25 m before an end, where the turn begins
+  // The turn begins 0.25 m before an end. `round` is this distance as a number of pieces.
+  const double round = 0.25 * pieces / way;
   const auto laps = static_cast<int>(std::ceil(speed * kDuration / (2 * way)));
   for (int lap = 0; lap < laps; ++lap) {
     for (int k = 0; k < pieces; ++k) walk(k + round, -kAside);

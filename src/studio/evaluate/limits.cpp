@@ -68,8 +68,8 @@ bool holds(const Limit& limit, double value, double allowed) {
 }
 
 // Returns the factor by which a limit is exceeded; 1 if it is kept, infinity if the value is NaN. For agreements, the
-// fractions that disagree are compared: 98 % instead of 99 % is a factor of 2. Limits and
-// disagreements below 1e-6 are replaced by 1e-6 as divisors.
+// fractions that disagree are compared: 98 % instead of 99 % is a factor of 2. Limits and disagreements below 1e-6 are
+// replaced by 1e-6 as divisors.
 double excess(const Limit& limit, double value, double allowed) {
   constexpr double kLeast = 1e-6;
   if (holds(limit, value, allowed)) return 1;

@@ -8,8 +8,8 @@
 
 namespace scanmill {
 
-// Returns three significant digits, but all digits before the point, such as "0.0123" or "12345"; never with an
-// exponent.
+// Returns a number as text with three significant digits, but with all digits before the decimal point and without an
+// exponent, such as "0.0123" or "12345".
 std::string threeDigits(double value);
 std::string metresText(double metres);    // returns a length, such as "0", "46.4 mm" or "1.23 m"
 std::string secondsText(double seconds);  // returns a time, such as "350 µs", "2.9 ms" or "1.2 s"

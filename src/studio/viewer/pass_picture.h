@@ -30,8 +30,8 @@ struct PassPlane {
 std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
                                      const std::vector<std::string>& materials = {});
 
-// Draws all planes of a file in a picture `width` pixels wide. Planes of hits have one row per ring, with the first
-// ring at the top. Throws InputError.
+// Draws all planes of a file in a picture `width` pixels wide. Planes of hits have one row per ring, with
+// ring 0 at the top. Throws InputError.
 Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int width);
 
 }  // namespace scanmill

@@ -194,7 +194,7 @@ void Builder::findUnmade() {
                   field_->shape.voxel, kMostBricks / 1'000'000));
 }
 
-// Gives new bricks places in the pool of the earlier fields, after the bricks that it already has.
+// Gives new bricks places in the pool of the earlier fields, after the bricks that the pool already contains.
 void Builder::append() {
   pool_ = poolBefore_;
   first_ = pool_->bricks;
@@ -289,7 +289,8 @@ std::shared_ptr<const DistanceField> Builder::build() {
   if (poolBefore_ != nullptr) lock = std::unique_lock(poolBefore_->appending);
   fillTable();
   findUnmade();
-  // A field gets a new pool if it has more new bricks than shared ones, or if the earlier pool has no room for them.
+  // A field gets a new pool if there is no earlier pool, if it has more new bricks than bricks from earlier fields, or
+  // if the earlier pool has no room for the new bricks.
   const bool appended = poolBefore_ != nullptr && kept_ >= unmade_.size() && poolBefore_->room() >= unmade_.size();
   appended ? append() : startPool();
   makeBricks();

@@ -69,7 +69,7 @@ struct LevelBox {
 struct FieldShape {
   double voxel = 0.1;            // m, voxel size of level 0; level l has voxel * 2^l
   Vec3d centre;                  // m, relative to the world's origin; a corner of level 0's brick grid
-  std::vector<LevelBox> levels;  // finest first, 1 to kMaxLevels
+  std::vector<LevelBox> levels;  // 1 to kMaxLevels levels, the finest first
   // A point is looked up in the finest level l for which its largest absolute coordinate (field frame) is at most
   // reach * 2^l, or in the last level if there is none.
   float reach = 0;
@@ -111,7 +111,7 @@ struct DistanceField {
   // on truck_town.
   std::span<const std::uint32_t> lists;
   // The pool that owns these arrays. The spans above have the length that the arrays had when the field was built. If
-  // the field has moved, they also contain bricks that only earlier fields use.
+  // the pool also belongs to earlier fields, the spans also contain bricks that only the earlier fields use.
   std::shared_ptr<BrickPool> pool;
 };
 

@@ -12,7 +12,7 @@ namespace scanmill {
 // The particles of a shot, in this order: 16 columns of the first ring, the same 16 columns of each further ring, then
 // the next 16 columns. If the columns are not a multiple of 16, the surplus particles of the last group do not march.
 struct ParticleLaunch {
-  static constexpr std::uint32_t kTogether = 16;  // columns of a group
+  static constexpr std::uint32_t kTogether = 16;  // number of columns in a group
   const Shot* shot;
   const ShotFrame* frame;  // the shot's poses, relative to the world's origin
   Box box;                 // m, relative to the world's origin: particles march only inside of the box

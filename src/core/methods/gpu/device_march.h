@@ -32,7 +32,7 @@ class DeviceMarch {
   void reserve(bool lists, std::size_t particles);
   void run(const DistanceField& field, std::uint32_t steps, std::size_t particles, bool again);
 
-  // Buffers for the bindings 0 and 1 of marchShader() (shaders.h), and the fields on the device.
+  // Return the buffers for the bindings 0 and 1 of marchShader() (shaders.h), and the fields on the device.
   ComputeBuffer& particles() { return particles_; }
   const ComputeBuffer& records() const { return records_; }
   const DeviceFields& fields() const { return fields_; }

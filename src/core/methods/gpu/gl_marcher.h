@@ -28,7 +28,7 @@ class GlMarcher {
   virtual void march(std::shared_ptr<const DistanceField> field, std::shared_ptr<const World> world,
                      std::uint32_t steps, const ParticleLaunch& launch, Hits& hits,
                      std::vector<UndecidedRay>& undecided, StageClock& clock) = 0;
-  virtual std::string device() const = 0;  // ComputeDevice::nameAndPlace()
+  virtual std::string device() const = 0;  // returns the result of ComputeDevice::nameAndPlace()
 };
 
 // Throws Error if the machine has no OpenGL 4.3 through EGL; the message names the CPU backend.

@@ -2,7 +2,7 @@
 // HWY_AFTER_NAMESPACE() is compiled for each instruction set that Highway knows for this kind of processor, and the
 // best one that the machine has is used.
 
-#ifdef __AVX2__  // a build for this machine's processor compiles only its instruction set
+#ifdef __AVX2__  // a build for this machine's processor compiles only the processor's instruction set
 #define HWY_COMPILE_ONLY_STATIC
 #endif
 #undef HWY_TARGET_INCLUDE

@@ -43,7 +43,7 @@ struct LaneGroup {
 
   // State of the current step.
   HWY_ALIGN_MAX LaneFloats f[3] = {}, scale = {};  // position in the voxel; scale = 2^-level
-  HWY_ALIGN_MAX LaneWords in[3] = {};              // voxel in the brick
+  HWY_ALIGN_MAX LaneWords in[3] = {};              // coordinates of the voxel in its brick
   HWY_ALIGN_MAX LaneWords entry = {}, cell = {};
   HWY_ALIGN_MAX LaneWords rows[4] = {};  // pairs of distances; with lists, only the pair of the nearest corner
   HWY_ALIGN_MAX LaneFloats looked = {};  // `way` before the step

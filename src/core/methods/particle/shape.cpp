@@ -185,7 +185,7 @@ double fieldBytes(const ParticleOptions& options, const Box& scene) {
 void checkField(const ParticleOptions& options, const Box& scene, double memory) {
   constexpr double kTolerance = 2;
   if (options.extent == ParticleOptions::Extent::Scene && !scene.empty()) {
-    // The origin of a world is the centre of the scene, or a whole number of grid cells away from it.
+    // Fields are relative to a world's origin: the scene's centre, or another point of the grid of origins around it.
     sceneSpan(options, {scene.low - scene.center(), scene.high - scene.center()}, memory);
   }
   const double bytes = fieldBytes(options, scene);

@@ -31,7 +31,7 @@ constexpr std::uint64_t kBytesPerSceneTriangle = 40;  // memory of the scene its
 struct RayTracingOptions {
   int packet = 16;      // rays per Embree call: 16, or 1 for comparison in tests
   int tileColumns = 0;  // columns of a packet's tile: 1, 2, 4, 8 or 16; 0: chosen by the angles between beams
-  bool robust = true;   // watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  bool robust = true;   // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
   Instancing instancing = Instancing::Auto;
   double simplify = 1;  // fraction of each mesh's triangles that remains; 1: all

@@ -82,7 +82,7 @@ enum class Instancing { Auto, Always, Never };
 
 // Options for building Embree's hierarchy.
 struct HierarchyOptions {
-  bool robust = true;  // watertight at edges (RTC_SCENE_FLAG_ROBUST)
+  bool robust = true;  // true: watertight at edges (RTC_SCENE_FLAG_ROBUST)
   HierarchyQuality quality = HierarchyQuality::Medium;
   // Embree's filter functions: for intersections with opaque and with alpha-tested triangles, and for occlusions. Null:
   // no filter.

@@ -220,7 +220,7 @@ class BlenderRenderer : public PassRenderer {
     };
     reader.read(std::vector<ExrTarget>{target(".Depth.Z", &Pixel::depth), target(".ids.R", &Pixel::object),
                                        target(".ids.G", &Pixel::beyond), target(".ids.B", &Pixel::triangle)});
-    // Rounding may put a surface at a limit on either side of the limit, so the test here is inclusive.
+    // Rounding may put a surface at a depth limit on either side of the limit, so the test here is inclusive.
     const auto nearest = static_cast<float>(limits.nearest);
     const auto farthest = std::min(static_cast<float>(limits.farthest), kBlenderSky);
     const auto isDrawn = [&](const Pixel& pixel) { return pixel.depth >= nearest && pixel.depth <= farthest; };

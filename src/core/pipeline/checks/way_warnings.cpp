@@ -27,7 +27,7 @@ constexpr std::size_t kMostPlaces = 400'000;  // after this many poses the rest 
 constexpr double kBody = 0.6;
 constexpr double kLowest = -0.3;    // least z component of the test directions around a sensor
 constexpr double kTouches = 1e-3;   // a surface at most this far (m) behind the end of a step counts as hit
-constexpr double kFlat = 0.7;       // a surface counts as a wall if the z component of its unit normal is smaller
+constexpr double kFlat = 0.7;       // a surface counts as a wall if |z| of its unit normal is at most this
 constexpr double kMostBare = 0.02;  // fraction of a path that may be without ground before a warning is given
 
 // Returns directions to the face centres, edge centres and corners of a cube, rotated so that none runs along an axis.

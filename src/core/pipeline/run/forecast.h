@@ -50,7 +50,7 @@ SampleCosts measureSampleCosts(const Plan& plan, const Reread& reread);
 // are mostly the same for all seeds.
 bool followsFromSeeds(const Pipeline& pipeline);
 
-// Returns the number of scenes that a pipeline sets up: consecutive sequences with the same scene share one.
+// Returns the number of scenes that a pipeline sets up: consecutive sequences with the same scene set it up once.
 std::uint64_t scenesOf(const Pipeline& pipeline);
 
 // Returns the forecast for `frames` frames in `scenes` scenes.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kGridsInMemory = 16;  // maximum number of cached grids; there is one per sensor, or one per
                                             // revolution of a sensor with a rosette pattern
-constexpr int kCells = 6;                   // samples along each edge of a box's face, to compute its truncation
+constexpr int kCells = 6;                   // number of samples along each edge of a box's face; see truncationOf()
 
 // A shot's view of one object: the number of its points, the number of beams whose axis hits it, and the least range of
 // these beams (m).

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kHeight = 1.73;  // height of the sensor above the lane (m)
 constexpr double kBetween = 25;   // distance between poses (m)
-constexpr int kTries = 8;         // maximum number of scenes that are generated; then the best of them is used
+constexpr int kTries = 8;  // maximum number of scenes whose shares are measured; the best of these scenes is used
 constexpr double kMostFactor = 40;
 constexpr double kLeastFactor = 1.0 / 100;  // smaller factors are rounded to 0
 

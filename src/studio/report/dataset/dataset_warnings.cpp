@@ -108,8 +108,8 @@ class Warnings {
     }
   }
 
-  // Returns how many points have no class since they come from no surface (false positives and weather), as far as the
-  // dataset records this.
+  // Returns the number of beams whose reason is a false positive or weather; 0 if the dataset records no reasons. The
+  // points of these beams come from no surface and therefore have no class.
   std::uint64_t fromNothing() const {
     std::uint64_t beams = 0;
     for (const SensorSummary& sensor : sum_.sensors) {

@@ -24,6 +24,7 @@ ChartSeries line(std::string name, std::size_t color) {
 }
 
 // Adds a point at the mean, with an error bar of one standard deviation up and down, but not below the smallest value.
+// A mean below kRounding is drawn as 0 without an error bar.
 void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
   const bool any = spread.count > 0;
   const bool spreads = any && spread.mean >= kRounding;

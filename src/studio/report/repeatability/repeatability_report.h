@@ -13,7 +13,7 @@
 namespace scanmill {
 
 // Returns charts of the reference noise level with one line per view: the fitness with and without ICP (Figure 10 of
-// the paper), and the number of points (Figure 13).
+// the LiDAR-GEIL paper, see study/repeatability/repeatability.h), and the number of points (Figure 13).
 std::vector<Chart> repeatabilityCharts(const Repeatability& result, std::size_t method);
 // Returns charts of one view: the fitness between the reference noise level and each level (Figure 11 of the paper),
 // and between scans of the same level.

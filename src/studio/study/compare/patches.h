@@ -14,7 +14,7 @@
 
 namespace scanmill {
 
-constexpr int kPatchReach = 4;     // columns on each side of a patch's middle
+constexpr int kPatchReach = 4;     // number of columns on each side of a patch's middle
 constexpr int kPatchRowReach = 2;  // rows above and below a patch's middle
 constexpr double kJump = 0.3;      // range difference (m) between neighbours above which there is an edge
 constexpr double kEdge = 1.5;      // least range difference of an edge at which mixed pixels are searched for (m)

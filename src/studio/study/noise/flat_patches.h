@@ -56,7 +56,7 @@ struct FlatPatch {
   double freedom = 0;       // number of degrees of freedom; 0 if there are too few returns
   double planeSquares = 0;  // sum of squared deviations from a plane fitted to the measured half (m^2)
   double planeFreedom = 0;
-  // Deviations from the lines (m), divided by sqrt(1 - leverage), which makes their variances equal.
+  // Deviations from the rings' fitted lines (m), divided by sqrt(1 - leverage), which makes their variances equal.
   std::vector<double> residuals;
   std::uint32_t enclosed = 0;  // number of measured beams with at least three neighbouring returns, all on the plane
   std::uint32_t holes = 0;     // number of enclosed beams that have no return

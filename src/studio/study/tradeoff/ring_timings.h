@@ -9,8 +9,9 @@
 
 namespace scanmill {
 
-// Returns the sensor with another number of rings. They are evenly spread from its lowest to its highest elevation,
-// numbered in the same direction, and have no offsets between rings. Throws Error for fewer than two rings.
+// Returns the sensor with another number of rings. The new rings are evenly spread from the sensor's lowest to its
+// highest elevation, are numbered in the same direction as the sensor's rings, and have no offsets between rings.
+// Throws Error for fewer than two rings.
 std::shared_ptr<const BeamTable> withRings(const BeamTable& beams, std::uint32_t rings);
 
 // Fits seconds = fixed + perRing * rings to the timings by least squares of relative errors, so that fast and slow

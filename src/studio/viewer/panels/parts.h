@@ -61,7 +61,7 @@ void legendSection(const Legend& legend, bool still);
 
 void words(const std::string& text);
 // Draw a text at a position (pixels of the canvas), shortened to `width` pixels, and return its width in pixels.
-// namedColorAt() also draws a sample of the colour before the text.
+// namedColorAt() also draws a sample of the colour before the text; both widths then include the sample.
 double wordsAt(double x, double y, double width, const std::string& text, bool dim = false);
 double namedColorAt(double x, double y, double width, const std::string& name, const Rgb& color);
 

@@ -19,7 +19,7 @@
 
 namespace scanmill {
 
-// One of the views side by side.
+// One of the views that are shown side by side.
 struct ViewPane {
   std::string caption;  // name of the view's scan, such as "top, ray_tracing"; drawn if there are several views
   Legend legend;

@@ -3,7 +3,7 @@
 // rays.glsl; 4 (hit records) and 6 (particles) are the buffers 1 and 0 of march.glsl; 5 and the tables 0 to 3 are those
 // of resolver.glsl.
 
-// HitsBlock of march_gl.cpp
+// The block has the layout of HitsBlock in march_gl.cpp.
 layout(std140, binding = 0) uniform Parameters {
   double nearest, farthest;  // range limits of the sensor (m)
   uint channels, rays;
@@ -12,7 +12,7 @@ layout(std140, binding = 0) uniform Parameters {
   uint count;          // number of particles in the slice
   uint withOrigins;
   uint shotParticles, shotRays, shotPoses;
-  uint firstAlpha;     // triangles from here on are alpha-tested
+  uint firstAlpha;     // triangles from this index on are alpha-tested
   uint corrected;      // 1: hits are moved to the plane of their triangle
   uint whole;          // 1: the box contains the complete scene
   uint last;           // 1: the CPU continues the particles that pass one more hole
