@@ -126,7 +126,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
-  // of the first sample that has.
+  // of the first sample with ground.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
   for (const auto& sample : found) {
     if (sample) known = *sample;
