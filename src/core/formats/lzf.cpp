@@ -15,7 +15,7 @@ constexpr std::size_t kFarthest = 8192;    // largest distance (bytes) back to a
 constexpr std::size_t kMostLiterals = 32;  // largest number of literals after one control byte
 constexpr unsigned kTableBits = 16;
 
-// Returns the index of the next three bytes in the hash table.
+// Returns the index in the hash table for the three bytes at `p`.
 std::uint32_t hashAt(const unsigned char* p) {
   const std::uint32_t bytes = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16;
   // Multiplicative hashing: Knuth, The Art of Computer Programming 3, 6.4.

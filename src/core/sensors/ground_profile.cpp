@@ -54,7 +54,7 @@ std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, con
                (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
 }
 
-// Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with these slopes.
+// Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with the slopes `along` (ahead) and `left`.
 Quat onSlope(double yaw, double along, double left) {
   const Vec3d x = normalized(Vec3d{1, 0, along});
   const Vec3d z = normalized(Vec3d{-along, -left, 1});

@@ -1,7 +1,7 @@
 #pragma once
 
-// Draws the objects of a scene as a contact sheet with one cell per object, which shows their classes, sizes and
-// headings.
+// Draws the objects of a scene as a contact sheet with one cell per object, which shows the object's classes, size and
+// heading.
 
 #include <cstddef>
 
