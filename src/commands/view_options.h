@@ -17,7 +17,8 @@
 
 namespace scanmill {
 
-// Returns the index of a word in `names`. Throws an InputError that names the option if the word is not in it.
+// Returns the index of a word in `names`. Throws an InputError that names the option if `names` does not contain the
+// word.
 std::size_t wordAmong(const std::string& word, const std::string& option, std::span<const std::string_view> names);
 
 // Reads the value of --color: one of colorNames(), or the name of a column of a recorded file that the table of columns

@@ -39,7 +39,7 @@ void checkRequest(const std::filesystem::path& file, const std::string& kind, co
   if (std::filesystem::file_size(file, error) == 0) fail("is empty");
 }
 
-// A GLB that Blender exported from a .blend is z-up, other glTF is y-up.
+// Reads glTF. If `options` do not state the upward axis, it is z in a GLB that Blender exported from a .blend, else y.
 Asset readGltf(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
   const bool blend = kind == ".blend";
   const char up = options.up.value_or(blend ? 'z' : 'y');

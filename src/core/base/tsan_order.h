@@ -41,7 +41,8 @@ class TaskOrder {
     TaskOrder& to_;
   };
 
-  // Lives in the thread that starts tasks and waits for them: gives to `to` at the start, takes from `from` at the end.
+  // A scope in the thread that starts tasks and waits for them: calls to.give() at its start and from.take() at its
+  // end.
   class [[nodiscard]] Wait {
    public:
     Wait(TaskOrder& to, TaskOrder& from) : from_(from) { to.give(); }

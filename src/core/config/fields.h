@@ -74,7 +74,7 @@ class Fields {
   Vec3d vec3(std::string_view key, const Vec3d& fallback);
   std::vector<double> numbers(std::string_view key, Range range);
   std::vector<std::string> texts(std::string_view key);  // a list of strings or one string; empty if absent
-  // Returns a path. If it is relative, it starts in the folder of the file that contains it.
+  // Returns a path. A relative path starts in the folder of the file in which the path is written.
   std::filesystem::path path(std::string_view key);
   std::optional<std::filesystem::path> optionalPath(std::string_view key);
   // Returns the path of a YAML file, given by its path or by the name of a file that comes with the program; see

@@ -18,8 +18,9 @@ namespace scanmill {
 struct DatasetPlan {
   std::string hash;  // a text without line breaks that differs between plans of different datasets
   std::uint64_t samples = 0;
-  std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;  // splits with their numbers of shards, in order
-  std::optional<MethodRecord> chosen = {};                           // set if the pipeline has `method: auto`
+  // The splits and their numbers of shards, in the order of the shards.
+  std::vector<std::pair<std::string, std::uint64_t>> shardsOfSplit;
+  std::optional<MethodRecord> chosen = {};  // set if the pipeline has `method: auto`
 
   bool operator==(const DatasetPlan&) const = default;
   // Returns the names of all shards, see shardName().

@@ -186,7 +186,7 @@ class Las : public ScanFiles {
     }
   }
 
-  // Appends X, Y and Z of a point. Throws InputError if a coordinate is NaN or does not fit.
+  // Appends X, Y and Z of a point. Throws InputError if a coordinate is NaN or does not fit into 32 bits.
   static void putPlace(const ExportPlan& plan, const ExportSample& sample, const ExportScan& given, const Vec3d& place,
                        LasPoints& points, std::string& bytes) {
     const Vec3d exact = (place - points.offset) * (1 / kStep);

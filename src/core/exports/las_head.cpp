@@ -113,8 +113,8 @@ std::string lasHead(const LasPoints& points, std::span<const LasExtra> extra, co
     putNumber(placeOf(points.greatest[axis]), bytes);
     putNumber(placeOf(points.least[axis]), bytes);
   }
-  putNumber(std::uint64_t{0}, bytes);  // waveforms: none
-  putNumber(std::uint64_t{0}, bytes);  // records after the points: none
+  putNumber(std::uint64_t{0}, bytes);  // start of the waveform data: none
+  putNumber(std::uint64_t{0}, bytes);  // start of the extended records after the points: none
   putNumber(std::uint32_t{0}, bytes);
   putNumber(points.count, bytes);
   for (const std::uint64_t count : points.byReturn) putNumber(count, bytes);

@@ -48,7 +48,7 @@ std::vector<std::size_t> usualNumbers(const std::string& split) {
 }
 
 // Returns the number of each sequence: the first free number of usualNumbers() for its split; if there is none, the
-// first free number from 22 on, which no split of SemanticKITTI has; if there is none, any free number.
+// first free number from 22 on, which no split of SemanticKITTI has; if there is none, the first free number of all.
 std::vector<std::size_t> numbersOf(const ExportPlan& plan) {
   constexpr std::size_t kFirstUnusual = 22;
   std::set<std::size_t> taken;

@@ -12,7 +12,7 @@
 namespace scanmill {
 
 struct Cloud {
-  Vec3d origin;  // m, in the file's coordinates; positions in `scan` are relative to it, for float32
+  Vec3d origin;  // m, in the file's coordinates; positions in `scan` are relative to it, so that float32 suffices
   Scan scan;
 };
 

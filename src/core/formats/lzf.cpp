@@ -15,7 +15,7 @@ constexpr std::size_t kFarthest = 8192;    // largest distance (bytes) back to a
 constexpr std::size_t kMostLiterals = 32;  // largest number of literals after one control byte
 constexpr unsigned kTableBits = 16;
 
-// Returns the index of the next three bytes in the hash table.
+// Returns the index in the hash table for the three bytes at `p`.
 std::uint32_t hashAt(const unsigned char* p) {
   const std::uint32_t bytes = p[0] | std::uint32_t{p[1]} << 8 | std::uint32_t{p[2]} << 16;
   // Multiplicative hashing: Knuth, The Art of Computer Programming 3, 6.4.
@@ -68,7 +68,7 @@ std::size_t compressLzf(const char* in, std::size_t size, char* out) {
     out = putMatch(back, length, out);
     p += length;
     literals = p;
-    // Only the last two positions of a match are entered into the table.
+    // Of the positions after the start of a match, only the last two are entered into the table.
     for (const unsigned char* q = p - 2; q < p && end - q >= kLeastMatch; ++q) {
       latest[hashAt(q)] = static_cast<std::uint32_t>(q - begin + 1);
     }

@@ -226,9 +226,9 @@ struct TreeModel {
 };
 constexpr int kTreeForms = 8;
 constexpr int kBroadleafForms = 6;  // number of broadleaf forms; they come first among the kTreeForms forms
-// `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of the leaves that
-// are still on a broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's crown: 0 is
-// round, 1 is heavier on one side, with limbs that protrude and gaps between them.
+// Builds a tree. `detail`: factor on the number of leaves; their total area stays the same. `foliage`: fraction of the
+// leaves that are still on a broadleaf tree, 0 to 1; below 0.6 twigs are added. `ragged`: irregularity of a broadleaf's
+// crown: 0 is round, 1 is heavier on one side, with limbs that protrude and gaps between them.
 TreeModel makeTree(SceneBuilder& builder, std::uint64_t seed, int form, double detail = 1, double foliage = 1,
                    double ragged = 0);
 Model makeBush(SceneBuilder& builder, std::uint64_t seed, int form, double foliage = 1);

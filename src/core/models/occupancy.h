@@ -68,7 +68,8 @@ class Occupancy {
 
  private:
   std::vector<Footprint> taken_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;  // indices in taken_, by key of a near cell
+  // For the key of each cell, the indices in taken_ of the rectangles near the cell.
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells_;
 };
 
 }  // namespace scanmill::models

@@ -31,7 +31,7 @@ std::vector<Point2> rectangle(double width, double height) {
 // The board of a traffic sign: a regular polygon, or a square.
 struct SignForm {
   int corners;        // 0: a square
-  double radius;      // m, from the middle to a corner
+  double radius;      // m, distance of a polygon's corners from its middle
   double turn;        // rad, direction from the middle to one of the corners
   double halfHeight;  // m, upper bound of the distance from the middle to the top and to the bottom
 };

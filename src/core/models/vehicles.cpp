@@ -12,7 +12,7 @@ namespace {
 
 // The body of a kind of car and its side profile (m), before they vary at random; x is 0 in the middle.
 struct CarShape {
-  double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm
+  double length, width, floor, belt, beltRise, roofHalf, wheelRadius;  // as in BodyForm (car_body.h)
   double nose, hood, height, tail;                                     // z: tip and base of the bonnet, roof, boot
   double windBase, windTop, roofEnd, rearBase;                         // x: ends of windscreen, roof and rear window
 };

@@ -78,7 +78,7 @@ constexpr const ChannelRow& rowOf(Channel channel) {
   return kChannels.front();
 }
 
-// Returns the channels whose row has this flag set, for example channelsThat(&ChannelRow::drawn).
+// Returns the channels whose row has the flag `says` set, for example channelsThat(&ChannelRow::drawn).
 constexpr Channels channelsThat(bool ChannelRow::*says) {
   Channels channels;
   for (const ChannelRow& row : kChannels) channels |= row.*says ? Channels(row.channel) : Channels();

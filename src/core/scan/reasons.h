@@ -39,7 +39,7 @@ struct ReasonEntry {
   Reason reason;
   std::string_view name;
   std::string_view meaning;
-  std::array<std::uint8_t, 3> color;  // sRGB
+  std::array<std::uint8_t, 3> color;  // sRGB, colour of the reason in pictures
 };
 
 // Returns the rows of all reasons except None; reasons of beams with a return come first.

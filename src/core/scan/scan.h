@@ -81,7 +81,7 @@ void visitTable(ScanType& scan, Visit&& visit) {
   forEachColumn([&](auto key) { visit(key, scan[key]); });
 }
 
-// Calls visit(name, values) for the columns that the scan has besides its position: first the columns of the table,
+// Calls visit(name, values) for the columns that the scan has besides its positions: first the columns of the table,
 // then the foreign columns.
 template <class ScanType, class Visit>
 void visitColumns(ScanType& scan, Visit&& visit) {

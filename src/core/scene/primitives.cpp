@@ -108,7 +108,7 @@ void appendCylinder(Mesh& mesh, std::uint16_t surface, const Affine& place, doub
 
 void appendCapsule(Mesh& mesh, std::uint16_t surface, const Affine& place, double radius, double height, int segments) {
   Appender out(mesh, surface, place);
-  const int stacks = std::max(segments / 4, 1);  // stacks of each half sphere
+  const int stacks = std::max(segments / 4, 1);  // number of stacks of each half sphere
   std::vector<ProfilePoint> profile{{0, -height / 2 - radius}};
   for (int i = 1; i <= stacks; ++i) {
     const double latitude = kPi / 2 * (i - stacks) / stacks;

@@ -38,8 +38,8 @@ struct ShareBound {
 
 std::string_view nameOf(Supply supply);  // returns the name in YAML: "greenery", "vehicles" or "people"
 
-// Reads {car: [0, 0.02], greenery: [0.2, 0.4]}. Throws InputError with the place in the file, also for classes that
-// belong to no supply.
+// Reads a map of bounds, such as {car: [0, 0.02], greenery: [0.2, 0.4]}. Throws InputError with the place in the file,
+// also for classes that belong to no supply.
 std::vector<ShareBound> readShares(const Value& value, const Ontology& ontology);
 
 }  // namespace scanmill

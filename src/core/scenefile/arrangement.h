@@ -67,7 +67,7 @@ class Arrangement {
     std::optional<std::uint64_t> count;
     double density = 0;  // places per m^2, as seen from above
     double spacing = 0;  // m, least distance between places, as seen from above
-    double slope = 0;    // rad, steepest surface that gets copies
+    double slope = 0;    // rad, largest slope of a surface that gets copies
     std::optional<std::array<Vec3d, 2>> within;
     bool covered = false;
     Location where;

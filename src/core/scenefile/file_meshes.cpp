@@ -56,7 +56,8 @@ const std::vector<PlacedMesh>& FileMeshes::read(const std::filesystem::path& fil
   return known->second;
 }
 
-// All moments use the materials of the first moment, so that textures are stored only once.
+// Returns the animation of a clip. All its moments use the materials of the first moment, so that textures are stored
+// only once.
 std::shared_ptr<const Animation> FileMeshes::playing(const std::filesystem::path& file, AssetOptions options,
                                                      Labelling labelling, const std::string& clip,
                                                      const Location& where) {

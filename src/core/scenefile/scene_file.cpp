@@ -140,8 +140,8 @@ class SceneReader {
   // Returns true if something in the scene depends on the seed.
   bool procedural() const { return procedural_ > 0 || random_; }
 
-  // Returns the seed of a street or town that follows `before` others in the scene. Multiples of this odd constant
-  // keep these seeds apart from the seeds of a scene whose seed is one higher.
+  // Returns the seed of a street or town that follows `before` other streets and towns in the scene. Multiples of this
+  // odd constant keep these seeds apart from the seeds of a scene whose seed is one higher.
   static std::uint64_t seedOfNext(std::uint64_t seed, std::uint64_t before) {
     return seed + 0x9E3779B97F4A7C15 * before;
   }

@@ -101,7 +101,7 @@ class Returns {
   // Starts the table: with a row per beam if every beam fires one ray, otherwise with a row per ray that has a hit.
   void start(const Hits& hits);
   // Starts the table with a row per echo; echoes are ordered by beam, then by range. `powered`: true if the echoes have
-  // the power that the effect `intensity` computes, which the rows then take over.
+  // the power that the effect `intensity` computes; it is then copied into the rows.
   void start(std::span<const Echo> echoes, bool powered);
 
  private:

@@ -31,7 +31,7 @@ bool isChecksum(std::string_view text) {
   return text.size() >= 32 && text.find_first_not_of("0123456789abcdefABCDEF") == std::string_view::npos;
 }
 
-// A table with one row per laser. If it has channels, its rows may be in any order.
+// A table with one row per laser. If it has a column of channel numbers, its rows may be in any order.
 class BeamTableFile {
  public:
   explicit BeamTableFile(const std::filesystem::path& file) : bytes_(readFile(file)) {

@@ -54,7 +54,7 @@ std::optional<Stand> standAt(const GroundOptions& options, const Pose& pose, con
                (wheel[0] + wheel[2] - wheel[1] - wheel[3]) / (2 * (*options.wheels)[1])};
 }
 
-// Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with these slopes.
+// Returns the rotation of a vehicle with heading `yaw` (rad) on a plane with the slopes `along` (ahead) and `left`.
 Quat onSlope(double yaw, double along, double left) {
   const Vec3d x = normalized(Vec3d{1, 0, along});
   const Vec3d z = normalized(Vec3d{-along, -left, 1});
@@ -126,7 +126,7 @@ GroundProfile::GroundProfile(const GroundOptions& options, const Way& way, std::
   }
   bare_ = static_cast<double>(bare) / static_cast<double>(places_.size());
   // A sample without ground becomes a copy of the sample before it. If no earlier sample has ground, it becomes a copy
-  // of the first sample that has.
+  // of the first sample with ground.
   Sample known = **std::find_if(found.begin(), found.end(), [](const auto& s) { return s.has_value(); });
   for (const auto& sample : found) {
     if (sample) known = *sample;

@@ -6,8 +6,8 @@
 //
 // The keys of a sensor file, besides `pattern: flash`, `rosette` and `beams`, for which see beam_patterns.h:
 //
-//   model: OS1-128                     # names the sensor and the source of its figures, for the manifest
-//   source: ...
+//   model: OS1-128                     # name of the sensor, for the manifest
+//   source: ...                        # where the sensor's figures were published, for the manifest
 //   columns: 1024                      # per revolution (if the field is partial: per field)
 //   rate_hz: 10                        # revolutions per second
 //   direction: clockwise               # or counterclockwise (default), seen from above

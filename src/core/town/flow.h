@@ -11,7 +11,7 @@ namespace scanmill::town {
 // d + shift along the lane (m).
 struct Leg {
   std::uint32_t lane = 0;
-  double from = 0, to = 0;  // m along the route
+  double from = 0, to = 0;  // m along the route, ends of this part
   double shift = 0;
 };
 

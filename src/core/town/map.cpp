@@ -129,7 +129,7 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
 // Returns the ring of the nodes in the plane, without points on straight walls. Outer rings stay counter-clockwise and
 // inner rings clockwise, even if the plane is mirrored.
 Polygon ringOf(const std::vector<OsmNode>& nodes, const TangentPlane& plane) {
-  constexpr double kShortest = 0.25;  // m, shortest wall
+  constexpr double kShortest = 0.25;  // m, least length of a wall
   Polygon ring;
   for (const OsmNode& n : nodes) {
     const Point2 p = plane(n);

@@ -12,7 +12,7 @@ namespace scanmill::town {
 
 struct MapPlace {
   struct PlacedRoad {
-    MapRoad road;                 // with a smoothed line in steps of about kRoadStep, and without nodes
+    MapRoad road;                 // the road with its line smoothed, in steps of about kRoadStep, and without nodes
     std::optional<double> joins;  // m along the main road where this road begins; not set: it begins elsewhere
     bool joinsLeft = false;
   };

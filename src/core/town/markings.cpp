@@ -56,7 +56,8 @@ void paintBar(Shape& s, models::SurfaceIndex paint, const Layout& l, const Road&
   s.quad(paint, corner(from, right), corner(to, right), corner(to, left), corner(from, left));
 }
 
-// Paints stop lines, and dashed middle lines on some roads with two lanes; some rural roads also get edge lines.
+// Paints stop lines, and dashed middle lines on some roads with two lanes. Some of these roads get dashed edge lines
+// too if the district is rural.
 void placeMarkings(Placer& placer) {
   const Layout& l = placer.layout;
   Shape s(placer.builder, "road markings");

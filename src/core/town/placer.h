@@ -37,7 +37,7 @@ class Placer {
   const Affine& worldFromTown;
   // True if a rectangle is within the town's ground and does not overlap a driveway, a path or a placed object.
   bool isFree(const Footprint& f) const {
-    constexpr double kEdge = 3;  // m, least distance from the edge of the ground
+    constexpr double kEdge = 3;  // m, least distance of the rectangle's centre from the edge of the ground
     const double reach = layout.half() - kEdge;
     return std::abs(f.center.x) < reach && std::abs(f.center.y) < reach && driveways.isFree(f) && occupancy.isFree(f);
   }

@@ -44,7 +44,7 @@ struct Outcome {
   bool unresolved = false;
   bool sameClass = false;
   bool sameInstance = false;
-  float range = 0;               // absolute error (m) if both have a hit; otherwise 0
+  float range = 0;               // absolute error (m) if `truth` and `tested`; otherwise 0
   float intensity = kUnknown;    // absolute error; NaN if not known
   float nearestTo = kUnknown;    // distance from the true point to the nearest tested point (m); NaN if not known
   float nearestFrom = kUnknown;  // distance from the tested point to the nearest true point (m); NaN if not known

@@ -41,8 +41,9 @@ std::vector<std::string> broken(const Candidate& candidate, const ErrorLimits& l
 // at most 20 mm".
 std::vector<std::string> limitTexts(const Candidate& candidate, const ErrorLimits& limits);
 
-// True if `a` has a smaller fraction of wrong beams than `b`: false negatives, false positives, unresolved beams and
-// beams with a wrong class or instance. If the fractions are equal, compares the p99 of the range error, then its mean.
+// True if `a` has a smaller fraction of wrong beams than `b`. Wrong are false negatives, false positives, unresolved
+// beams and beams with a wrong class or instance. If the fractions are equal, compares the p99 of the range error, then
+// its mean.
 bool moreExact(const GroupErrors& a, const GroupErrors& b);
 
 // Returns the index of the best candidate that keeps all limits; nothing if there is none. The best is the most exact

@@ -39,7 +39,8 @@ double pointDiameter(double range, double scale, double factor, double unit) {
   return factor * std::clamp((kWorldDiameter + kDiameterPerMetre * range) * scale, kLeast * unit, kMost * unit);
 }
 
-// Draws the points. If several points of equal depth are in the same pixel, the first of them is visible.
+// Draws the points. If several points of equal depth and diameter are in the same pixel, the one with the lowest index
+// is visible.
 void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>& points, const std::vector<Rgb>& colors,
                 const PictureOptions& options) {
   constexpr double kMostDiameter = 200;  // maximum diameter of a point in pixels

@@ -11,7 +11,8 @@ namespace scanmill {
 namespace {
 
 constexpr std::size_t kMostTicks = 6;
-constexpr double kApart = 0.13;  // least distance between ticks as a fraction of the bar, so that labels do not overlap
+// Least distance between ticks, as a fraction of the bar's length, so that labels do not overlap.
+constexpr double kApart = 0.13;
 
 // The step mantissa * 10^exponent.
 struct Step {

@@ -60,7 +60,7 @@ std::string glbOfTile(const std::string& tile, std::optional<Vec3d>& center) {
 
 }  // namespace
 
-// A GLB consists of a header of 12 bytes and of chunks: (length, kind, bytes).
+// Reads a .gltf, .glb or .b3dm. A GLB consists of a header of 12 bytes and of chunks: (length, kind, bytes).
 Container readContainer(const std::filesystem::path& file, const std::filesystem::path& name) {
   const auto fail = [&](const std::string& what) { throw InputError({name.string()}, what); };
   std::string bytes = readFile(file);

@@ -16,7 +16,7 @@
 namespace scanmill::gltf {
 namespace {
 
-// Largest number of values of an accessor without data: all are zero, and they take no bytes of the file.
+// Largest number of values of an accessor without data. Its values are all zero and take no bytes of the file.
 constexpr std::uint64_t kMostZeroes = std::uint64_t{1} << 24;
 // Largest number of bytes that one compressed byte of a view may decode to.
 constexpr std::uint64_t kMostExpansion = 4096;

@@ -130,7 +130,7 @@ struct TextureUse {
 struct Material {
   enum class Alpha { Opaque, Mask, Blend };
   std::string name;
-  std::array<double, 4> color{1, 1, 1, 1};  // linear
+  std::array<double, 4> color{1, 1, 1, 1};  // base colour and alpha, in linear space
   std::optional<TextureUse> texture;        // texture of the base colour
   double metallic = 1, roughness = 1;
   Alpha alpha = Alpha::Opaque;

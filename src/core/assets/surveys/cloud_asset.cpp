@@ -196,7 +196,7 @@ class CloudAsset {
     const auto put = [&](std::size_t k, std::size_t channel, double value) {
       image.rgba[4 * k + channel] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
     };
-    // The Point Cloud Library packs three bytes into an integer, whose bits may be stored as a float.
+    // The Point Cloud Library packs red, green and blue into an integer, whose bits may be stored as a float.
     if (const ForeignColumn* packed = foreign("rgb") != nullptr ? foreign("rgb") : foreign("rgba")) {
       std::visit(
           [&]<class T>(const std::vector<T>& all) {

@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Properties of a material that a script states: its first image, its diffuse colour, and its alpha cutoff.
+// Properties that a script states for a material: its first image, its diffuse colour, and its alpha cutoff.
 struct OgreMaterial {
   std::string texture;  // name of the image in the script; empty: none
   std::optional<std::array<float, 3>> color;

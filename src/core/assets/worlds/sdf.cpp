@@ -265,7 +265,7 @@ class SdfReader {
   }
 
   static Model groundPlane(const XmlNode& node) {
-    constexpr double kSize = 100;  // m, as in Gazebo's ground_plane
+    constexpr double kSize = 100;  // m, side of the square plane, as in Gazebo's model ground_plane
     Model model;
     model.name = "ground_plane";
     WorldPart part;

@@ -61,7 +61,7 @@ class Builder {
   std::shared_ptr<DistanceField> field_;
   std::shared_ptr<BrickPool> pool_;
 
-  // A full brick with a place in the pool.
+  // A full brick (a brick that stores distances), with a place in the pool.
   struct Brick {
     std::uint32_t entry;   // index of the brick's table entry
     std::uint32_t made;    // number of a new brick, an index into lists_; kNone for a brick from an earlier field

@@ -14,11 +14,11 @@ namespace scanmill {
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
 // Builds the field of a world. Bricks of the fields in `before` are copied or shared (brick_pool.h) and not built
-// again. All fields in `before` must belong to this world; one of them is used only if it has the same voxel size and
-// `lists`, and the same pool as the first field that is used. The data that particles read is the same as without
-// `before`, byte by byte. The world must be flat, without instances. An empty world gives a field of empty bricks. Runs
-// on all threads; the data that particles read does not depend on the number of threads. Moving a field by a metre
-// takes a thirtieth of the time of building it.
+// again. All fields in `before` must belong to this world; a field is used only if it has the voxel size and `lists` of
+// `shape`, and the pool of the first field that is used. The data that particles read is the same as without `before`,
+// byte by byte. The world must be flat, without instances. An empty world gives a field of empty bricks. Runs on all
+// threads; the data that particles read does not depend on the number of threads. Moving a field by a metre takes a
+// thirtieth of the time of building it.
 std::shared_ptr<const DistanceField> buildField(const World& world, const FieldShape& shape,
                                                 const std::vector<std::shared_ptr<const DistanceField>>& before = {});
 

@@ -108,7 +108,7 @@ struct DistanceField {
   // The lists of corners, in the order of corners. A list contains the triangles that intersect the cube around its
   // corner (kListedHalf), in ascending order of (instance id, triangle); its last entry has the bit kLastOfList.
   // Sharing equal lists between neighbouring corners would make fields only 4 % smaller in the scene "street" and 7 %
-  // on truck_town.
+  // in "truck_town".
   std::span<const std::uint32_t> lists;
   // The pool that owns these arrays. The spans above have the length that the arrays had when the field was built. If
   // the pool also belongs to earlier fields, the spans also contain bricks that only the earlier fields use.

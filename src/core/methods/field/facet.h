@@ -96,7 +96,7 @@ struct CubeTest {
   // The functions u * p[k + 1] + v * p[k + 2] (indices modulo 3) for each axis k and each edge.
   std::array<std::array<Axis, 3>, 3> axes;
 
-  // Returns the largest amount by which one of these functions is outside of its range, in the unit of that function;
+  // Returns the largest amount by which a function of this test is outside of its range, in the unit of the function;
   // at most zero if the cube around (x, y, z) intersects the triangle.
   float excess(float x, float y, float z) const {
     const auto beyond = [](float value, float least, float most) { return std::max(least - value, value - most); };

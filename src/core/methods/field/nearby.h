@@ -69,7 +69,7 @@ NearestFacet nearestFacet(const World& world, const BrickPlace& place, const Vec
 bool gatherTriangles(const World& world, const BrickPlace& place, const Vec3f& point, float half, float margin,
                      std::size_t most, std::vector<std::uint32_t>& triangles);
 
-// Returns the rank of a triangle: of equally near triangles the one with the lowest rank wins.
+// Returns the rank of a triangle: of equally near triangles, the one with the lowest rank counts as the nearest.
 inline std::uint64_t orderOf(const TriangleBlock& block, std::uint32_t triangle) {
   return std::uint64_t{block.surfaceOf(triangle).instance} << 32 | triangle;
 }

@@ -49,7 +49,7 @@ void BrickMaker::fillBlock(const BrickPlace& place, int block) {
     alignas(64) Lanes distance2;
     for (int i = 0; i < kLanes; ++i) distance2[i] = facet.distance2(p.x[i], p.y[i], p.z[i]);
     for (int i = 0; i < kLanes; ++i) {
-      const bool less = distance2[i] < least[i];  // of equally near triangles, the first of the candidates wins
+      const bool less = distance2[i] < least[i];  // of equally near triangles, the first candidate is used
       nearest[i] = less ? c : nearest[i];
       least[i] = less ? distance2[i] : least[i];
     }

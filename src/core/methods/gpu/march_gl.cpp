@@ -175,8 +175,9 @@ class ComputeMarcher : public GlMarcher {
 
   std::uint64_t mostBytes() const { return std::min(mostTableBytes_, device_.mostBufferBytes()); }
 
-  // Launches `count` particles from `first` on, counted shot after shot, marches them and computes their hits.
-  // `rays`: number of rays of all shots of the dispatch.
+  // Launches `count` particles, marches them and computes their hits. The particles of all shots are numbered in
+  // sequence, and `first` is the number of the first launched particle. `rays`: number of rays of all shots of the
+  // dispatch.
   void fly(const Flight& flight, std::size_t rays, std::size_t first, std::size_t count) {
     const DistanceField& field = *flight.field;
     const World& world = *flight.world;

@@ -34,8 +34,8 @@ ParticleOptions readParticleOptions(Fields& fields);
 // may be half a brick away from the field's centre; one voxel is a margin.
 double levelReach(const ParticleOptions& options, std::uint32_t level);
 
-// Returns approximately how many bytes a level with `voxels` voxels across takes. The number of full bricks grows with
-// the surface area, and hence with the square of `voxels`; its factor was measured on the procedural street.
+// Returns approximately how many bytes a level with `voxels` voxels across takes. The number of non-empty bricks grows
+// with the surface area, and hence with the square of `voxels`; the factor was measured on the procedural street.
 double levelBytes(double voxels, bool lists);
 
 // Returns a number of bytes as text, such as "1.2 GiB" or "34 MiB".

@@ -50,7 +50,7 @@ Extent extentOf(const ThingBoxes& boxes, std::size_t thing, const World& world, 
 }
 
 struct Interval {
-  double enter, leave;  // m along the ray
+  double enter, leave;  // distances along the ray at which it enters and leaves a box (m)
 };
 
 std::optional<Interval> crossing(const Extent& extent, const Vec3d& origin, const Vec3d& direction) {

@@ -21,7 +21,8 @@ class Worlds {
   // The scene must outlive this object.
   Worlds(const Scene& scene, Instancing instancing, const HierarchyOptions& options);
 
-  // Returns the world whose origin is nearest to the sensor (m). Safe to call from several threads.
+  // Returns the world whose origin is nearest to `sensor`, a position in the world frame (m). Safe to call from several
+  // threads.
   std::shared_ptr<const World> near(const Vec3d& sensor) const { return near(sensor, 0, 0); }
   // Returns the world for the revolution that starts at `time` and takes `duration` (s); both matter only if something
   // moves.

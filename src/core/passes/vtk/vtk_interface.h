@@ -51,8 +51,8 @@ struct VtkPlacement {
   std::uint32_t firstNumber;
 };
 
-// Draws the triangles [firstTriangle, firstTriangle + triangles) once for each of the placements [firstPlacement,
-// firstPlacement + placements).
+// A draw call, which draws the triangles [firstTriangle, firstTriangle + triangles) once for each of the placements
+// [firstPlacement, firstPlacement + placements).
 struct VtkDraw {
   std::uint32_t firstTriangle;
   std::uint32_t triangles;

@@ -68,7 +68,7 @@ class Device {
   Resolver resolver;
   VtkLimits limits;
   std::string name;
-  ViewGeometry geometry;  // without the vertices, which are on the device
+  ViewGeometry geometry;  // geometry without the vertices, which are on the device
   StageClock clock{"upload", "render", "read_back"};
 
   void draw(std::uint32_t slot, const DrawnView& view) {

@@ -41,7 +41,7 @@ Side sideOf(const std::array<HalfSpace, 6>& spaces, const Vec3f& low, const Vec3
     const double middle = dot(space.normal, center) + space.offset;
     const double reach =
         std::abs(space.normal.x) * half.x + std::abs(space.normal.y) * half.y + std::abs(space.normal.z) * half.z;
-    const double slack = 1e-6 * (std::abs(middle) + reach);  // keeps boxes that touch the edge in spite of rounding
+    const double slack = 1e-6 * (std::abs(middle) + reach);  // tolerance for the rounding of boxes that touch the plane
     if (middle + reach < -slack) return Side::Outside;
     if (middle - reach < slack) side = Side::Across;
   }

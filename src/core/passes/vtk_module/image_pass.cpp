@@ -13,10 +13,10 @@ namespace scanmill {
 
 namespace {
 
-// The depth buffer contains nearest / w, which decreases with distance. The relative precision of float32 is the same
-// for small and large numbers, and so is the relative precision of the depth near and far (Reed, "Depth precision
-// visualized", 2015). There is no far clipping plane. If the depths of clip space are from -1 to 1, OpenGL's mapping to
-// 0 to 1 loses that precision.
+// The depth buffer contains the near clipping distance divided by w, which decreases with distance. The relative
+// precision of float32 is the same for small and large numbers, and so is the relative precision of the depth near and
+// far (Reed, "Depth precision visualized", 2015). There is no far clipping plane. If the depths of clip space are from
+// -1 to 1, OpenGL's mapping to 0 to 1 loses that precision.
 constexpr const char* kSolidVertex = R"(#version 430 core
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec4 rows[3];

@@ -73,7 +73,7 @@ SceneFactors factorsOf(const std::filesystem::path& file) {
   return factors;
 }
 
-// Returns the pipeline with its scenes replaced by the small town.
+// Returns the pipeline with its scenes replaced by the small town of scenes/hamlet.yaml.
 Pipeline inSmallTown(const Pipeline& pipeline, const Reread& reread) {
   Value town;
   town.kind = Value::Kind::Scalar;

@@ -91,7 +91,8 @@ class RecordingCheck {
     std::vector<std::string> images;
   };
 
-  // Returns a message without the recording's folder at its start, so that it names files like recording.json does.
+  // Returns a message without the recording's folder at its start, so that it names files in the same way as
+  // recording.json.
   std::string relative(std::string_view message) const {
     if (message.starts_with(prefix_)) message.remove_prefix(prefix_.size());
     return std::string(message);

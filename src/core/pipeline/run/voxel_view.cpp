@@ -89,8 +89,8 @@ std::vector<double> lengthsOf(const Shot& shot, std::uint32_t raysPerBeam, const
       lengths[beam] = shot.beams->maxRange;
     }
   }
-  // If beams have several rays, a hit behind glass cannot be assigned to the axis, so only beams with a single ray are
-  // extended.
+  // If beams have several rays, a hit behind glass cannot be assigned to the axis, so only axes of beams with a single
+  // ray are extended.
   const std::size_t end = raysPerBeam == 1 ? hits.rays() : 0;
   for (std::size_t ray = hits.size(); ray < end; ++ray) {
     if (hits.pathOfRay[ray] != RayPath::ThroughGlass) continue;

@@ -299,8 +299,8 @@ class Search {
     return (off < kMost ? off * off : kMost * (2 * off - kMost)) + turns;
   }
 
-  // Returns how far a vehicle can drive from a state on that of five arcs that leads farthest (m, at most kLook), and
-  // the state at the arc's end.
+  // Tests five arcs that start at a state. Returns the longest distance (m, at most kLook) that a vehicle can drive on
+  // one of them, and the state at its end.
   std::pair<double, State> lookAhead(const State& from) const {
     std::pair<double, State> farthest{0, from};
     for (const double bend : {0.0, 0.5, -0.5, 1.0, -1.0}) {

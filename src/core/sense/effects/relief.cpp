@@ -100,8 +100,8 @@ class March {
     const RoughHit& hit = *hit_[slot];
     const double at = at_[slot];
     const double over = -at * hit.cosine - height;
-    if (below_[slot] < 0) {  // after the first interpolation: interpolate again, between this position and a step on
-                             // the other side of the field
+    if (below_[slot] < 0) {  // after the first interpolation: interpolate again, between this position and the step
+                             // on the other side of the height field
       const double first = step_[slot] * hit.step - hit.reach;
       end(slot, over > 0 ? at + (first + hit.step - at) * over / (over - below_[slot])
                          : first + (at - first) * above_[slot] / (above_[slot] - over));

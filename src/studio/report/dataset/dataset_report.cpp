@@ -168,7 +168,7 @@ class Examination {
     report_.view = scanView(viewed, report_.manifest.ontology);
   }
 
-  // Reads the image with the reasons of a scan that is pictured, and adds it to the report.
+  // Reads the image that shows the reason of each beam of a pictured scan, and adds it to the report.
   void readReasons(const ScanPlace& place) {
     const SampleRecord& sample = report_.manifest.samples[place.sample];
     if (recordOf(place).beamsPerReason.empty()) return;

@@ -190,7 +190,7 @@ class GridMaker {
 
   void byAngles() {
     constexpr std::uint32_t kRows = 64, kColumns = 1024;
-    constexpr double kBeyond = 0.005;  // fraction of the points that is cut off at each end
+    constexpr double kBeyond = 0.005;  // fraction of the points that is left out at the top and at the bottom
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
     std::vector<double> sorted = elevations;

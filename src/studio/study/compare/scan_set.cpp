@@ -110,7 +110,7 @@ double deviationFrom(const Eigen::Vector3d& plane, const std::vector<Vec3d>& poi
 }
 
 // Measures the ground, which is the level surface below the sensor. Fits a plane to the lowest points, then three times
-// a plane to the points within 0.5 m of the previous one, and last a plane to the points in cells without objects.
+// a plane to the points within 0.5 m of the previous plane, and last a plane to the points in cells without objects.
 void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) {
   constexpr double kBelow = 0.3, kOff = 0.5;  // least depth below the sensor, largest distance from a plane (m)
   constexpr std::size_t kFewest = 200, kFewestInCell = 6;

@@ -82,7 +82,7 @@ struct ScanSet {
   std::uint32_t scans = 0;   // number of scans that were read
   std::uint64_t stored = 0;  // number of scans in the set
   std::uint64_t points = 0;  // number of points in the scans that were read
-  std::uint32_t rows = 0;    // rows of the last scan's grid; the number of rings if rings are known
+  std::uint32_t rows = 0;    // rows of the grid of the scan that was read last; the number of rings if rings are known
   bool foundSensor = false;  // true: the set has a sensor with the requested name
   bool knowsRings = true;    // true: rings are known in all scans
   bool knowsMisses = true;   // true: missing beams are known in all scans

@@ -64,7 +64,7 @@ struct NoiseFit {
   double growthError = 0;
   double chiSquare = 0;
   double freedom = 0;
-  double largestMisfit = 0;  // largest relative difference between a band and the model
+  double largestMisfit = 0;  // largest relative difference between a band's sigma and the fitted line
   bool linear = true;        // false: a line does not fit; sigma is given per band instead
   MeasuredShare dropOut;     // lost returns in the bands that the fit uses
   RingErrors rings;          // errors of rings, from patches with ranges and incidences that the fit uses

@@ -22,7 +22,7 @@ constexpr double kFewestFreedom = 6;
 constexpr double kEdgeOn = 0.02;
 constexpr double kDeepest = 3;         // largest ratio between the farthest and the nearest range in a patch
 constexpr double kPlaneTolerance = 3;  // largest deviation from the plane, as a multiple of the usual deviation
-// Largest distance of a neighbour from the plane, as a multiple of the patch's deviation.
+// Largest distance of the points around a possible hole from the patch's plane, as a multiple of the patch's deviation.
 constexpr double kOnPlane = 4;
 constexpr std::size_t kTelling = 100;     // least number of windows in a group for a meaningful quantile
 constexpr double kTenth = -1.2815515655;  // 10 % quantile of the standard normal distribution

@@ -59,7 +59,7 @@ struct Repeatability {
   IcpOptions icp;
   std::vector<std::string> methods;  // names of the settings
   std::vector<std::string> levels;   // names of the noise levels
-  std::size_t reference = 0;         // index of the level in `levels` that the first charts show
+  std::size_t reference = 0;         // index in `levels` of the level that the first charts show
   std::vector<RepeatedView> views;
   std::vector<std::string> warnings;  // sentences about figures that are not meaningful
 

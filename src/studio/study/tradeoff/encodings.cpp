@@ -17,7 +17,7 @@ double leastSeconds(int repeats, const Work& work) {
   return least;
 }
 
-// Returns the positions of a scan without misses, as in formats that cannot store misses.
+// Returns a scan with only the positions of the returns, as decoded from a format that cannot store misses.
 Scan returnsOf(const Scan& scan) {
   Scan dense;
   for (const Vec3f& p : scan.position) {

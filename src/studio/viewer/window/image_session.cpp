@@ -138,7 +138,7 @@ struct ImageSession::State {
     CanvasView view{.rect = {0, 0, canvas.width(), canvas.height()}, .background = kBackground};
     canvas.setViews({&view, 1});
     runPanels();
-    runPanels();  // sizes that depend on contents are known in the second run
+    runPanels();  // sizes that depend on contents are known only in the second run
     canvas.render();
     changed = false;
   }

@@ -41,8 +41,8 @@ void Scenery::place() {
   }
 }
 
-// Returns the pose of a scan in the canvas frame. A scan without a pose, such as a single file on top of a dataset,
-// gets the pose worldFromAnchor.
+// Returns the pose of a scan in the canvas frame. A scan without a pose, such as a single file that is shown with a
+// dataset, gets the pose worldFromAnchor.
 Affine Scenery::canvasFromScan(const ViewScan& scan) const {
   if (!worldFromAnchor) return {};
   return canvasFromWorld * toAffine(scan.worldFromSensor.value_or(*worldFromAnchor));

@@ -9,8 +9,8 @@ namespace scanmill {
 
 namespace {
 
-// Moves the camera until the picture of the box is centred and fills the canvas. Starts with frame() and improves the
-// result in steps, since in perspective near parts of the box appear larger than far parts.
+// Moves the camera until the picture of the box is centred and nearly fills the canvas. Starts with frame() and
+// improves the result in steps, since in perspective near parts of the box appear larger than far parts.
 void fillWith(OrbitCamera& camera, const Box& box, int width, int height) {
   constexpr int kSteps = 16;
   constexpr double kFilled = 0.9;

@@ -23,7 +23,7 @@ constexpr ItemId cloudItem(std::size_t cloud) {
 constexpr ImageId kStripImage = 2;
 constexpr ItemId kLitItem = 1'000'000;  // outline of the instance that is under the pointer or was clicked
 
-// An item of a canvas that may not exist. The canvas refuses to change a missing item; here, changes do nothing until
+// A canvas item, which may not exist yet. The canvas refuses to change a missing item; here, changes do nothing until
 // setPoints() or setTriangles() has created the item.
 class CanvasItem {
  public:
