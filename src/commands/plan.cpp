@@ -94,7 +94,7 @@ void printFeatures(const FeatureCosts& costs) {
             lost);
 }
 
-// Measures the costs of features. Shows a progress bar on a terminal, which ends before anything else is printed.
+// Measures the costs of features. On a terminal, shows a progress bar, which ends before anything else is printed.
 FeatureCosts measured(const Pipeline& pipeline) {
   FeatureEffort effort;
   effort.seconds = 20;

@@ -60,7 +60,7 @@ class ColorImages {
   std::filesystem::path asset_;
   bool allowOutside_;
   std::set<std::string> missing_;
-  std::set<std::string> missingCutOuts_;  // missing images whose alpha may be cut-outs
+  std::set<std::string> missingCutOuts_;  // missing images whose alpha may describe cut-outs
   std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> images_;
   std::map<std::pair<std::shared_ptr<const Texture>, float>, float> means_;
 };

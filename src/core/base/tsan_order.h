@@ -29,7 +29,7 @@ class TaskOrder {
   void take() {}
 #endif
 
-  // Lives while a task runs: takes from `from` at the start and gives to `to` at the end, also after an exception.
+  // Lives while a task runs: calls from.take() at the start and to.give() at the end, also after an exception.
   class [[nodiscard]] Task {
    public:
     Task(TaskOrder& from, TaskOrder& to) : to_(to) { from.take(); }

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNodes = 1'000'000;
-constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // limit of all scalars together, after expansion
+constexpr std::size_t kMaxTextBytes = 4 * kMaxYamlBytes;  // largest size of all scalars together, with aliases expanded
 
 struct Extent {
   std::size_t nodes = 1;

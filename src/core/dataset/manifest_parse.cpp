@@ -253,8 +253,8 @@ Manifest manifestOf(const JsonNode& root) {
   return m;
 }
 
-// Reads the file that describes a shard's samples, and stores each at its number in `samples`, which has the size of
-// the complete dataset.
+// Reads the file that describes a shard's samples, and stores each sample in `samples` at the sample's number.
+// `samples` has the size of the complete dataset.
 void readSamples(const std::filesystem::path& folder, std::uint32_t number, const Manifest& head,
                  std::vector<SampleRecord>& samples) {
   const ShardRecord& shard = head.shards[number];

@@ -21,7 +21,7 @@ constexpr double kTimes = 1e7;    // rounding steps of times, per second
 
 double rounded(double value, double steps) {
   const double result = std::round(value * steps) / steps;
-  return result == 0 ? 0.0 : result;  // not -0
+  return result == 0 ? 0.0 : result;  // avoids -0
 }
 
 OrderedJson vectorJson(const Vec3d& v, const std::string& what) {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<const char*, 3> kSplits = {"train", "val", "test"};
 constexpr const char* kAdvice = "; --set splits=null puts all sequences into train";
-using Assignment = std::map<std::string, std::string>;  // split, by name of the group
+using Assignment = std::map<std::string, std::string>;  // maps the name of a group to the group's split
 
 std::string groupOf(const SequenceName& sequence, bool bySeed) {
   return bySeed ? std::to_string(sequence.seed) : sequence.trajectory;

@@ -16,7 +16,7 @@
 namespace scanmill {
 
 Vec3d cloudOrigin(const Vec3d& place) {
-  constexpr double kNear = 1000;  // m, largest coordinate that needs no offset
+  constexpr double kNear = 1000;  // m; coordinates with a smaller absolute value get the offset 0
   const auto rounded = [](double d) { return std::fabs(d) < kNear ? 0.0 : std::floor(d); };
   return {rounded(place.x), rounded(place.y), rounded(place.z)};
 }

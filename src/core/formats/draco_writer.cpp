@@ -174,7 +174,7 @@ void DracoWriter::addSymbols(std::span<const T> values, int components) {
   if (symbols.predicted) {
     values_.push_back(draco::PREDICTION_DIFFERENCE);
     values_.push_back(draco::PREDICTION_TRANSFORM_WRAP);
-    values_.push_back(1);  // entropy coded
+    values_.push_back(1);  // the symbols are entropy coded
     appendSymbols(symbols.values, components, level_, values_);
     appendRaw(symbols.low, values_);
     appendRaw(symbols.high, values_);

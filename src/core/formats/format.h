@@ -32,7 +32,7 @@ class Format {
  public:
   virtual ~Format() = default;
   virtual std::string_view suffix() const = 0;  // "pcd", "drc", "csv": lower-case, no dot
-  // Returns the largest Euclidean error of a position that encode() makes, in metres; 0 for lossless.
+  // Returns the largest Euclidean error of a position that encode() makes (m); 0: the format is lossless.
   virtual double maxError() const = 0;
   virtual bool keepsMisses() const = 0;  // true if encode() can store an organised scan
   // Returns an upper bound of the bytes that encode() produces for a scan with this outline.

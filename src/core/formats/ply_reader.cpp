@@ -21,8 +21,8 @@
 namespace scanmill {
 namespace {
 
-// Returns the name of the column for a property: the property's name in lower case without CloudCompare's prefix or, if
-// that is a synonym of a name in the table of columns, this name.
+// Returns the name of a property's column: the property's name in lower case and without CloudCompare's prefix. A
+// synonym in kOthers is replaced by the usual name, which kOthers gives beside it.
 std::string columnNameOf(const std::string& property) {
   static const std::map<std::string, std::string> kOthers{{"class", "label"},
                                                           {"classification", "label"},

@@ -18,8 +18,8 @@ void appendRows(const Scan& scan, char separator, std::string& out);
 // Returns an upper bound of the characters in a line of a scan with these columns.
 std::size_t longestRow(ColumnSet columns);
 
-// Reads all of `word` as a number of any type that a column may have. Throws an InputError at `where` that names
-// `column` if the word is not a number or the type cannot represent it.
+// Reads the complete `word` as a number of type T, which may be any type of a column. Throws an InputError at `where`
+// that names `column` if the word is not a number or T cannot represent it.
 template <class T>
 void readNumber(std::string_view word, T& value, std::string_view column, const Location& where);
 

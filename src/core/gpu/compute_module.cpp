@@ -212,7 +212,7 @@ class DeviceClock {
   std::deque<Pending> pending_;
 };
 
-// Objects by the numbers that they have outside of this module.
+// Maps the number that identifies an object outside of this module to the object.
 template <class Object>
 using Numbered = std::map<std::uint32_t, std::unique_ptr<Object>>;
 

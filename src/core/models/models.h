@@ -157,7 +157,7 @@ class Shape {
   void grid(const std::vector<std::vector<Vec3d>>& rows, bool wrap,
             const std::function<SurfaceIndex(int row, int column)>& of);
 
-  // Adds the mesh to the scene.
+  // Adds the mesh to the scene and returns the model.
   [[nodiscard]] Model finish();
 
   Affine frame;
@@ -265,7 +265,7 @@ Walker makeWalker(SceneBuilder& builder, std::uint64_t seed, int form);
 Model makeRider(SceneBuilder& builder, std::uint64_t seed, int form, const BicycleFit& fit);
 
 constexpr int kAnimalForms = 6;
-constexpr int kPetForms = 3;  // dogs and cats, which come first among the forms; the others are grazing animals
+constexpr int kPetForms = 3;  // number of forms of dogs and cats; these come first, then the grazing animals
 Model makeAnimal(SceneBuilder& builder, std::uint64_t seed, int form, int number);
 
 enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay };

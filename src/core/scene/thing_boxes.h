@@ -56,7 +56,7 @@ class ThingBoxes {
   };
   struct Place {
     Pose worldFromThing;      // pose at time 0
-    std::vector<Part> parts;  // the first part gives the axes
+    std::vector<Part> parts;  // the thing has the axes of the first part
   };
 
   Pose motion(const Instance& instance, double time) const;

@@ -176,7 +176,7 @@ std::vector<const Concept*> conceptsIn(const std::vector<Concept>& concepts, std
   };
   std::vector<const Concept*> found;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    // "street lamp" is an entry of its own: neither a street nor a lamp.
+    // Two successive words may be one entry: a "street lamp" is neither a street nor a lamp.
     if (i + 1 < words.size()) {
       const std::string both = words[i] + " " + words[i + 1];
       const auto c = std::find_if(concepts.begin(), concepts.end(), [&](const Concept& k) { return isWord(k, both); });

@@ -63,7 +63,7 @@ void refuseKeysOfDrives(Fields& fields, const char* why) {
 }
 
 std::vector<DriveStop> readStops(Fields& fields, double length) {
-  constexpr double kApart = 1;  // m, least distance between stops
+  constexpr double kApart = 1;  // m, least distance of a stop from other stops and from the path's ends
   std::vector<DriveStop> stops;
   const Value* list = fields.find("stops");
   if (list == nullptr) return stops;

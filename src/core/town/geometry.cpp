@@ -68,7 +68,7 @@ Line smoothLine(const Line& line, double step) {
     }
     points = std::move(next);
   }
-  // Keeps only points over 0.1 m apart, since smoothed points may coincide where the line turns back on itself.
+  // Drops points within 0.1 m of the point before, since smoothed points may coincide where the line turns back.
   Line apart;
   for (const Point2& p : points) {
     if (apart.empty() || distance(apart.back(), p) > 0.1) apart.push_back(p);

@@ -14,7 +14,7 @@ namespace {
 using models::Kind;
 
 constexpr int kForms = 6;
-constexpr double kReach = 5;  // m; tufts are placed up to this far beyond the pavement
+constexpr double kReach = 5;  // m; tufts are placed between the curb and this far beyond the sidewalk
 constexpr int kMost = 2500;
 
 // Builds a tuft of blades that bend outwards. No blade is higher than a random limit of 0.12 to 0.4 m.
@@ -63,7 +63,7 @@ void placeGrass(Placer& placer) {
         Draw draw(l.seed(), Kind::Grass, 100000 * (r + 1) + index++);
         const double out = road.section.curb + draw.in(0.05, road.section.outer() + kReach);
         Spot spot = besideRoad(road, along + draw.in(-0.3, 0.3), side * (road.section.half + out));
-        // The density varies along the road.
+        // The density varies from place to place.
         const double share = wild * (0.5 + 2 * relief(l.seed() + 31, spot.at.x, spot.at.y, 18));
         if (number >= kMost || !draw.chance(share)) continue;
         const Beside b = l.roads().at(spot.at.x, spot.at.y);

@@ -158,7 +158,7 @@ class Layout {
   std::vector<models::House> houses_;
   std::vector<PlacedBlock> blocks_;
   std::vector<models::Footprint> covers_;
-  models::Occupancy taken_;  // ground that is occupied by houses and areas of land
+  models::Occupancy taken_;  // ground that houses, garages and land of addLand() occupy
   double mainFrom_ = 0, mainTo_ = 0, half_ = 0;
   Areas areas_;
   std::vector<double> waterLevels_;  // m, by area; 0 for areas that are not water

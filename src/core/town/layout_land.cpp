@@ -17,11 +17,11 @@ Polygon cornersOf(const Footprint& f) {
 
 }  // namespace
 
-// Adds land beside a road, beyond the pavement; `width` is its size along the road, `depth` across it (m). Returns
-// false if another road or other land is in the way.
+// Adds land beside a road, beyond the sidewalk. `width` and `depth`: size of the land along and across the road (m).
+// Returns false if another road or other land is in the way.
 bool Layout::addLand(Land land, std::uint32_t r, int side, double along, double width, double depth) {
   const Road& road = roads_.roads()[r];
-  constexpr double kBend = 1.5;  // m between the pavement and the land
+  constexpr double kBend = 1.5;  // m between the sidewalk and the land
   const models::Spot middle =
       besideRoad(road, along, side * (road.section.half + road.section.outer() + kBend + depth / 2));
   const double yaw = middle.yaw + (side > 0 ? 0 : kPi);

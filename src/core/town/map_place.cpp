@@ -105,7 +105,8 @@ class Cutter {
     for (const Point2& p : line) made.push_back(moved(p));
     return made;
   }
-  // True if the bounding box of a moved line overlaps the square. Most lines of a large map do not.
+  // True if the bounding box of a line, relative to origin_, overlaps the square that is cut out of the map. This is
+  // false for most lines of a large map.
   bool mayReach(const std::vector<Point2>& line) const {
     const auto [left, right] =
         std::minmax_element(line.begin(), line.end(), [](auto& a, auto& b) { return a.x < b.x; });

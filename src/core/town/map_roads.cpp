@@ -53,7 +53,7 @@ std::vector<Piece> cut(const std::vector<MapRoad>& roads) {
   return pieces;
 }
 
-// Returns the direction (rad) in which a road leaves one of its ends, averaged over its first metres.
+// Returns the direction (rad) in which a road leaves one of its ends, averaged over the kReach metres after this end.
 double headingFrom(const MapRoad& road, int end) {
   constexpr double kReach = 12;  // m, length over which the direction is averaged
   const std::size_t count = road.line.size();

@@ -71,7 +71,9 @@ bool placeWalker(Placer& placer, Draw& draw, const models::Walker& walker, const
   const double way = freeWay(placer, *place, kMost);
   if (way < kLeast) return false;
   // The path leads to the end of the way, turns in its last 0.25 m and leads back, as often as the duration needs.
-  constexpr double kAside = 0.15;  // m, lateral distance of the path, there and back, from the middle of the free way
+  // Lateral distance (m) of the path from the middle of the free way: to one side on the way there, to the other side
+  // on the way back.
+  constexpr double kAside = 0.15;
   const auto pieces = static_cast<int>(way / kPiece);
   const auto at = [&](double done, double left) {
     Place here = *place;

@@ -84,7 +84,7 @@ void RoadNetwork::nearest(double x, double y, std::vector<Near>& found) const {
     const bool known = !found.empty() && found.back().road == run.road;
     const double outX = std::max({0.0, run.low.x - x, x - run.high.x});
     const double outY = std::max({0.0, run.low.y - y, y - run.high.y});
-    constexpr double kRounded = 1e-6;  // m^2, bound on the rounding error
+    constexpr double kRounded = 1e-6;  // m^2, bound on the rounding error of squared distances
     const double least = outX * outX + outY * outY - kRounded;
     if (least > (known ? found.back().distance : kReach * kReach)) continue;
     const Road& road = roads_[run.road];

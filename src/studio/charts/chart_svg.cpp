@@ -15,7 +15,8 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;  // sizes in pixels
+// Margin around a chart, and sizes of the chart's fonts (pixels).
+constexpr double kMargin = 16, kTitleFont = 15, kNoteFont = 12, kFont = 11.5;
 constexpr double kBand = 0.1;  // fraction of a logarithmic axis that shows values of zero and below
 
 bool isDrawn(const Vec2d& p) {

@@ -33,7 +33,7 @@ struct Model {
 
   std::uint64_t triangles() const;
   std::uint64_t guessed() const;  // triangles whose class was guessed, or that are guessed to be superfluous
-  // Number of triangles in guessed() with the class that the name of the file or its folder suggests.
+  // Number of the triangles counted by guessed() that have the class that the name of the file or its folder suggests.
   std::uint64_t byFile() const;
   // Returns the guesses that a person should check, in a few words each.
   std::vector<std::string> doubts() const;

@@ -18,7 +18,7 @@ namespace scanmill {
 
 constexpr int kLeastPictureSide = 64;
 constexpr int kMostPictureSide = 8192;
-// Maximum of width * height (8K); drawing takes about 28 bytes per pixel.
+// Maximum of width * height, slightly more than 8K has; drawing takes about 28 bytes per pixel.
 constexpr int kMostPicturePixels = 36'000'000;
 
 struct PictureOptions {

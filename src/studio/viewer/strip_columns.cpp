@@ -146,8 +146,8 @@ std::size_t StripShifts::place(std::size_t ring, std::size_t column) const {
 }
 
 std::optional<StripShifts> lookingOutward(const StripColumns& look, std::size_t columns) {
-  // If a beam is halfway between two pixels, it is rounded in the same direction in all rings, despite floating-point
-  // errors.
+  // Added before rounding (pixels), so that beams halfway between two pixels are rounded in the same direction in all
+  // rings, despite floating-point errors.
   constexpr double kTie = 1e-6;
   StripShifts shifts;
   shifts.clockwise = look.step < 0;

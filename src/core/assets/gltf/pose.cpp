@@ -11,7 +11,8 @@
 namespace scanmill::gltf {
 namespace {
 
-constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;  // largest sum of the posed vertices of all primitives
+// Largest total number of posed vertices of all primitives, with all copies.
+constexpr std::uint64_t kMostPosed = std::uint64_t{1} << 27;
 
 // Returns the transform of a 4 x 4 matrix whose numbers are ordered column by column.
 template <class Number>

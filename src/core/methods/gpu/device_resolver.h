@@ -56,7 +56,7 @@ class DeviceResolver {
   static std::uint64_t bytesPerRay(Channels channels);
   // Returns the buffer for binding 5 of programs that include resolver.glsl.
   const ComputeBuffer& columns() const { return columns_; }
-  // table(binding) returns the tables for the bindings 0 to kTables - 1 of these programs.
+  // table(binding) returns the tables for the bindings 0 to kTables - 1 of programs that include resolver.glsl.
   static constexpr std::size_t kTables = 4;
   ComputeTable table(std::size_t binding) const;
 

@@ -31,7 +31,8 @@ bool holds(const Box& outer, const Box& inner) {
           outer.high.x >= inner.high.x && outer.high.y >= inner.high.y && outer.high.z >= inner.high.z);
 }
 
-// Checks the options before anything is built, so that a plan already refuses wrong options.
+// Returns `options`. Throws InputError if they are wrong. Called before anything is built, so that planning finds the
+// error.
 const ParticleOptions& checked(const Scene& scene, const ParticleOptions& options) {
   checkField(options, scene.bounds(), static_cast<double>(memoryLimitBytes()));
   return options;

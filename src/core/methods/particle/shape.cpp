@@ -177,7 +177,7 @@ double fieldBytes(const ParticleOptions& options, const Box& scene) {
   }
   const Vec3d size = scene.empty() ? Vec3d{} : scene.high - scene.low;
   const double across = std::sqrt(std::max({size.x * size.y, size.y * size.z, size.z * size.x})) / options.voxel;
-  // The table grows with the volume of the box, all other arrays with the surface area.
+  // The table of bricks grows with the volume of the scene's box, all other arrays with the area of the box's sides.
   return levelBytes(across, lists) - std::pow(across / kBrickVoxels, 3) * 4 +
          size.x * size.y * size.z / std::pow(kBrickVoxels * options.voxel, 3) * 4;
 }

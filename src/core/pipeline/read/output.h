@@ -7,7 +7,7 @@
 
 namespace scanmill {
 
-// Returns the checked options. Throws InputError.
+// Reads and checks the options of the key `output`. Throws InputError.
 Output readOutput(const Value& value);
 
 }  // namespace scanmill

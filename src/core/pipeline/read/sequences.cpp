@@ -163,7 +163,7 @@ std::vector<Sequence> recordedSequences(const Recording& recording, Fields& fiel
     const std::string list = fmt::format("[{}]", fmt::join(s.without, ", "));
     sequences.back().without = parseYaml(list, recording.folder.string()).items;
   }
-  // Objects cannot be removed from recorded hits.
+  // Objects cannot be removed from recorded hits: `without` must be as in the recording.
   const Value* scenes = fields.find("scenes");
   if (scenes == nullptr) return sequences;
   for (const Value& scene : scenes->items) {

@@ -109,7 +109,7 @@ class DropTable {
   std::array<double, kSteps + 1> sum_{};
 };
 
-// Returns for each beam the range (m) of the nearest surface, or the sensor's maximum range if the beam hits none.
+// Returns for each beam the range (m) of its nearest return, or the sensor's maximum range if the beam has no return.
 std::vector<float> openRanges(const Hits& hits, const BeamTable& beams, const Returns& returns) {
   std::vector<float> open(hits.size(), static_cast<float>(beams.maxRange));
   for (std::size_t row = 0; row < returns.size(); ++row) {

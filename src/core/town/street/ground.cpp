@@ -13,7 +13,7 @@ namespace scanmill::street {
 namespace {
 
 constexpr double kCell = 4;        // m, longest side of a cell
-constexpr double kNearest = 5e-3;  // m; lines at a smaller distance are merged
+constexpr double kNearest = 5e-3;  // m; a line at a smaller distance from the line before is left out
 constexpr int kArcSteps = 12;
 
 std::vector<double> cut(std::vector<double> wanted, double low, double high) {

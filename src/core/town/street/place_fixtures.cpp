@@ -143,7 +143,7 @@ void placeFurniture(Placer& placer) {
     const bool atCurb = what == Furnishing::Hydrant || what == Furnishing::Bollard || what == Furnishing::Bin;
     placer.search(forms[static_cast<std::size_t>(kind)], fmt::format("furniture {}", i + 1), [&] {
       Spot s = placer.onSidewalk(draw, atCurb ? 0.35 : -0.4, 0.6);
-      s.yaw = s.at.y > 0 ? 0 : kPi;  // its back is towards the gardens
+      s.yaw = s.at.y > 0 ? 0 : kPi;  // the furniture's back is towards the gardens
       if (what == Furnishing::WheelieBin || what == Furnishing::LetterBox) s.yaw += -kPi / 2;
       s.yaw += draw.in(-0.08, 0.08);
       return s;

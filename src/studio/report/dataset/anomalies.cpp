@@ -113,7 +113,7 @@ class AnomalySearch {
   // that usually share objects with another class, such as trunks.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
-    constexpr double kFewShare = 0.02;  // a class with at most this fraction of all instances counts as rare
+    constexpr double kFewShare = 0.02;  // a class with at most kFew objects or this fraction of all counts as rare
     const auto own = thingsOf_.find(c.id);
     if (own == thingsOf_.end() || parts_.contains(c.id)) return false;
     const auto share = static_cast<std::size_t>(kFewShare * static_cast<double>(sum_.things.size()));
@@ -130,8 +130,8 @@ class AnomalySearch {
     // because parts of the object are hidden.
     constexpr double kOwnSpared = 0.1, kBeyondFactor = 1.3, kBeyondMetres = 0.3;
     constexpr int kSidesBeyond = 2;
-    // All its sides must be within the usual range of the class that it resembles, extended by this factor or this
-    // length (m).
+    // All sides of the object must be within the usual range of another class, the class that the object resembles,
+    // extended by this factor or this length (m).
     constexpr double kOtherSpared = 0.05, kWithinFactor = 1.15, kWithinMetres = 0.1;
     std::map<std::uint16_t, std::vector<std::size_t>> wellSeen;
     for (const auto& [id, things] : thingsOf_) {

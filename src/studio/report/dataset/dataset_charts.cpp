@@ -44,8 +44,8 @@ void addTo(std::vector<std::uint64_t>& sum, const std::vector<std::uint64_t>& pa
   for (std::size_t k = 0; k < std::min(sum.size(), part.size()); ++k) sum[k] += part[k];
 }
 
-// Returns a stacked bar for each ring of distance with the points of each class: points per scan, or, if `shares`,
-// fractions of the ring's points.
+// Returns a chart with a bar for each ring of distance, in which the points of the classes are stacked: points per scan
+// or, if `shares` is true, fractions of the ring's points.
 Chart ringsChart(const DatasetSummary& summary, bool shares) {
   const std::vector<DistanceRing> rings = distanceRings(summary);
   Chart chart{.name = shares ? "ring_shares" : "ring_points",
@@ -140,8 +140,8 @@ Chart splitChart(const DatasetSummary& summary) {
   return chart;
 }
 
-// Returns a line for each sensor: points per scan in bins of width `step`. counts(sensor) returns the number of points
-// in each bin.
+// Returns `chart` with a line for each sensor: points per scan in bins of width `step`. counts(sensor) returns the
+// number of points in each bin.
 Chart stepsChart(const DatasetSummary& summary, Chart chart, double step,
                  const std::function<std::vector<std::uint64_t>(const SensorSummary&)>& counts) {
   chart.note = fmt::format("points per {:g} {}; a scan's mean, {}", step, chart.note, ofScans(summary));

@@ -121,7 +121,7 @@ class Warnings {
     return beams;
   }
 
-  // Compares the classes in the split "train" with those in each other split.
+  // Compares the classes in the split "train" with the classes in every other split.
   void splits() {
     const auto train = std::find_if(sum_.splits.begin(), sum_.splits.end(),
                                     [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });

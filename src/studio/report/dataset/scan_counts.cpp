@@ -16,7 +16,7 @@ namespace {
 // since they are diagonal if points lie on two or three sides of an object. If only two sides are visible, the smallest
 // base may be diagonal too, but is then hardly longer than the object.
 SeenSize sizeOf(const std::vector<Vec3d>& points, const Box& box) {
-  constexpr int kDirections = 30;  // directions in 90 degrees, which are thus 3 degrees apart
+  constexpr int kDirections = 30;  // number of directions tried in 90 degrees, 3 degrees apart
   constexpr double kNothing = std::numeric_limits<double>::infinity();
   SeenSize best;
   double smallest = kNothing;

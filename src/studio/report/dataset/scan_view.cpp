@@ -160,7 +160,7 @@ class ViewData {
 
   const Scan& scan_;
   const Ontology& ontology_;
-  std::vector<std::size_t> points_;  // indices in the scan
+  std::vector<std::size_t> points_;  // indices of the shown points in the scan
   OrderedJson json_;
 };
 

@@ -18,8 +18,8 @@ void scale(Json& spread) {
   if (spread["pairs"] < 3) spread.erase("deviation");
 }
 
-// Rearranges the JSON of one pose for the page's templates: one table row with the figures of the reference level, and
-// one row with the figures of each source level.
+// Rearranges the JSON of one pose for the page's templates: `place` itself gets the figures of the reference level, and
+// `sources` gets one table row for each source level.
 void arrange(Json& place, const Repeatability& result) {
   const std::size_t count = result.levels.size(), reference = result.reference;
   const Json points = place["points"][reference];

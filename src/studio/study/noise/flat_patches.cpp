@@ -26,8 +26,9 @@ constexpr double kPlaneTolerance = 3;  // largest deviation from the plane, as a
 constexpr double kOnPlane = 4;
 constexpr std::size_t kTelling = 100;     // least number of windows in a group for a meaningful quantile
 constexpr double kTenth = -1.2815515655;  // 10 % quantile of the standard normal distribution
-constexpr double kMostNoise =
-    2.3263478740;  // 99 % quantile of the standard normal distribution; bounds a patch's noise
+// 99 % quantile of the standard normal distribution. A patch is not used if its noise exceeds this quantile of the
+// usual noise.
+constexpr double kMostNoise = 2.3263478740;
 
 // One beam of a patch's window, with its position in the window and its measured range.
 struct Cell {

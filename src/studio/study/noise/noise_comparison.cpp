@@ -91,7 +91,9 @@ std::vector<ResidualComparison> compareNoise(const BeamTable& beams, const std::
   std::vector<FlatPatch> simulated[2];
   for (std::uint32_t s = 0; s < scans.size(); ++s) {
     for (std::uint32_t tested = 0; tested < 2; ++tested) {
-      std::vector<const FlatPatch*> own;  // patches whose tested beams have one colour; they do not overlap
+      // Patches of scan `s` whose tested beams have the colour `tested` of the chessboard (flat_patches.h). These
+      // patches do not overlap.
+      std::vector<const FlatPatch*> own;
       for (const FlatPatch& p : patches) {
         if (p.window.scan == s && p.window.tested == tested && fitted(fit, p.range)) own.push_back(&p);
       }

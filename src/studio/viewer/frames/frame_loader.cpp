@@ -85,7 +85,8 @@ struct FrameLoader::State {
     return bytes;
   }
 
-  // Makes room for `bytes` more by removing the least recently used frames that are not needed. False if impossible.
+  // Makes room for `bytes` more by removing the least recently used frames that are not needed. Returns false if this
+  // does not suffice.
   bool makeRoom(std::uint64_t bytes) {
     std::uint64_t held = total();
     while (held + bytes > keptBytes) {

@@ -335,7 +335,7 @@ std::vector<Pose> StoredFrames::trajectory(std::size_t frame) const {
   std::vector<Pose> poses;
   if (found == sequences_.end()) return poses;
   for (const SampleRecord* sample : found->second) {
-    // If keys have no frame numbers, the order of samples is unknown.
+    // If keys have no frame numbers, the order of samples is unknown: uses only the shown sample.
     if (sequence.empty() && sample->key != key) continue;
     if (const Pose* pose = poseOf(*sample)) poses.push_back(*pose);
   }

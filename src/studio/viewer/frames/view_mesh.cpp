@@ -221,7 +221,8 @@ void leaveOutWhoIsAway(Scene& scene, double time) {
     }
   }
   if (standing.empty()) return;
-  // Maximum distance of shown moving objects from the bounding box of all static objects (m).
+  // Moving objects are shown if their middle is at most this far outside of the bounding box of all static objects
+  // along each axis (m).
   constexpr double kNear = 40;
   std::erase_if(scene.instances, [&](const Instance& i) {
     if (!i.moves()) return false;

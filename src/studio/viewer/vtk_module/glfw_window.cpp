@@ -141,8 +141,8 @@ struct GlfwWindow::State {
     return {.kind = kind, .x = x, .y = y, .shift = shift, .control = control, .width = width, .height = height};
   }
 
-  // Appends an event to the queue. Of consecutive Move events only the last is kept; likewise of Resize or Redraw
-  // events.
+  // Appends an event to the queue. Of consecutive events of one of the kinds Move, Resize and Redraw only the last is
+  // kept.
   void add(CanvasEvent event) {
     const bool replaces = event.kind == Kind::Move || event.kind == Kind::Resize || event.kind == Kind::Redraw;
     if (replaces && !events.empty() && events.back().kind == event.kind) events.pop_back();

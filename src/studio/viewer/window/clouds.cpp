@@ -108,8 +108,8 @@ ColorBy Clouds::colorOf(std::size_t view) const {
   return kByHeight;
 }
 
-// Returns the ends of the view's scale; nothing if they are computed from the scan alone. Scans side by side have the
-// same ends, computed from the values of all of them, so that they can be compared.
+// Returns the ends of the view's scale; nothing if they are computed from the scan alone. Unless the view has ends of
+// its own in `scales`, all scans side by side with the same colouring share ends that are computed from all of them.
 std::optional<ScaleRange> Clouds::scaleOf(std::size_t view) {
   if (scales[view]) return scales[view];
   const ColorBy by = colorOf(view);

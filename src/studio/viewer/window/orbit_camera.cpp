@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLeastDistance = 0.1;   // least distance from the eye to the target (m)
 constexpr double kMostDistance = 1e4;    // largest distance from the eye to the target (m)
-constexpr double kFarthestTarget = 1e5;  // largest coordinate of the target along each axis (m)
+constexpr double kFarthestTarget = 1e5;  // largest absolute coordinate of the target along each axis (m)
 constexpr double kUsualFocal = 1.15;
 
 // Returns the height (pixels) of the largest 16 : 9 rectangle in the picture. Focal lengths are multiples of this
