@@ -25,7 +25,7 @@ Facet facetOf(uint triangle) {
 struct Search {
   vec3 d, place;    // direction (unit vector) and position of the particle (m)
   float low, high;  // limits of a hit's distance from `place` along d (m)
-  float tie;        // m; a hit replaces an earlier hit only if it is nearer by more
+  float tie;        // m; a hit replaces an earlier hit only if it is nearer by more than this
   float numerator, denominator;  // distance of the hit (m) as a fraction; denominator 0: no hit
   uint triangle;
 };
