@@ -24,7 +24,8 @@ namespace scanmill {
 
 namespace {
 
-// Least size (m) at which a single file is drawn as a place; a smaller one is drawn on a contact sheet.
+// Least size (m) at which a single model is drawn as the viewer shows a scene; a smaller model is drawn on a contact
+// sheet.
 constexpr double kPlace = 60;
 
 // Returns the named files, with each folder replaced by the 3D files in it, sorted by path.

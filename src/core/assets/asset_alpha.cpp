@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr int kSteps = 8;  // number of sample points along each edge of a triangle
+constexpr int kSteps = 8;  // rows of sample points in a triangle; row i has kSteps - i points
 constexpr int kPoints = kSteps * (kSteps + 1) / 2;
 constexpr std::uint64_t kMaxTriangles = 1 << 14;
 

@@ -25,7 +25,7 @@ struct AlphaTest {
 struct BaseColor {
   std::array<float, 3> factor{1, 1, 1};  // linear
   bool tints = false;                    // true: the factor multiplies the image
-  bool stated = true;                    // false: the file states no material, and this one is a substitute
+  bool stated = true;                    // false: the file states no material, and this colour is a substitute
   bool textured = false;                 // true: the material names an image, which may be absent
   std::shared_ptr<const Texture> image;  // null: absent, or not loaded
   bool colored = false;                  // true: the image has colours, not only alpha

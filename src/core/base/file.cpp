@@ -27,7 +27,7 @@ std::string reason() {
 }  // namespace
 
 void readBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& take) {
-  // Opens without blocking, so that a pipe without a writer is refused below instead of waited for.
+  // O_NONBLOCK: if the file is a named pipe, the call does not wait for a writer; the pipe is refused below.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.number < 0) throw InputError({path.string()}, "cannot be read: " + reason());
   struct stat status {};

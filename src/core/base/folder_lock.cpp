@@ -135,7 +135,7 @@ bool FolderLock::take(const std::filesystem::path& folder, const std::filesystem
     std::filesystem::path foreign;
     const Descriptor place(openPlace(folder, file, foreign));
     if (!foreign.empty()) refuseForeign(foreign, "not a folder, or a link to one");
-    // Opens without blocking, so that a pipe without a reader is refused below instead of waited for.
+    // O_NONBLOCK: if the file is a named pipe, the call does not wait for another process; the pipe is refused below.
     constexpr int kHow = O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
     descriptor_ = place.number < 0 ? -1 : ::openat(place.number, file.filename().c_str(), kHow, kMode);
     struct stat status {};

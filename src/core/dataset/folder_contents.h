@@ -8,7 +8,7 @@
 
 namespace scanmill {
 
-// Names of files in the hidden folder (kHiddenName).
+// Names of files in the hidden folder (kHiddenName), and the suffix of the records in this folder.
 inline constexpr const char* kPlanName = "plan";
 inline constexpr const char* kReplacedName = "replaced.json";  // manifest of the dataset that is being replaced
 inline constexpr const char* kRecordSuffix = ".json";          // appended to the name of a shard

@@ -42,7 +42,7 @@ class JsonNode {
   const JsonNode& keys(std::initializer_list<std::string_view> required,
                        std::initializer_list<std::string_view> optional = {}) const {
     expect(value_.is_object(), "a map");
-    for (const auto& entry : value_.items()) {  // unknown keys first, since a missing key may only be misspelt
+    for (const auto& entry : value_.items()) {  // checks unknown keys first, since a missing key may only be misspelt
       const auto is = [&](std::string_view key) { return key == entry.key(); };
       if (std::any_of(required.begin(), required.end(), is) || std::any_of(optional.begin(), optional.end(), is)) {
         continue;

@@ -43,7 +43,7 @@ bool isLeftover(std::string_view name) {
   const std::optional<std::string_view> final = finalName(name);
   if (!final) return false;
   constexpr std::string_view kJson = ".json";
-  const bool ofSamples = final->ends_with(kJson) &&  // file names from samplesFileOf()
+  const bool ofSamples = final->ends_with(kJson) &&  // true for names that samplesFileOf() returns
                          isShardName(std::string(final->substr(0, final->size() - kJson.size())) + ".tar");
   return *final == kManifestName || isShardName(*final) || ofSamples;
 }

@@ -37,7 +37,7 @@ std::string_view cutLine(std::string_view& text) {
   return line;
 }
 
-// A function that stores a cell of the file in a column, for the last point of the scan.
+// A function that stores a cell of the file as a value of the point that was added to the scan last.
 using ReadCell = std::function<void(std::string_view word, const Location& where)>;
 
 // Returns the function that stores the cells of the column with this name. A name that is not in the table of columns

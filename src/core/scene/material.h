@@ -1,7 +1,7 @@
 #pragma once
 
-// How surfaces reflect near-infrared light. The figures come from labels/materials.yaml and from assets. Installed
-// because scene/scene.h includes it.
+// How surfaces reflect near-infrared light. The figures come from labels/materials.yaml and from assets. This
+// header is installed because scene/scene.h includes it.
 //
 //   const MaterialLibrary library = readMaterials("labels/materials.yaml", 905);
 //   const float reflectance = library.require("asphalt", {}).reflectance;

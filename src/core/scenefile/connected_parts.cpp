@@ -193,7 +193,7 @@ std::vector<std::uint32_t> thingsOf(const std::vector<Box>& connected) {
     });
     if (owner[i] == i) largest.add(connected[i], i);
   }
-  // Number the things in the order of the connected parts.
+  // Numbers the things in the order of the connected parts.
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number(connected.size(), kNone);
   std::vector<std::uint32_t> things;

@@ -148,7 +148,8 @@ std::vector<double> readFiringTimes(const Value* value, const BeamTable& table) 
   return times;
 }
 
-// Returns the offset of each ring (m), read as one value per ring or one value for all; empty if all are zero.
+// Returns the shift of the beams' origin in each ring (m), read as one value per ring or one value for all rings; empty
+// if all are zero.
 std::vector<double> readOrigins(Fields& fields, std::string_view key, std::uint32_t rings) {
   const Value* value = fields.find(key);
   if (value == nullptr) return {};

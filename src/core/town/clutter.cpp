@@ -235,7 +235,7 @@ void placeClutter(Placer& placer) {
   placeSquares(placer, store);
 }
 
-// Places dogs and cats within 3 m of the main road's curb; in rural towns also herds farther from the road.
+// Places dogs and cats within 3 m of the main road's curb; in rural towns also herds within 28 m of this curb.
 void placeAnimals(Placer& placer) {
   const Layout& l = placer.layout;
   if (l.parameters().people <= 0) return;

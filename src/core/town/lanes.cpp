@@ -22,7 +22,7 @@ std::vector<Vec3d> wayBelow(const Vec3d& end, const Vec3d& next, double reach) {
   const Vec3d aside{-ahead.y, ahead.x, 0};
   constexpr double kRamp = 130;  // m, horizontal length of the ramp down
   constexpr double kDepth = 70;
-  constexpr double kTurn = 20;  // m, radius of the turn
+  constexpr double kTurn = 20;  // m, radius of the half circle
   for (const double d : models::steps(10, kRamp, 10)) {
     more.push_back(end + ahead * d + Vec3d{0, 0, -kDepth * models::smooth(d / kRamp)});
   }

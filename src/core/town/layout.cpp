@@ -11,7 +11,7 @@ namespace {
 using models::Footprint;
 using models::smooth;
 
-constexpr double kPatchCell = 8;   // m, side of a grid cell
+constexpr double kPatchCell = 8;   // m, side of a cell of the grid that finds patches
 constexpr double kPatchReach = 4;  // m, largest distance from a patch at which the patch is still found
 
 std::uint64_t keyAt(const Point2& p) {

@@ -112,7 +112,7 @@ void Layout::addPlots(std::uint32_t r, int side, double from, double to) {
     const Point2 heading = road.heading(middle);
     const double yaw = std::atan2(heading.y, heading.x) + (side > 0 ? 0 : kPi);
     const auto spot = [&](double along, double lateral) { return besideRoad(road, along, side * lateral).at; };
-    // If there is a driveway, the house is shifted to the other end of the plot.
+    // If there is a driveway at one end of the plot, the house is shifted towards the other end.
     const double shift = hasDriveway ? -side * (gap / 2 - 0.2) : 0;
     const Footprint body{spot(middle + shift, outer + plot.setback + house.depth / 2), house.width / 2, house.depth / 2,
                          yaw};

@@ -27,7 +27,8 @@ namespace scanmill {
 
 // Escapes a value before it is inserted; values in triple braces are inserted without escaping.
 using TextEscape = std::function<std::string(const std::string&)>;
-// Functions by name. {{#name}}text{{/name}} calls a function with the text; the returned template replaces it.
+// Functions by name. {{#name}}text{{/name}} calls the function `name` with the text, and is replaced by the
+// template that the function returns.
 using TemplateMacros = std::map<std::string, std::function<std::string(const std::string& text)>>;
 
 // Returns the filled template. Throws Error if the template is invalid, which is an error in this program.

@@ -64,7 +64,7 @@ class BrickMaker {
 
   const World& world_;
   bool lists_;
-  std::vector<std::uint32_t> triangles_;  // triangles near the brick or the block, ordered as in lists
+  std::vector<std::uint32_t> triangles_;  // triangles near the brick or the block, in the order of DistanceField::lists
   std::vector<std::uint64_t> order_;
 
   // Arrays by corner: squared distance to the nearest triangle (voxels^2), that triangle, and the start of the corner's

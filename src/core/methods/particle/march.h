@@ -24,7 +24,7 @@ struct Particles {
   std::vector<float> ox, oy, oz;  // origin, relative to the field's centre
   std::vector<float> dx, dy, dz;  // unit direction, world axes
   std::vector<float> begin, end;  // limits of the marched section of the line; begin >= end: a miss
-  // The following arrays are empty in fields without lists.
+  // The following arrays are empty if the field has no lists.
   std::vector<float> wx, wy, wz;  // m, the line's origin relative to the world's origin
   std::vector<float> ix, iy, iz;  // 1 / direction; a component with an absolute value below 1e-12 counts as 1e-12
 

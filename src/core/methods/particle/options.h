@@ -18,7 +18,8 @@ struct ParticleOptions {
   enum class Extent { Sensor, Scene } extent = Extent::Sensor;  // field around the sensor, or of the complete scene
   double voxel = 0.1;                                           // m, voxel size of the finest level
   std::uint32_t voxels = 256;                                   // voxels across each level
-  std::uint32_t levels = 0;                                     // 0: as many levels as the sensor's range needs
+  // Number of levels; 0: one level for a field of the complete scene, otherwise as many as the sensor's range needs.
+  std::uint32_t levels = 0;
   enum class Refine { None, ByNormal, ByTriangle } refine = Refine::ByTriangle;
   std::uint32_t steps = 512;  // largest number of steps of a particle
   Location where;             // location of the key voxel_m or, if it is absent, of the map; for messages

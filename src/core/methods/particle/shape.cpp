@@ -13,7 +13,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kMostBricks = 268'435'456;   // 2^28; the table of this many bricks takes 1 GiB
-constexpr double kMostBricksAcross = 65'536;  // along an axis: 2^19 voxels, where float32 resolves 1/32 of a voxel
+constexpr double kMostBricksAcross = 65'536;  // bricks along an axis: 2^19 voxels; float32 resolves 1/32 voxel there
 constexpr std::uint32_t kUsualLevels = 5;     // assumed for `levels: auto`; enough for ranges of 120 to 200 m
 constexpr double kFarthestBrick = 1e15;       // largest lattice coordinate of a brick: its corners are exact in double
 

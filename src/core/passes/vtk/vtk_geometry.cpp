@@ -60,8 +60,8 @@ double originOf(double low, double high) {
   return std::abs(middle) > 2 * (high - low) ? double{static_cast<float>(middle)} : 0.0;
 }
 
-// Halves the longest edge until all edges are short. Triangles that share an edge split it at the same points, whatever
-// their other edges are, so that no gap opens between the triangles.
+// Halves the longest edge until no edge is longer than `longest`. Triangles that share an edge split it at the same
+// points, whatever their other edges are, so that no gap opens between the triangles.
 void split(const Piece& piece, float longest, std::vector<Piece>& pieces) {
   const auto squared = [&](std::size_t i) {
     const Vec3f edge = piece.corners[(i + 1) % 3].position - piece.corners[i].position;

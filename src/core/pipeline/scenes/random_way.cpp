@@ -19,7 +19,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kCell = 0.25;     // cell size of the cached heights (m)
-constexpr double kReach = 1;       // a surface up to this far above or below a tested position is always found (m)
+constexpr double kReach = 1;       // a surface at most this far above or below a tested position is found (m)
 constexpr double kClear = 2.5;     // free height that a vehicle needs above the surface (m)
 constexpr double kHalfWidth = 1;   // half of a vehicle's width (m)
 constexpr double kHalfLength = 2;  // half of a vehicle's length (m)
@@ -283,7 +283,7 @@ class Search {
   // Returns the cost of a state. It grows with the lateral distance from the preferred line on the road. In open places
   // it grows with the difference between `curvature` and `wished` (rad/m). It is constant off the surface.
   double offSide(State s, double curvature, double wished) const {
-    constexpr double kMost = 2;  // distance (m) up to which the cost grows quadratically; beyond, it grows linearly
+    constexpr double kMost = 2;  // lateral distance (m) up to which the cost grows quadratically, then linearly
     const std::optional<double> height = surface_.height(s.place);
     if (!height) return 2 * kMost * kMost;
     s.place.z = *height;

@@ -83,7 +83,8 @@ struct Dial {
 // Adjusts the factors of the supplies whose shares of hits are outside of their bounds. A factor is not changed if one
 // bound asks for more of the supply and another bound for less.
 void turn(std::array<Dial, kSupplies>& dials, const std::vector<ShareBound>& bounds) {
-  constexpr double kInside = 0.15;  // largest distance of the wanted value from the nearest bound, as a fraction of it
+  // Largest distance of the wanted share from the violated bound, as a fraction of the bound.
+  constexpr double kInside = 0.15;
   for (std::size_t s = 0; s < kSupplies; ++s) {
     double more = 0;
     double less = 0;

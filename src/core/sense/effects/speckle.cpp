@@ -36,7 +36,7 @@ class Speckle : public Effect {
       product.fill(1.0);
       for (int drawn = 0; drawn < looks_; drawn += 4) {
         const auto purpose = static_cast<Purpose>(static_cast<int>(Purpose::Speckle) + drawn / 4);
-        // A block has four words. Words beyond the number of looks are replaced by 1.
+        // A block has four words, and each word gives a factor. Factors beyond the number of looks are 1.
         const int left = looks_ - drawn;
         const double keep[] = {1, left > 1 ? 1.0 : 0.0, left > 2 ? 1.0 : 0.0, left > 3 ? 1.0 : 0.0};
         drawBlocks(shot, purpose, returns, first, [&](std::size_t i, const RandomBlock& block) {

@@ -109,8 +109,9 @@ class AnomalySearch {
  private:
   bool isPlain(const ThingSummary& thing) const { return !mixed_.contains({thing.sequence, thing.id}); }
 
-  // True if only a few objects of the class have an instance id, so that ids are probably an error. False for classes
-  // that usually share objects with another class, such as trunks.
+  // True if the class has few instances and their ids are probably an error, since most points of the class have no id
+  // or the ontology does not mark the class as things. False for classes that usually share objects with another class,
+  // such as trunks.
   bool isUncounted(const ClassSummary& c) const {
     constexpr std::size_t kFew = 3;
     constexpr double kFewShare = 0.02;  // a class with at most kFew objects or this fraction of all counts as rare

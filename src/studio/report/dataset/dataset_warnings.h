@@ -12,7 +12,7 @@ namespace scanmill {
 
 struct DatasetWarning {
   std::string text;                   // one or two sentences that are understandable without context
-  std::vector<std::string> places{};  // names of the affected samples, instances or shards, one per line
+  std::vector<std::string> places{};  // names of the affected samples, instances or shards
   std::string command{};              // shell command that shows the problem; empty: none
   bool note = false;                  // true: information that is not a sign of a fault
 };

@@ -22,7 +22,7 @@ std::uint64_t drawOf(std::uint64_t seed, std::size_t sample) {
   return std::uint64_t{block[0]} << 32 | block[1];
 }
 
-// The samples of a split, in the order of the manifest.
+// The samples of a split that have points and are not in damaged shards.
 struct SplitSamples {
   std::string split;
   std::vector<std::pair<std::uint64_t, std::size_t>> drawn;  // pairs of random number and index of the sample

@@ -18,7 +18,7 @@ struct ScanPlace {
   auto operator<=>(const ScanPlace&) const = default;
 };
 
-// Returns all scans, or `most` of them, evenly distributed over the dataset; sorted.
+// Returns all scans; if there are more than `most`, returns `most` scans, evenly distributed over the dataset. Sorted.
 std::vector<ScanPlace> spreadScans(const Manifest& manifest, std::size_t most);
 
 // Returns one scan from each of at most `count` random samples. Splits and sensors alternate, so that a few samples

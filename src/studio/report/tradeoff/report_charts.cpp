@@ -217,7 +217,7 @@ Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
   chart.height = 130 + 20 * static_cast<int>(rows.size());
   for (const std::size_t i : rows) chart.y.names.push_back(study.settings[i].setting.name);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // not a colour of the first three methods
+    ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // the first three colours are those of methods
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double value = errorOf(errorsOf(study, rows[row]).byPlace, places[k], measure);
       series.points.push_back({value, static_cast<double>(row) + beside(k, places.size(), 0.2)});

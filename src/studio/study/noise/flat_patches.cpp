@@ -201,8 +201,8 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   return usual;
 }
 
-// Chooses flat windows in raster order, separately for each scan and colour. A window that overlaps a chosen one is
-// skipped.
+// Chooses flat windows in raster order, separately for each scan and colour of the tested beams. Skips windows that
+// overlap a chosen window.
 void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup, const BeamImage& image,
             std::vector<const FlatPatch*>& chosen) {
   std::vector<bool> taken(std::size_t{image.rows()} * image.columns());

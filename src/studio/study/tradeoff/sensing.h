@@ -30,7 +30,8 @@ struct SensingResult {
   double intensity = 0;         // mean absolute difference of the intensities of beams in `both`
 };
 
-// Number of rays per beam, and maximum numbers of mirrors and glass panes that a ray passes, in the truth.
+// In the truth a beam has kTrueRays rays, each of which is reflected by at most kTrueBounces mirrors and passes at most
+// kTruePanes glass panes.
 constexpr std::uint32_t kTrueRays = 127;
 constexpr std::uint32_t kTrueBounces = 2;
 constexpr std::uint32_t kTruePanes = 8;

@@ -106,7 +106,7 @@ struct Study {
   // The time that StudyOptions::showScan takes to show a scan on the screen, by number of rings. The scans are those of
   // the first setting, but RingFit::setting is empty. Absent if the time was not measured.
   std::optional<RingFit> showing;
-  std::vector<std::string> left;  // lines about what the study left out, such as settings for lack of time
+  std::vector<std::string> left;  // lines about parts that the study left out, such as settings that it had no time for
   // Pictures of errors. Their contents are not stored in the JSON, but in files beside it.
   std::vector<ErrorPicture> pictures;
 

@@ -157,7 +157,7 @@ Rest moved(Rest rest, dvec3 o, dvec3 d, inout bool sure) {
 
 bool resolve(uint i, uint ray, uint word, dvec3 o, dvec3 d) {
   precise double way = double(uintBitsToFloat(records[i])) * voxel;
-  bool sure = way > 0.0LF;  // particles that start at a surface are counted on the processor
+  bool sure = way > 0.0LF;  // hits of particles that start at a surface are computed on the processor
   Rest rest = Rest(records[count + i], way, 0.0LF);
   if (corrected != 0u) {
     rest = moved(rest, o, d, sure);
