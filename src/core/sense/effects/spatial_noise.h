@@ -48,7 +48,8 @@ struct SpatialField {
   std::uint32_t number = 0;  // number of the field, below 4096
 };
 
-// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: number of cubes per metre, by row.
+// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes[i]`: number of the lattice's cubes per metre for row
+// i of the batch.
 void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes, const Batch<double>& factor,
               Batch<double>& values);
 
