@@ -37,8 +37,8 @@ class PlacesOfHits {
   std::vector<Mat3> rotation_;  // from sensor to world axes, for each step of the revolution
 };
 
-// A Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of cubes
-// has a random number of mean 0 and variance 1, which depends on the corner and on the field's seed, purpose and
+// A nearly Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of
+// cubes has a random number of mean 0 and variance 1, which depends on the corner and on the field's seed, purpose and
 // number. The value at a point is a weighted sum over the corners of the point's cube (weights of Perlin, "Improving
 // noise", SIGGRAPH 2002), scaled so that the squares of the weights add up to 1. Fields with different number or
 // purpose are independent, and so are the values at points that are two cubes or more apart along an axis.
