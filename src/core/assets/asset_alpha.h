@@ -10,7 +10,8 @@ namespace scanmill {
 
 struct Texture;
 
-// Fractions of the area of all triangles with one material; 0 if the material has no texture coordinates.
+// Fractions of the total area of the triangles that have one material and texture coordinates; all 0 if there are no
+// such triangles or the texture has no alpha.
 struct AlphaShares {
   double low = 0;     // area with alpha below 0.5
   double graded = 0;  // area with alpha from 0.1 to 0.9

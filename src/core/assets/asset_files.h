@@ -1,6 +1,6 @@
 #pragma once
 
-// The 3D files of a folder.
+// Finds the 3D files of a folder.
 
 #include <filesystem>
 #include <vector>

@@ -23,7 +23,7 @@ struct AlphaTest {
 };
 
 struct BaseColor {
-  std::array<float, 3> factor{1, 1, 1};  // linear
+  std::array<float, 3> factor{1, 1, 1};  // red, green, blue; linear
   bool tints = false;                    // true: the factor multiplies the image
   bool stated = true;                    // false: the file states no material, and this colour is a substitute
   bool textured = false;                 // true: the material names an image, which may be absent

@@ -197,7 +197,8 @@ struct Process::State {
     reap(true);
   }
 
-  // Appends to `into` all bytes that `from` has, without waiting for more.
+  // Appends the bytes that can be read from `from` to `into`, without waiting for more. Stops when `into` has more than
+  // kMaxLine bytes.
   void take(Descriptor& from, std::string& into) const {
     std::array<char, 1 << 16> block;
     while (from.open() && into.size() <= kMaxLine) {

@@ -236,7 +236,8 @@ class TreeBuilder : public YAML::EventHandler {
 
   void add(Value value, YAML::anchor_t anchor) {
     if (anchor != 0) {
-      // A copy is stored for the anchor and counts towards the limits: nested anchors must not multiply a document.
+      // A copy is stored for the anchor and counts towards the limits, since nested anchors could otherwise multiply
+      // the memory that a document needs.
       const Extent extent = extentOf(value);
       nodes_ += extent.nodes;
       bytes_ += extent.bytes;

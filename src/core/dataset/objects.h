@@ -61,12 +61,12 @@ struct SampleObjects {
   std::map<std::uint16_t, ObjectCount> counts() const;
 };
 
-// Returns the member's text: lengths are rounded to 0.1 mm, speeds to 0.1 mm/s, fractions to 0.001. Throws Error for a
-// class that the ontology lacks and for a value that is not finite.
+// Returns the sample's list of objects as JSON: lengths are rounded to 0.1 mm, speeds to 0.1 mm/s, fractions to 0.001.
+// Throws Error for a class that the ontology lacks and for a value that is not finite.
 std::string objectsJson(const SampleObjects& sample, const Ontology& ontology);
 
-// Parses the member's text. Throws an InputError that begins with `name` and gives the place in the text and the
-// problem.
+// Parses a text as objectsJson() returns it. Throws an InputError that begins with `name` and gives the place in the
+// text and the problem.
 SampleObjects parseObjects(std::string_view text, const std::string& name, const Ontology& ontology);
 
 }  // namespace scanmill

@@ -25,7 +25,8 @@ enum class DamagedShard {
 
 class ShardIndex {
  public:
-  // Reads only the members' headers. Throws an InputError for files that readTar() refuses, with the same message.
+  // Reads only the members' headers. Throws the InputError of readTar() for files that it refuses, except as
+  // DamagedShard describes.
   explicit ShardIndex(std::filesystem::path file, DamagedShard damaged = DamagedShard::Refused);
   ShardIndex(const ShardIndex&) = delete;
   ShardIndex& operator=(const ShardIndex&) = delete;

@@ -140,7 +140,8 @@ class ShardCheck {
     }
   }
 
-  // Returns the record of the scan to which a member belongs. Reports the member and returns null if there is none.
+  // Returns the record of the scan to which a member belongs. If the sample has no such scan, reports the member and
+  // returns null.
   const ScanRecord* recordOf(const std::string& name, std::string_view suffix, const SampleRecord& sample) {
     for (const ScanRecord& record : sample.scans) {
       if (name == sample.key + "." + memberSuffix(record, suffix)) return &record;

@@ -242,8 +242,8 @@ class NuScenes : public Layout {
  private:
   static bool isPanoptic(const ExportPlan& plan) { return hasColumn(plan, "label") && hasColumn(plan, "instance"); }
 
-  // Throws InputError unless the class ids are 0, 1, 2, ... without gaps, as the devkit requires to count points by
-  // class, or if there are more than kMostClasses.
+  // Throws InputError if the class ids are not 0, 1, 2, ... without gaps, which the devkit requires to count points by
+  // class, or if there are more than kMostClasses classes.
   static void checkClasses(const ExportPlan& plan) {
     const Ontology& target = plan.classes.target();
     std::set<std::uint16_t> ids;

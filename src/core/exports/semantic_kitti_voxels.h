@@ -16,7 +16,7 @@ namespace scanmill {
 struct VoxelFiles {
   std::string bin;       // flags: 1 if the voxel contains a point of the scan
   std::string label;     // uint16: class, 0 for an empty voxel
-  std::string invalid;   // flags: 1 if nothing is known about the voxel
+  std::string invalid;   // flags: 1 if the voxel must be ignored, see ScanVoxels
   std::string occluded;  // flags: 1 if another voxel hides the voxel, see occludedVoxels()
 };
 

@@ -170,7 +170,7 @@ class MappedCopy {
 // calls.
 class DeviceClock {
  public:
-  // end() adds the device's time for the OpenGL calls since begin() to the stage that is its argument.
+  // end(stage) adds the device's time for the OpenGL calls since begin() to `stage`.
   void begin() {
     if (!running) return;
     std::array<GLuint, 2> queries{};

@@ -81,8 +81,8 @@ const ImagesModule& moduleFor(const std::string& name, std::string_view kind) {
   }
 }
 
-// Opens the image in `bytes`, or the file `kind` if `bytes` is empty. The ending of `kind` names the kind of bytes that
-// are neither PNG nor JPEG. `name` is the name of the image in messages.
+// Opens the image in `bytes`, or the file `kind` if `bytes` is empty. If the image is neither PNG nor JPEG, the ending
+// of `kind` states its format. `name` is the name of the image in messages.
 std::unique_ptr<ImageReader> openImage(const std::string& kind, std::string_view bytes, const std::string& name) {
   try {
     const std::string known = kindOf(bytes);

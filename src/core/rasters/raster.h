@@ -40,7 +40,8 @@ struct RasterRequest {
 };
 
 // Reads a raster. Throws an InputError that names the file and says what is wrong: it is absent, damaged or no raster,
-// has no geotransform, has no such band, has more than `mostSamples` samples, or has no samples within the bounds.
+// has no geotransform, lacks the requested band, has more than `mostSamples` samples, or has no samples within the
+// bounds.
 Raster readRaster(const std::filesystem::path& file, const RasterRequest& request);
 
 // True if the rasters have the same coordinate system, or if the system of one is unknown.

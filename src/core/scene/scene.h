@@ -143,7 +143,7 @@ struct Scene {
   std::uint64_t triangles() const;            // number of triangles of all meshes, each mesh counted once
   std::uint64_t placedTriangles() const;      // number of triangles of all instances
   std::uint32_t things() const;               // largest instance id of the scene's things; 0: it has no things
-  Box bounds() const;                         // m, in the world's frame at time 0; WholeScene::bounds if set
+  Box bounds() const;                         // m, world frame at time 0; if `whole` is set, its bounds
   std::vector<std::uint64_t> copies() const;  // number of instances, by mesh
 };
 

@@ -48,7 +48,7 @@ class ThingBoxes {
   Vec3d velocity(std::size_t thing, double time) const;
 
  private:
-  // An object of an instance that belongs to the thing.
+  // A part of a thing: one object of one instance.
   struct Part {
     std::uint32_t instance = 0;
     std::uint32_t object = 0;    // see Surface::object

@@ -71,7 +71,7 @@ class TrianglePiece {
   using Corner = std::array<double, 3>;
 
   // A triangle that six planes have cut has at most nine corners. Rounding can make an extremely thin piece concave,
-  // and cuts can then add more corners. Corners beyond this number are dropped, which changes only a negligible area.
+  // and cuts can then add more corners. Corners beyond kMostCorners are dropped, which changes only a negligible area.
   static constexpr std::size_t kMostCorners = 12;
 
   void add(const Corner& corner) {

@@ -222,7 +222,8 @@ std::set<std::uint16_t> classesWithWheels(const std::vector<Concept>& concepts, 
   std::set<std::uint16_t> ids;
   for (const Concept& c : concepts) {
     const SemanticClass* const known = classOf(c, ontology);
-    // If the ontology lacks the concept's first class, the fallback class also holds things without wheels.
+    // If the ontology lacks the concept's first class, `known` is a later class of the concept, which may contain
+    // things without wheels.
     const bool isOwn = known != nullptr && ontology.find(c.classes.front()) == known;
     if (names.contains(c.name) && isOwn && known->thing) ids.insert(known->id);
   }

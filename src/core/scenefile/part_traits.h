@@ -13,7 +13,7 @@ namespace scanmill {
 // The frame in which the positions of an asset's parts are given.
 struct PartFrame {
   Vec3d origin;       // m, origin of this frame in the asset's frame
-  double lowest = 0;  // m, lowest z of all parts in this frame
+  double lowest = 0;  // m, least z of the points of all parts, in this frame
 };
 
 class PartTraits {

@@ -8,7 +8,7 @@ namespace scanmill {
 
 namespace {
 
-constexpr double kMoment = 0.01;  // s, interval over which velocities are computed if objects stand still in a shot
+constexpr double kMoment = 0.01;  // s, interval over which velocities are computed if a shot has no duration
 
 // Returns the displacement (m) of a point on a triangle between two meshes of an animation. The point keeps its
 // barycentric coordinates.

@@ -8,8 +8,8 @@ namespace scanmill {
 // The size distribution of drops: per cubic metre and per millimetre of diameter D there are intercept * exp(-slope *
 // D) drops.
 struct DropSizes {
-  double intercept = 0;  // 1/(m^3 mm)
-  double slope = 1;      // 1/mm
+  double intercept = 0;  // 1/(m^3 mm), density of drops at D = 0
+  double slope = 1;      // 1/mm, decrease of the natural logarithm of the density with D
 
   // Returns the number of drops per cubic metre with a larger diameter than `diameter` (mm).
   double above(double diameter) const;

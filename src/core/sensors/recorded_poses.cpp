@@ -141,7 +141,7 @@ std::string RecordedPoses::about() const {
 }
 
 std::string RecordedPoses::doubt() const {
-  constexpr double kFastest = 100;  // m/s; faster poses cause a warning
+  constexpr double kFastest = 100;  // m/s; a larger speed between two poses causes a warning
   constexpr double kMoves = 0.5;    // m/s; below this speed the direction of travel is not tested
   double upright = 0;
   double ahead = 0;

@@ -52,8 +52,8 @@ void along(const Layout& l, Kind kind, double per100m, const Place& place) {
   }
 }
 
-// Sets `spot` to the place `out` metres beyond the road's edge. Returns false if this place is on another road, on a
-// parking lot, on a square or in water.
+// Sets `spot` to the place `out` metres beyond the road's edge. Returns false if this place is closer to another road,
+// or within 0.3 m of a parking lot, a square or water.
 bool beyondEdge(const Layout& l, const Road& road, double distance, int side, double out, Spot& spot) {
   spot = besideRoad(road, distance, side * (road.section.half + out));
   const Beside b = l.roads().at(spot.at.x, spot.at.y);

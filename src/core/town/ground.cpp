@@ -63,7 +63,7 @@ class GroundMaker {
   void tile() {
     tiling_ = makeTiling(layout_.half(), kSmallest / 4, [&](double x, double y, double size) {
       if (size > kSmallest / 4 && layout_.nearPothole({x, y}, 0.71 * size)) return true;
-      // Lots, ponds and paths have sharp edges, which need fine cells.
+      // Parking lots, squares, water and patches have sharp edges, which need fine cells.
       const double reach = std::min(0.71 * size, 3.9);
       if (size > 1 && std::abs(layout_.areas().outsideHard({x, y})) < reach) return true;
       if (size > 1 && std::abs(layout_.outsidePatches({x, y})) < reach) return true;

@@ -211,7 +211,7 @@ MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
   if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
     building.floors = static_cast<int>(std::lround(*floors));
   }
-  constexpr double kLowest = 2, kHighest = 400;  // m; lower and higher buildings are errors of the map
+  constexpr double kLowest = 2, kHighest = 400;  // m; other heights are taken as errors of the map
   building.top = metresOf(tags["height"]);
   if (building.top && (*building.top < kLowest || *building.top > kHighest)) building.top.reset();
   building.roof = roofOf(tags["roof:shape"]);

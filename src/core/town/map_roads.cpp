@@ -10,7 +10,7 @@
 namespace scanmill::town {
 namespace {
 
-constexpr double kSharpest = 2.4;  // rad, sharpest corner within a joined road
+constexpr double kSharpest = 2.4;  // rad, largest change of direction at a point within a joined road
 
 struct Piece {
   MapRoad road;

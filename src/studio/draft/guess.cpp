@@ -147,7 +147,7 @@ std::vector<const Concept*> guessParts(const std::vector<Concept>& concepts, con
   const Concept* const file = conceptOfFile(concepts, asset.file);
   const auto guess = [&](const AssetPart& part) -> const Concept* {
     const Concept* node = conceptOf(concepts, part.node);
-    // The name "World", for instance, says nothing about the class.
+    // A concept of ground without classes, such as that of the name "World", says nothing about the part's class.
     if (node != nullptr && node->classes.empty() && node->kind == ConceptKind::Ground) node = nullptr;
     const Concept* const material = conceptOf(concepts, part.material);
     const Concept* const texture =
@@ -284,8 +284,8 @@ void guessTogether(const std::vector<FrameGuess*>& files) {
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file) {
   const Concept* ground = nullptr;
   bool stands = false;
-  // Concepts whose words occur in names of objects with another meaning: sand and stone as a material, water and floor
-  // as a use, as in "water tower" and "floor lamp".
+  // Concepts whose words have another meaning in names of objects: "sand" and "stone" as a material, "water" and
+  // "floor" as a use, as in "water tower" and "floor lamp".
   static constexpr std::array<std::string_view, 3> kOfThings{"sand", "water", "floor"};
   for (const Concept* c : conceptsIn(concepts, file.stem().string())) {
     const bool ofThings = std::find(kOfThings.begin(), kOfThings.end(), c->name) != kOfThings.end();

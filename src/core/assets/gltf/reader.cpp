@@ -412,7 +412,7 @@ Asset readTile(const std::filesystem::path& file, const Affine& assetFromTile, c
 }
 
 std::vector<Clip> readClips(const std::filesystem::path& file) {
-  const Model model = readModel(file, file, true);  // true: files may be in any folder; readAsset() checked them
+  const Model model = readModel(file, file, true);  // true: references may lead outside; readAsset() checked them
   const Data data(model);
   std::vector<Clip> clips;
   for (Index i = 0; i < model.animations.size(); ++i) {
@@ -422,7 +422,7 @@ std::vector<Clip> readClips(const std::filesystem::path& file) {
 }
 
 std::pair<double, double> clipSpan(const std::filesystem::path& file, const std::string& clip) {
-  const Model model = readModel(file, file, true);  // true: files may be in any folder; readAsset() checked them
+  const Model model = readModel(file, file, true);  // true: references may lead outside; readAsset() checked them
   const Index animation = animationNamed(model, clip);
   const auto span = spanOf(model, Data(model), animation);
   if (!span) model.fail(fmt::format("is not valid glTF: animations[{}] has no key frames", animation));

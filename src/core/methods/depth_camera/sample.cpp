@@ -242,7 +242,7 @@ class Sampler {
     }
   }
 
-  // Returns the beams that need another round.
+  // Returns the beams of the batch whose pixels need another round of the search.
   Batch nextRound(const Batch& batch) {
     Batch next;
     const auto count = static_cast<std::size_t>(std::count(again_.begin(), again_.begin() + batch.count, 1));

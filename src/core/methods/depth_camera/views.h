@@ -16,7 +16,7 @@ namespace scanmill {
 struct CameraView {
   Vec3d right, down, forward;  // unit vectors of the camera's axes
   Vec3d position;              // m
-  double fx = 0;               // px
+  double fx = 0;               // px, focal lengths fx and fy, and principal point (cx, cy)
   double fy = 0;
   double cx = 0;
   double cy = 0;

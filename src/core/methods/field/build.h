@@ -10,7 +10,7 @@
 
 namespace scanmill {
 
-// Returns the data of a field's levels that particles read, for a field with this shape.
+// Returns the data that particles read of the levels of a field with this shape, one entry per level.
 std::vector<FieldLevel> fieldLevels(const FieldShape& shape);
 
 // Builds the field of a world. Bricks of the fields in `before` are copied or shared (brick_pool.h) and not built

@@ -54,7 +54,8 @@ double truncationOf(const Pose& sensorFromBox, const Vec3d& size, double maxRang
   double outside = 0;
   for (const auto axis : {&Vec3d::x, &Vec3d::y, &Vec3d::z}) {
     const double side = sensor.*axis > 0 ? 1 : -1;
-    // Height of the sensor above the face's plane (m). If it is not positive, the sensor does not see the face.
+    // Distance of the sensor outside of the plane of the box's face on the sensor's side (m); the sensor does not see
+    // the face if it is not positive.
     const double height = std::abs(sensor.*axis) - size.*axis / 2;
     if (!(height > 0)) continue;
     const auto second = axis == &Vec3d::x ? &Vec3d::y : &Vec3d::x;

@@ -78,7 +78,7 @@ Manifest startManifest(const ShotSource& source, const DatasetPlan& planned) {
     const double fullScale = intensityFullScale(*pipeline.sensors[s].effects);
     if (fullScale > 0) manifest.sensors.back().intensityFullScale = fullScale;
     BeamTable& beams = manifest.sensors.back().beams;
-    // The manifest stores only values per ring, from which fillBeams() computes these tables.
+    // The manifest stores only the compact description, from which fillBeams() computes these tables.
     beams.direction = {};
     beams.origin = {};
     beams.time = {};

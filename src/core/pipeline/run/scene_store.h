@@ -53,9 +53,9 @@ class SceneStore {
   void expect(std::size_t sequence);
   void leave(std::size_t sequence);
 
-  // Returns the scene of a sequence; loads it if needed. The scene stays loaded as long as the returned pointer exists,
-  // and longer, if more frames of it are expected, until another scene needs the memory. Blocks while the scene does
-  // not fit into memory beside the scenes in use. A thread that holds a scene must therefore not wait for another
+  // Returns the scene of a sequence; loads it if needed. The scene stays loaded as long as the returned pointer exists.
+  // If more frames of the scene are expected, it stays until another scene needs the memory. Blocks while the scene
+  // does not fit into memory beside the scenes in use. A thread that holds a scene must therefore not wait for another
   // thread's enter(): both could deadlock. Also checks the scene and the sequence for warnings(). Throws InputError for
   // scenes and methods that cannot be used.
   std::shared_ptr<const ReadyScene> enter(std::size_t sequence);

@@ -43,7 +43,7 @@ void blockByVehicle(const Hits& vehicle, double minRange, Hits& hits) {
     if (!hits.metallic.empty()) hits.metallic[ray] = 0;
     if (!hits.retroreflectance.empty()) hits.retroreflectance[ray] = 0;
   }
-  // Unresolved rays are resolved if they hit the vehicle first.
+  // Rays that the vehicle blocks no longer count as unresolved.
   std::erase_if(hits.unresolved, [&](std::uint32_t ray) { return hits.pathOfRay[ray] == RayPath::OwnVehicle; });
 }
 

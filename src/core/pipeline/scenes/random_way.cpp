@@ -33,7 +33,7 @@ constexpr double kOpen = 12;
 constexpr double kWishLasts = 24;
 constexpr double kTurns = 0.4;        // probability that a vehicle in an open place chooses to turn
 constexpr int kLook = 12;             // distance that is tested beyond the end of an arc (m)
-constexpr int kStarts = 24;           // maximum number of starting points
+constexpr int kStarts = 24;           // maximum number of starting points that are tried
 constexpr int kMostTurnsBack = 2000;  // maximum number of backtracking steps of a search
 
 struct State {

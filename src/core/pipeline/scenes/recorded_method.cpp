@@ -90,8 +90,8 @@ class RecordedPasses : public Method {
   std::uint64_t memoryBytes() const override { return 0; }
 
  private:
-  // Reads the passes of a file. If the file stores surface parameters, these are used instead of materials; if it has
-  // no material ids, all ids then become 0.
+  // Reads the passes of a file. If the file stores surface parameters, these are used instead of materials; if such
+  // a file has no material ids, requested material ids are set to 0.
   static PassImage read(const std::filesystem::path& file, PassChoice asked) {
     const PassChoice there = passesIn(file);
     asked.surfaceParameters = there.surfaceParameters;

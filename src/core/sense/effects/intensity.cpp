@@ -50,7 +50,7 @@
 namespace scanmill {
 namespace {
 
-// Lower limit of GGX's alpha: a specular lobe is never narrower than the beam, and a wide beam has a width of 4 mrad.
+// Lower limit of GGX's alpha: no specular lobe is narrower than the width of a wide beam, 4 mrad.
 constexpr float kSmallestAlpha = 0.004f;
 constexpr float kDielectricF0 = 0.04f;  // F0 of dielectrics with the refractive index 1.5, as in glTF
 

@@ -37,8 +37,8 @@ class PlacesOfHits {
   std::vector<Mat3> rotation_;  // from sensor to world axes, for each step of the revolution
 };
 
-// A Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of cubes
-// has a random number of mean 0 and variance 1, which depends on the corner and on the field's seed, purpose and
+// A nearly Gaussian field with mean 0 and variance 1 at every point. It is lattice noise: each corner of a lattice of
+// cubes has a random number of mean 0 and variance 1, which depends on the corner and on the field's seed, purpose and
 // number. The value at a point is a weighted sum over the corners of the point's cube (weights of Perlin, "Improving
 // noise", SIGGRAPH 2002), scaled so that the squares of the weights add up to 1. Fields with different number or
 // purpose are independent, and so are the values at points that are two cubes or more apart along an axis.
@@ -48,7 +48,8 @@ struct SpatialField {
   std::uint32_t number = 0;  // number of the field, below 4096
 };
 
-// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes`: number of cubes per metre, by row.
+// Adds factor[i] * field(place[i] * cubes[i]) to values[i]. `cubes[i]`: number of the lattice's cubes per metre for row
+// i of the batch.
 void addField(const SpatialField& field, const Places& places, const Batch<double>& cubes, const Batch<double>& factor,
               Batch<double>& values);
 

@@ -75,7 +75,7 @@ class DropTable {
     }
   }
 
-  // Returns the expected number of drops between the sensor and a range (m).
+  // Returns the expected number of sufficiently bright drops from the minimum range to `range` (m).
   double upTo(double range) const {
     const double at = std::clamp((range - beams_.minRange) / step_, 0.0, double{kSteps});
     const auto i = std::min(static_cast<std::size_t>(at), kSteps - 1);

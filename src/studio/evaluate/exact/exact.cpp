@@ -24,7 +24,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kGrid = 1024;           // spacing of possible world origins (m), on a grid around the scene's centre
-constexpr std::size_t kKeptOrigins = 2;  // number of cached worlds; a path across a grid line needs two alternately
+constexpr std::size_t kKeptOrigins = 2;  // number of cached worlds: two, for a path midway between two origins
 constexpr double kRounding = 0x1p-24;    // relative rounding error of a float32
 constexpr double kAlongAnAxis = 1e-12;   // smaller direction components become zero for Embree, see component()
 constexpr HierarchyOptions kUnfiltered{};
@@ -64,8 +64,8 @@ struct ExactContext {
   EmbreeContext embree = newEmbreeContext();
   const ExactWorld* world;
   const ShearedBeam* beam;
-  double far;                 // maximum range of hits (m)
-  std::vector<Found>* found;  // receives all hits within `far`, and some beyond
+  double far;                 // hits beyond this range are ignored (m); shrinks when a nearer hit is found
+  std::vector<Found>* found;  // receives all hits within the final `far`, and some beyond it
 };
 
 struct WorldCorners {

@@ -144,8 +144,7 @@ class Examination {
     report_.warnings = warningsOf(report_.summary, faults_, folder_);
   }
 
-  // Draws pictures of the scans, sorted by key. Scans that cannot be read are reported only if they were also read for
-  // the figures.
+  // Draws pictures of the scans, sorted by key. Skips scans that cannot be read, without reporting them.
   void picture(std::vector<ScanPlace> shown) {
     const auto keyOf = [&](const ScanPlace& place) { return report_.manifest.samples[place.sample].key; };
     std::stable_sort(shown.begin(), shown.end(),

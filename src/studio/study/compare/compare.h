@@ -75,7 +75,7 @@ struct SetComparison {
 
 // Compares two sets. The classes of one set are mapped to the other set's classes with the same name or alias. The
 // direction of this mapping is the one in which the class frequencies agree better; it leads to the coarser classes. If
-// a set has no labels, groups are shapes of patches.
+// a set has no labels, patches are grouped by shape instead of class.
 SetComparison compareSets(ScanSet real, ScanSet simulated);
 
 // Returns the comparison as JSON. `date`: written into the JSON.

@@ -321,7 +321,8 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
 
 namespace {
 
-// Returns the item `ring_bias` of the effects with the errors that belong to the sensor; empty if there are none.
+// Returns the item `ring_bias` of the effects as YAML, with the spreads of the rings' errors that are attributed to the
+// sensor (kOwnErrors); empty if there are none.
 std::string ringBiasYaml(const RingErrors& rings) {
   std::string keys;
   const auto add = [&](const RingSpread& spread, const char* key) {

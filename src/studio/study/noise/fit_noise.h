@@ -37,7 +37,7 @@ struct PatchGroup {
   double sigma = 0;          // standard deviation of the ranges (m), after removing the effect of the step
   double error = 0;          // standard error of sigma (m), by bootstrap over the patches
   double withStep = 0;       // standard deviation of the ranges, including the effect of rounding to the step (m)
-  double planeSigma = 0;     // deviation from planes (m), which includes ring offsets, curvature and motion
+  double planeSigma = 0;     // like sigma, but relative to planes (m): includes ring offsets, curvature and motion
   double unevenness = 0;     // spread of the patches' variances / spread for patches of equal noise
   MeasuredShare dropOut;
   std::string leftOut;  // why the fit does not use the band; empty: the fit uses it

@@ -9,7 +9,7 @@ namespace scanmill {
 
 namespace {
 
-// Returns null if there are no pairs, since zeros would look like perfect agreement.
+// Returns the spread as JSON; null if there are no pairs, since zeros would look like perfect agreement.
 OrderedJson spreadJson(const FitnessSpread& spread) {
   if (spread.count == 0) return nullptr;
   return {{"pairs", spread.count},

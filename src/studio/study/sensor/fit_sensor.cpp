@@ -260,8 +260,8 @@ class Fitter {
     fit_.elevationSpread = medianOf(off);
   }
 
-  // Sets the elevations of rings with too few points. They lie on the line through the two nearest rings with enough
-  // points, over the ring number.
+  // Sets the elevations of rings with too few points. Uses the line through the elevations of the two nearest rings
+  // with enough points, over the ring number; if only one ring has enough, its elevation.
   void fillBare() {
     const auto known = [&](std::int64_t ring) {
       return ring >= 0 && ring < fit_.rings && rings_[static_cast<std::size_t>(ring)].size() >= kFewestInRing;

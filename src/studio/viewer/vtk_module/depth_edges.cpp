@@ -13,7 +13,7 @@ namespace scanmill {
 namespace {
 
 // A vertex shader that draws one triangle over the complete viewport. VTK's class vtkOpenGLQuadHelper is not used,
-// since it needs shaders that use its texture coordinates; these shaders use gl_FragCoord.
+// since it needs fragment shaders that use its texture coordinates; the fragment shader below uses gl_FragCoord.
 constexpr const char* kVertex = R"(//VTK::System::Dec
 void main() {
   vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);

@@ -55,8 +55,7 @@ Legend objectLegend(const ViewMesh& mesh) {
 }
 
 // Returns the legend of the names (materials, textures or rules) that surfaces refer to by `which`. The most frequent
-// name comes first; rules keep the order of `names`. `firstColor`: argument of instanceColor() for names[0]; the
-// following names have the following arguments.
+// name comes first; rules keep the order of `names`. names[i] has the colour instanceColor(firstColor + i).
 Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, std::uint32_t ViewSurface::*which,
                   std::uint32_t firstColor) {
   std::vector<std::uint64_t> triangles(names.size(), 0);

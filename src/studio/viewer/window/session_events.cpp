@@ -74,7 +74,9 @@ bool ViewSession::State::handle(const CanvasEvent& event) {
 }
 
 void ViewSession::State::tick() {
-  const double now = context.drawing.now();  // read before loaded frames are shown, so that each of them is drawn
+  // The time is read before takeWhatIsLoaded() shows a frame, so that playback.tick() does not replace the frame before
+  // it is drawn.
+  const double now = context.drawing.now();
   takeWhatIsLoaded();
   // Reading ahead must not delay the first picture.
   if (playback.settled() && context.drawing.drawnOnce()) playback.readAhead();

@@ -55,7 +55,7 @@ void ended(uint ray, uint verdict) {
   leave(ray, verdict);
 }
 
-// Records a particle that is not a hit.
+// Records the result of a ray whose particle ended without a hit.
 void finish(uint ray, uint outcome, dvec3 o, dvec3 d) {
   if (outcome == kExhausted) {
     ended(ray, kExhaustedRay);

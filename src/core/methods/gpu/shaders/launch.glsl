@@ -17,7 +17,7 @@ layout(std140, binding = 0) uniform LaunchParameters {
 };
 layout(std430, binding = 4) writeonly restrict buffer Particles { float particles[]; };
 
-// Stores a number that is computed exactly as on the processor.
+// Stores a number for which the device and the processor compute the same bits.
 void put(uint column, uint i, double value) {
   particles[column * count + i] = float(value);
 }

@@ -46,7 +46,8 @@ Plane planeOf(uint triangle, dvec3 d) {
   return p;
 }
 
-// Returns the range to the plane. `doubt`: largest difference from the range that the CPU computes.
+// Returns the range from `o` to the plane along the ray of planeOf(). `doubt`: largest difference from the range that
+// the CPU computes.
 double distanceTo(Plane p, dvec3 o, out double doubt) {
   precise double gap = p.offset - sum3(p.normal, o);
   double range = gap / p.along;
