@@ -162,7 +162,7 @@ Study readStudy(const std::filesystem::path& file) {
   return study;
 }
 
-// Writes kStudyFile last: if this file exists, the report is complete.
+// Writes the report's files, kStudyFile last: if this file exists, the report is complete.
 void writeStudy(const Study& study, const std::filesystem::path& folder) {
   beginReport(folder, kStudyFile);
   for (std::size_t i = 0; i < study.pictures.size(); ++i) writeFile(folder / pictureFile(i), study.pictures[i].png);

@@ -17,7 +17,8 @@ namespace scanmill {
 
 namespace {
 
-// Throws InputError unless the content of the file is a .blend: Blender would also read other kinds under this name.
+// Throws InputError unless the content of the file is a .blend: Blender would also read a file of another kind whose
+// name ends in .blend.
 void checkKind(const std::filesystem::path& file) {
   std::array<char, 7> head{};
   std::ifstream in(file, std::ios::binary);

@@ -54,8 +54,8 @@ std::vector<std::string> commandLine(const std::string& job, const std::filesyst
   return command;
 }
 
-// Returns changes to the environment, by which Blender loads no start-up scripts or add-ons of the user and leaves no
-// files behind.
+// Returns changes to the environment, by which Blender loads no start-up scripts or add-ons of the user and writes its
+// own files only into `folder`.
 std::map<std::string, std::string> environmentIn(const std::filesystem::path& folder) {
   std::map<std::string, std::string> environment;
   for (const char* name : {"BLENDER_USER_RESOURCES", "BLENDER_USER_CONFIG", "BLENDER_USER_SCRIPTS",

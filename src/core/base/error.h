@@ -1,6 +1,6 @@
 #pragma once
 
-// Errors are thrown where they are found and caught once, in main, which turns them into the exit code.
+// Errors are thrown where they are found. main() turns the errors that nothing else catches into the exit code.
 //
 //   throw InputError({"scene.yaml", 12, 3}, "unknown class 'raod'");  // scene.yaml:12:3: unknown class 'raod'
 

@@ -25,8 +25,8 @@ std::string lastError() {
 
 }  // namespace
 
-// Returns the folders in which the dynamic linker searches the program's libraries. dlopen() alone does not suffice:
-// with a sanitizer, the sanitizer's library calls it, and it would search the RUNPATH of that library.
+// Returns the folders in which the dynamic linker looks for the program's libraries. dlopen() alone does not suffice:
+// with a sanitizer, the sanitizer's library calls dlopen(), which then searches the RUNPATH of this library.
 std::vector<std::string> programLibraryFolders() {
   void* program = ::dlopen(nullptr, RTLD_LAZY);
   Dl_serinfo need{};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kFarthest = 1e9;  // m, largest coordinate
 constexpr double kNearest = 1e-6;  // m, least distance between successive waypoints
-constexpr double kSteepest = 85;   // deg, largest slope; the heading of a vertical path would have no yaw
+constexpr double kSteepest = 85;   // deg, largest slope; a vertical path has no yaw
 constexpr double kSharpest = 175;  // deg, largest turn at a waypoint; a path must not turn straight back
 
 }  // namespace

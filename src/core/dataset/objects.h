@@ -61,8 +61,8 @@ struct SampleObjects {
   std::map<std::uint16_t, ObjectCount> counts() const;
 };
 
-// Returns the sample's list of objects as JSON: lengths are rounded to 0.1 mm, speeds to 0.1 mm/s, fractions to 0.001.
-// Throws Error for a class that the ontology lacks and for a value that is not finite.
+// Returns the text of a sample's member `<key>.objects.json`: lengths are rounded to 0.1 mm, speeds to 0.1 mm/s,
+// fractions to 0.001. Throws Error for a class that the ontology lacks and for a value that is not finite.
 std::string objectsJson(const SampleObjects& sample, const Ontology& ontology);
 
 // Parses a text as objectsJson() returns it. Throws an InputError that begins with `name` and gives the place in the

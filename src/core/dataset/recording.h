@@ -57,7 +57,7 @@ struct RecordedSequence {
   std::string trajectory;
   std::uint32_t frames = 0;
   std::uint32_t materials = 0;            // index into Recording::materials
-  std::vector<std::string> without = {};  // classes, names and ids removed from the scene: "car", "17"
+  std::vector<std::string> without = {};  // classes, and names and ids of objects, removed from the scene: "car", "17"
 };
 
 struct RecordedSensor {

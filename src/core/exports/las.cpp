@@ -77,7 +77,7 @@ class WorldPlaces {
   Pose first_, last_;
   bool moves_ = false;
   bool knowsBeams_ = false;
-  std::vector<double> starts_;  // s since the start of the revolution, firing time of each column
+  std::vector<double> starts_;  // firing time of each column (s since the start of the revolution)
 };
 
 // Computes return numbers. If the scan lacks one of the columns for them and the beams are known, the points of each

@@ -24,7 +24,7 @@ std::string nuScenesToken(const ExportPlan& plan, std::string_view table, std::s
 std::int64_t nuScenesTime(std::size_t sequence, const ScanRecord& scan);
 std::string nuScenesDate(std::size_t sequence);
 
-// Return the files of a frame, relative to the output folder.
+// Return the paths of a frame's files, relative to the output folder.
 std::filesystem::path lidarTopFile(const ExportPlan& plan, std::size_t sequence, std::size_t frame);
 std::filesystem::path lidarsegFile(const ExportPlan& plan, const SampleRecord& sample);
 std::filesystem::path panopticFile(const ExportPlan& plan, const SampleRecord& sample);

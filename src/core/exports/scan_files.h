@@ -19,7 +19,7 @@ class ScanFiles : public Layout {
  public:
   explicit ScanFiles(std::string suffix) : suffix_(std::move(suffix)) {}
 
-  // Returns one file for each exported sensor, in the order of ExportPlan::sensors.
+  // Returns the path of one file for each exported sensor, in the order of ExportPlan::sensors.
   std::vector<std::filesystem::path> filesOf(const ExportPlan& plan, std::size_t sequence,
                                              std::size_t frame) const override;
   void write(const ExportPlan& plan, std::size_t sequence, std::size_t frame, const ReadSample& read,

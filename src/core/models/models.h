@@ -272,7 +272,7 @@ enum class TrafficSign { SpeedLimit, Warning, Priority, Stop, Parking, GiveWay }
 constexpr int kSigns = 6;
 Model makeSign(SceneBuilder& builder, std::uint64_t seed, TrafficSign sign, int number);  // the sign faces +x
 Model makeLamp(SceneBuilder& builder, std::uint64_t seed, int form);                      // the arm reaches to +x
-Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // faces +x
+Model makeTrafficLight(SceneBuilder& builder, std::uint64_t seed);                        // the lights face +x
 // A wooden pole with its crossarm along y, and the points where its wires are attached (m).
 struct UtilityPole {
   Model model;

@@ -15,7 +15,7 @@
 
 namespace scanmill {
 
-// A value below 16 is also the value of the column `cause` for the beam's nearest return.
+// A reason below 16 is also the value of the column `cause` for the beam's nearest return.
 enum class Reason : std::uint8_t {
   None = 0,  // not determined yet
   Surface = 1,

@@ -62,7 +62,7 @@ struct Material {
   std::string source;             // where the reflectance comes from
   std::vector<Variation> variations = {};  // used by the effect reflectance_variation; at most kMostVariations
   std::vector<Relief> relief = {};         // used by the effect relief; at most kMostReliefs
-  bool textured = false;                   // true: the reflectance is multiplied by the hit's luminance / textureMean
+  bool textured = false;                   // true: the reflectance is multiplied by texture luminance / textureMean
   std::shared_ptr<const Texture> texture;  // base colour; null: none
   float textureMean = 1.0f;                // mean linear luminance of the texture
   bool alphaTested = false;                // true: beams pass texels with alpha below alphaCutoff

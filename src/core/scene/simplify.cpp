@@ -20,7 +20,7 @@ namespace {
 // Meshes with at most this many triangles are not simplified.
 constexpr std::size_t kFewTriangles = 32;
 
-// Largest error in units of the mesh's extent: so large that the error never ends the simplification.
+// Allowed error in units of the mesh's extent: so large that the error never ends the simplification.
 constexpr float kAnyError = 1e6f;
 
 // Corners of triangles become one vertex if their Welds are equal. Corners in different surfaces therefore stay
@@ -52,7 +52,7 @@ struct Welded {
   std::vector<std::uint32_t> corners;  // indices into `positions`, three per triangle
 };
 
-// Merges the vertices of the triangles whose indices are in `chosen`.
+// Merges the vertices with equal Welds of the triangles whose indices are in `chosen`.
 Welded weld(const Scene& scene, const Mesh& mesh, const std::vector<std::uint32_t>& chosen) {
   std::vector<bool> textured(mesh.surfaces.size());
   for (std::size_t s = 0; s < textured.size(); ++s) {

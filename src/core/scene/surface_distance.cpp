@@ -81,7 +81,7 @@ std::array<std::size_t, 2> SurfaceDistance::cellOf(double x, double y) const {
 double SurfaceDistance::at(double x, double y) const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (triangles_.empty()) return kNone;
-  // Search all cells within the reach of the point: at most 3 x 3, since a cell is at least as large as the reach.
+  // Search all cells that overlap the square about the point with sides of 2 * reach_.
   const auto [fromX, fromY] = cellOf(x - reach_, y - reach_);
   const auto [toX, toY] = cellOf(x + reach_, y + reach_);
   double nearest = kNone;

@@ -32,7 +32,7 @@ struct Echo {
   std::uint32_t beam = 0;
   std::uint32_t hit = 0;     // index in Hits of the strongest ray of the class with the most power
   float range = 0;           // m, mean range in the interval of one pulse length with the most power
-  float power = 0;           // sum of the powers of all rays
+  float power = 0;           // sum of the powers of the echo's rays
   float spread = 0;          // m, standard deviation of the rays' ranges, weighted by power
   float share = 1;           // fraction of the power that comes from surfaces of the class of `hit`
   std::uint16_t label2 = 0;  // class with the second largest part of the power; 0: none

@@ -56,8 +56,8 @@ Weather snowOf(double rate) {
   made.drops = snowFlakes(rate);
   const double width = power(1 / kFlakeDensity, 1.0 / 3);  // width of a flake, relative to the drop that it melts into
   made.extinction = kLargeDrops * kPi / 4 * width * width * made.drops.squares() * kSquareMillimetre;
-  // pi times the flake's extinction cross section, over the lidar ratio, for D = 1. The cross section is twice the area
-  // of a disc with the radius width * D / 2.
+  // The echo is pi times the flake's extinction cross section over the lidar ratio, for D = 1. The cross section is
+  // twice the area of a disc with the radius width * D / 2.
   made.dropEcho = kPi * kLargeDrops * kPi / kIceLidarRatio * width * width / 4 * kSquareMillimetre;
   return made;
 }

@@ -45,7 +45,7 @@ struct BeamTable {
   std::uint32_t columns = 0;
 
   std::vector<Vec3d> direction;  // unit vectors
-  std::vector<Vec3f> origin;     // m; empty if all origins are zero
+  std::vector<Vec3f> origin;     // m, origin of each beam; empty if all are zero
   std::vector<float> time;       // s since the start of the revolution
 
   double minRange = 0;  // m, smallest range that is reported; a nearer surface blocks the beam, which then has no hit

@@ -127,7 +127,8 @@ class Trajectory {
   std::shared_ptr<const GroundProfile> profileOfGround_;
 };
 
-// Returns the number of trajectories that an item of the YAML defines: the key `drives` of a random drive, otherwise 1.
+// Returns the number of trajectories that an item of the YAML defines: the value of the key `drives` for a random
+// drive, otherwise 1.
 // Throws InputError.
 std::uint32_t countDrives(const Value& value);
 

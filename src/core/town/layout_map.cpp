@@ -26,7 +26,7 @@ Parameters inDistrict(Parameters parameters, District district) {
 CrossSection sectionOf(const MapRoad& road, const Character& c, Draw draw) {
   const bool small = road.kind >= RoadClass::Service;
   const double lane = c.main.half - c.main.parking;
-  // m, widths by class; 0: residential roads are as wide as the town's random roads
+  // m, widths by class; 0: residential roads, whose width is random, near that of the town's random roads
   constexpr double kWidths[] = {7.5, 7, 6.4, 0, 3.8, 2.7};
   double width = road.kind == RoadClass::Residential ? 2 * lane * draw.in(0.85, 1.05)
                                                      : kWidths[static_cast<std::size_t>(road.kind)];

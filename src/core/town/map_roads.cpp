@@ -132,7 +132,7 @@ MapRoad follow(const std::vector<Piece>& pieces, End from, std::vector<bool>& us
       std::reverse(part.line.begin(), part.line.end());
       std::reverse(part.nodes.begin(), part.nodes.end());
     }
-    // All properties except the line come from the longest piece.
+    // All properties except the line and its nodes come from the longest piece.
     std::vector<Point2> line = std::move(whole.line);
     std::vector<std::int64_t> nodes = std::move(whole.nodes);
     const std::size_t skip = line.empty() ? 0 : 1;

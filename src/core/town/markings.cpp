@@ -21,7 +21,7 @@ std::uint32_t stopLine(const Layout& l, Shape& s, models::SurfaceIndex paint, co
   const double right = road.oneWay() ? -left : kGap;
   const double from = along - (whole ? 0.6 : 0.4);
   const double to = along - 0.1;
-  const double piece = whole ? 0.7 : 0.5;  // m; pieces are short, to follow the road's camber
+  const double piece = whole ? 0.7 : 0.5;  // m, length of a piece; it is short, to follow the road's camber
   std::uint32_t lines = 0;
   for (const double start : models::steps(right, left, whole ? piece : 2 * piece)) {
     paintBar(s, paint, l, road, from, to, start, std::min(start + piece, left));

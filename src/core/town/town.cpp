@@ -28,8 +28,8 @@ Vec3d inWorld(const town::Layout& layout, const Vec3d& p) {
   return layout.parameters().keepsLeft ? Vec3d{p.x, -p.y, p.z} : p;
 }
 
-// Returns the bounds in `shares`. Throws InputError if a bound requires objects that are left out, since a key of the
-// town is 0.
+// Returns the bounds in `shares`. Throws InputError if a bound requires objects of which there are none, because a key
+// of the town is 0.
 std::vector<ShareBound> askedFor(const Value& shares, const town::Layout& layout, const SupplyFactors& supply,
                                  const Ontology& ontology) {
   const town::Parameters& p = layout.parameters();

@@ -87,7 +87,7 @@ void placeWires(Placer& placer) {
   const std::vector<Standing> poles = placePoles(placer, draw, pole);
   models::Shape s(placer.builder, "wires");
   const SurfaceIndex wire = s.surface("object", "rubber");
-  const double slack = draw.in(0.00025, 0.0005);  // 1/m, sag divided by the square of the distance
+  const double slack = draw.in(0.00025, 0.0005);  // 1/m, sag divided by the square of the distance between poles
   int hung = 0;
   for (std::size_t i = 1; i < poles.size(); ++i) {
     const double apart = poles[i].along - poles[i - 1].along;

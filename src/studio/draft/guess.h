@@ -51,7 +51,7 @@ void guessTogether(const std::vector<FrameGuess*>& files);
 // otherwise null.
 const Concept* groundIn(const std::vector<Concept>& concepts, const std::filesystem::path& file);
 
-// The horizontal surface at the bottom of a tile on which objects stand.
+// The horizontal surface at the bottom of a tile; the tile's objects stand on this surface.
 struct Plate {
   const Concept* ground = nullptr;
   double height = 0;  // height of the plate's upper side, with a margin, above the asset's lowest point (file's units)

@@ -125,7 +125,8 @@ class Writer {
       writeRest(*only, "", yaml);
       return;
     }
-    // For each concept and key: patterns and their numbers of triangles.
+    // Numbers of triangles: by pattern for each concept and key; by patterns of several keys, with their concept; and
+    // by description for parts without a concept.
     std::map<std::pair<const Concept*, std::size_t>, std::map<std::string, std::uint64_t>> single;
     std::map<Patterns, std::pair<const Concept*, std::uint64_t>> several;
     std::map<std::string, std::uint64_t> unknown;

@@ -169,7 +169,7 @@ std::vector<Vec3f> arrowOf(Box& box) {
           Vec3f(tip),  Vec3f(tip + Vec3d{-barb, -barb, 0})};
 }
 
-// Draws a model in its cell. Coordinates are divided by the model's size, so that models of any size fill their cells.
+// Draws a model in its cell. Scales the model, so that models of any size fill their cells.
 Image drawModel(Canvas& canvas, Shape shape, int width, int height) {
   addPerson(shape);
   std::vector<Vec3f> arrow = arrowOf(shape.box);

@@ -1,7 +1,7 @@
 #pragma once
 
 // Draws scans as pictures, without a display. All functions that draw need the device that openOffscreen() needs, and
-// throw Error.
+// throw Error if there is no such device.
 
 #include <optional>
 #include <string>

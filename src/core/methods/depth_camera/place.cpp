@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kEdge = 1e-6;       // px; margin, so that a beam along the border of two images is in at least one
 constexpr double kInFront = 1e-9;    // smallest depth in front of a camera: m for points, without unit for directions
-constexpr double kNoViewYet = 1000;  // stands for kNoView while indices are doubles, which g++ can vectorise
+constexpr double kNoViewYet = 1000;  // stands for kNoView while views' indices are doubles, so that g++ can vectorise
 
 }  // namespace
 

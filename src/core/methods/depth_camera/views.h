@@ -15,7 +15,7 @@ namespace scanmill {
 // An image and its camera, in rig axes. With antialiasing, a pixel of the image is the average of several subpixels.
 struct CameraView {
   Vec3d right, down, forward;  // unit vectors of the camera's axes
-  Vec3d position;              // m
+  Vec3d position;              // m, position of the camera
   double fx = 0;               // px, focal lengths fx and fy, and principal point (cx, cy)
   double fy = 0;
   double cx = 0;

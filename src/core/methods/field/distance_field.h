@@ -27,7 +27,7 @@ namespace scanmill {
 constexpr int kBrickVoxels = 8;                     // voxels of a brick along each axis
 constexpr int kHalfBrick = kBrickVoxels / 2;        // voxels of half a brick along each axis
 constexpr int kBrickCorners = kBrickVoxels + 1;     // corners of voxels of a brick along each axis
-constexpr int kCornersPerBrick = 9 * 9 * 9;         // corners are in the order x fastest, then y, then z
+constexpr int kCornersPerBrick = 9 * 9 * 9;         // corners of a brick; x runs fastest, then y, then z
 constexpr int kBrickStride = kCornersPerBrick + 1;  // values per brick in DistanceField::distance and `word`; even,
                                                     // so that a brick's distances fill complete 32-bit words
 constexpr float kDistanceStep = 1.0f / 2048;        // voxels, resolution of the distances in full bricks

@@ -37,7 +37,7 @@ class ShotQueue {
   // A function that submits works to the device, and starts the copy to `batch.hits`. Called by one thread at a time.
   using Give = std::function<void(const std::vector<const Work*>& together, Batch& batch)>;
 
-  // `most`: largest sum of bytes() of the works of one dispatch.
+  // `most`: upper bound of the sum of bytes() of the works that share a dispatch; kMostBytesTogether bounds it, too.
   ShotQueue(const ComputeDevice& device, std::uint64_t most, Give give)
       : readbacks_(device, kInFlight), most_(std::min(most, kMostBytesTogether)), give_(std::move(give)) {}
 

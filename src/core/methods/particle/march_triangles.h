@@ -34,8 +34,9 @@ struct Meeting {
   std::uint32_t triangle;
 };
 
-// Lists differ in length, so pairs of a line and a triangle are first collected and then intersected, kLanes pairs at a
-// time, whichever lines they belong to. Words and lists are scattered in memory, so they are prefetched before use.
+// The corners' lists of triangles differ in length, so pairs of a line and a triangle are first collected and then
+// intersected, kLanes pairs at a time, whichever lines they belong to. Words and lists are scattered in memory, so they
+// are prefetched before use.
 class TriangleTester {
  public:
   static constexpr std::size_t kLines = 16 * kLanes;

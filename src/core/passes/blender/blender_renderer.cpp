@@ -83,7 +83,7 @@ class ExactDepth {
   }
 
   // Returns the depth (m) of the triangle's plane at a pixel's centre; or Blender's depth if the two differ by more
-  // than kPlaneShare, as for a triangle seen edge-on.
+  // than the fraction kPlaneShare of Blender's, as for a triangle seen edge-on.
   float at(std::size_t column, std::size_t row, const SeenTriangle& seen) const {
     const Affine& place = cameraFromMesh_[seen.instance - 1];
     const Mesh& mesh = scene_.meshes[scene_.instances[seen.instance - 1].mesh];

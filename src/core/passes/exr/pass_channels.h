@@ -15,8 +15,8 @@ const ExrChannel* findPass(const ExrReader& file, std::string_view pass);
 const ExrChannel* findDepth(const ExrReader& file);
 std::array<const ExrChannel*, 3> findNormal(const ExrReader& file);  // either all three or none are null
 
-// Return the channels of a pass as the functions above do, but throw InputError that lists the file's channels if the
-// pass is absent. The type of the channels is not checked.
+// Return the channels of a pass as the functions above do, but throw an InputError that lists the file's channels if
+// the pass is absent. The type of the channels is not checked.
 const ExrChannel& requirePass(const ExrReader& file, std::string_view pass);
 const ExrChannel& requireDepth(const ExrReader& file);
 std::array<const ExrChannel*, 3> requireNormal(const ExrReader& file);

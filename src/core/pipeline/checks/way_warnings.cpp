@@ -194,8 +194,8 @@ class WayCheck {
     }
   }
 
-  // Returns poses of the vehicle along its path, at most half a metre apart. Ends after the frame in which the number
-  // of poses reaches kMostPlaces.
+  // Returns poses of the vehicle along its path, at most kStep apart, but at most 1000 per frame. Ends after the frame
+  // in which the number of poses reaches kMostPlaces.
   std::vector<Pose> posesOnWay() const {
     std::vector<Pose> poses{drive_->pose(0, 0)};
     for (std::uint32_t frame = 0; frame + 1 < own_.frames && poses.size() < kMostPlaces; ++frame) {

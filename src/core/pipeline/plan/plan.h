@@ -39,7 +39,7 @@ struct Plan {
   // Throws InputError if no passes are rendered that could be saved: for recorded scans, for a method without passes,
   // and for `method: auto`, which may choose such a method.
   void requirePasses() const;
-  // Throws InputError if beams may fire several rays, if there is an ego vehicle, or if mounts are random. Hits and
+  // Throws InputError if a beam may need several rays, if there is an ego vehicle, or if mounts are random. Hits and
   // passes cannot be recorded then, since a recording holds one ray per beam, the scene alone, and fixed mounts.
   void requireOneRay() const;
 

@@ -25,7 +25,7 @@ struct SensorDraw {
 
 class DrawnSensors {
  public:
-  // The YAML values with their distributions, before sampling. A mount of the kind Null means the vehicle's origin.
+  // The YAML values of mounts and effects before sampling. A mount of the kind Null means the vehicle's origin.
   struct Written {
     Value effects;              // the pipeline's key `effects`; Null: no effects
     std::vector<Value> mounts;  // mount of each sensor

@@ -3,7 +3,7 @@
 // A pipeline file says which scenes, sensors and trajectories become which dataset. All its keys are checked when it is
 // read.
 //
-//   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {"seed=7", "effects=[]"});  // as by --set
+//   const Pipeline pipeline = readPipeline("pipelines/street.yaml", {"seed=7", "effects=[]"});  // as with --set
 
 #include <cstdint>
 #include <filesystem>

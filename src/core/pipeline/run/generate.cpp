@@ -46,7 +46,7 @@ struct OpenShard {
   std::unique_ptr<FolderLock> claim;
   ShardWriter writer;
   DatasetPart part;
-  // Indexed by the sample's position in the shard; null: not made yet, or written already.
+  // The samples by their position in the shard; null: the sample is not made yet, or is written already.
   std::vector<std::unique_ptr<MadeSample>> made;
   std::shared_ptr<const SceneFacts> scene;  // the scene of the sample that was written last
 };

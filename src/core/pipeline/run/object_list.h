@@ -55,9 +55,9 @@ class ObjectList {
   // `time`: the time of the sample (s since the start of the sequence), for which the boxes are computed.
   ObjectList(const SceneObjects& objects, std::string key, double time);
 
-  // Adds what a shot sees of each object within the sensor's range. `hits`, `returns`: the hits and returns from which
-  // the shot's scan was made; hits need the channel Instance. `raysPerBeam`: number of rays per beam; the first ray of
-  // each beam is its axis.
+  // Adds what a shot sees of each object that it hits or has within the sensor's range. `hits`, `returns`: the hits and
+  // returns from which the shot's scan was made; hits need the channel Instance. `raysPerBeam`: number of rays per
+  // beam; the first ray of each beam is its axis.
   void add(const Shot& shot, std::uint32_t raysPerBeam, const Hits& hits, const Returns& returns);
 
   // Returns the objects that at least one shot hits or has within its sensor's range, sorted by id.

@@ -86,8 +86,8 @@ MadeSample SampleMaker::make(const SampleAddress& address) {
   return made;
 }
 
-// Encodes a scan in all formats and adds the results to the sample's members. The scan's record must be the last in
-// `sample.scans`.
+// Encodes a scan in all formats, and the reasons of its beams if the pipeline asks for them, and adds the results to
+// the sample's members. The scan's record must be the last in `sample.scans`.
 void SampleMaker::addFormats(const Scan& scan, Sample& sample) {
   const StageTimer timer(clock_, "encode");
   const Pipeline& pipeline = plan_.pipeline;

@@ -92,9 +92,9 @@ class SceneStore {
   std::vector<std::size_t> sceneOf_;  // for each sequence, the index of the first sequence with the same scene; this
                                       // index identifies the scene
   mutable std::mutex mutex_;
-  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // keys: indices of scenes in sceneOf_
-  std::vector<Told> told_;                              // indexed by sequence
-  std::map<std::size_t, std::uint64_t> expected_;       // number of frames still expected for each scene
+  std::map<std::size_t, std::shared_ptr<Slot>> slots_;  // keys: the indices of scenes that sceneOf_ contains
+  std::vector<Told> told_;                              // indexed by the values of sceneOf_
+  std::map<std::size_t, std::uint64_t> expected_;       // number of frames still expected, by index of the scene
   std::uint64_t uses_ = 0;
   std::uint64_t largest_ = 0;  // size of the largest scene so far in bytes, including what its method has built
   StageClock clock_;

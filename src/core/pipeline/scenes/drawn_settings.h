@@ -1,6 +1,6 @@
 #pragma once
 
-// Draws the mounts and effects of the sensors for pipelines in which some mounts or effects are random.
+// Samples the mounts and effects of the sensors for pipelines in which some mounts or effects are random.
 
 #include <cstddef>
 #include <cstdint>

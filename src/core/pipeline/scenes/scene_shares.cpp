@@ -18,7 +18,7 @@ namespace scanmill {
 namespace {
 
 constexpr double kHeight = 1.73;  // height of the sensor above the lane (m)
-constexpr double kBetween = 25;   // distance between poses (m)
+constexpr double kBetween = 25;   // least distance between poses (m)
 constexpr int kTries = 8;  // maximum number of scenes whose shares are measured; the best of these scenes is used
 constexpr double kMostFactor = 40;
 constexpr double kLeastFactor = 1.0 / 100;  // smaller factors are rounded to 0

@@ -63,7 +63,7 @@ struct IntensityOptions {
   float saturation = FLT_MAX;
   double gamma = 1;
   bool bytes = false;
-  bool reflectivity = false;  // true: reports the power as if from the reference range, in clear air
+  bool reflectivity = false;  // true: reports the power that a hit at the reference range would give in clear air
   bool orenNayar = false;
   double retroFullScale = 0;  // `retro_full_scale`; 0: bytes are proportional to the response
 };

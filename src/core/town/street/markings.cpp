@@ -89,7 +89,8 @@ class Painter {
 
   void crossing() {
     const double x = l_.crossX;
-    const double inner = l_.crossEdge + Layout::kCurb;  // pedestrian crossings continue the sidewalks
+    // Inner edge of the pedestrian crossings, which continue the sidewalks.
+    const double inner = l_.crossEdge + Layout::kCurb;
     const double stop = l_.crossWalk + 1.0;
     for (const double side : {-1.0, 1.0}) {
       for (double y = -l_.roadEdge + 0.35; y + 0.5 < l_.roadEdge; y += 1.0) {

@@ -41,7 +41,8 @@ struct Placer {
   Occupancy occupancy;
 };
 
-// Each kind of object has its own random stream. An object that finds no free place after kTries attempts is left out.
+// Each kind of object has its own random stream. An object that finds no free place is left out;
+// random places are tried at most kTries times.
 void placeTrafficLights(Placer& placer);
 void placeBoundaries(Placer& placer);
 void placeLamps(Placer& placer);

@@ -93,8 +93,8 @@ Chart ringsChart(const DatasetSummary& summary, bool shares) {
   return chart;
 }
 
-// Returns a bar for each class with the count `count`, the most frequent first. `lying`: bars are horizontal; otherwise
-// vertical.
+// Returns `chart` with a bar for each class whose `count` is not zero, the largest first. `lying`: bars are horizontal;
+// otherwise vertical.
 Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::uint64_t ClassSummary::*count) {
   const auto classes = classesWith(summary, [&](const ClassSummary& c) { return c.*count; });
   ChartSeries bars{.mark = ChartMark::Bars};

@@ -85,7 +85,7 @@ struct ScanSet {
   std::uint32_t rows = 0;    // rows of the grid of the scan that was read last; the number of rings if rings are known
   bool foundSensor = false;  // true: the set has a sensor with the requested name
   bool knowsRings = true;    // true: rings are known in all scans
-  bool knowsMisses = true;   // true: missing beams are known in all scans
+  bool knowsMisses = true;   // true: the beams without a return are known in all scans
   bool labelled = false;     // true: all scans have labels, and their classes are known
   std::optional<Ontology> ontology{};
   // Values in the order of kSetFigures; NaN if the scans do not show the figure.

@@ -16,7 +16,7 @@ namespace scanmill {
 // position in the image.
 //
 // The return numbers of a beam start with the nearest return in each scan. They identify the same surface only if the
-// beam has the same number of returns in both scans. If drop-out or false positives have changed the number, or if a
+// beam has the same number of returns in both scans. If drop-out or false positives have changed the returns, or if a
 // scan does not number its returns, each point is compared with the nearest of the beam's returns in the reference.
 // This return is from the same surface as long as the noise is less than half the distance between two surfaces.
 //

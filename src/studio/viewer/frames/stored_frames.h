@@ -50,7 +50,7 @@ class StoredFrames : public FrameSource {
   std::shared_ptr<const SampleObjects> objectsOf(const std::string& key) const;
 
   ViewInput input_;
-  std::vector<Store> stores_;  // first the main store, then those that are shown on top of it
+  std::vector<Store> stores_;  // first the main store, then the stores that are shown on top of it
   std::unique_ptr<const ScanStore> reference_;
   std::optional<Ontology> ontology_;
   // For each sequence's name: its samples in the order of frames.

@@ -87,7 +87,7 @@ void Pointer::placeBeam() {
   const PickedThing* const thing = shown();
   std::optional<std::pair<std::size_t, std::size_t>> beam;
   if (thing != nullptr && thing->scan != kNoScan) beam.emplace(thing->scan, thing->point);
-  if (beam == beamOf_ && !context_.changes.items) return;  // unchanged; searching for returns is slow
+  if (beam == beamOf_ && !context_.changes.items) return;  // the beam is the same; searching for returns is slow
   beamOf_ = beam;
   constexpr Rgb kBeam{255, 220, 80};
   LineSet lines;

@@ -55,7 +55,7 @@ struct Scenery {
   std::string cameraText() const;
   void setCamera(const OrbitCamera& newCamera);
 
-  // Functions in scenery_mesh.cpp, for the scene's mesh:
+  // Functions for the scene's mesh, most of them in scenery_mesh.cpp:
   bool meshOn() const { return context_.options.mesh || context_.source->isScene(); }
   // True if the mesh has triangles and its pose on the canvas is known.
   bool meshSeen() const {

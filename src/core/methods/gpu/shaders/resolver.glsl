@@ -12,7 +12,7 @@ layout(binding = 3) uniform usamplerBuffer texturedTriangles;
 struct Plane {
   dvec3 normal;
   double offset;
-  double along;  // normal . direction of the ray
+  double along;  // dot product of the normal and the ray's direction
   uvec4 label;
 };
 
