@@ -21,7 +21,7 @@ constexpr double kShareOfMemory = 0.125;  // fraction of memoryLimitBytes() that
 // Least limit on the number of pools of fields around sensors: two for two drives, one under construction, one being
 // released.
 constexpr std::size_t kFewestPools = 4;
-constexpr std::size_t kFewestFields = 6;  // number of fields in kFewestPools pools if a pool has 1.5 fields on average
+constexpr std::size_t kFewestFields = 6;   // number of fields in kFewestPools pools if a pool has 1.5 fields on average
 constexpr std::size_t kFieldsOfPool = 2;   // largest number of cached fields per pool, for two sensors of a vehicle
 constexpr double kOriginsFarApart = 1000;  // m; a scene larger than this may have worlds with several origins
 

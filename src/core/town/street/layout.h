@@ -53,7 +53,7 @@ struct Layout {
   static constexpr double kRamp = 0.45;         // m, width of the slope in the sidewalk at a driveway
   static constexpr double kLoweredCurb = 0.03;  // m, height of a lowered curb
   static constexpr double kDrivewayDepth = 7;   // m, length of driveways beyond the front line
-  static constexpr double kPathDepth = 1.5;  // m, length of paths beyond the front line; largest setback of a house
+  static constexpr double kPathDepth = 1.5;     // m, length of paths beyond the front line; largest setback of a house
   static constexpr double kCrossSidewalkEnd = 18;  // m, largest length of the cross street's sidewalks beyond gardens
 
   Ground kindAt(double x, double y) const;
