@@ -1,6 +1,6 @@
 #pragma once
 
-// A scene with its sensors and a method: makes scans from any pose.
+// The class Simulator holds a scene, its sensors and a simulation method, and makes scans from any pose.
 
 #include <cstdint>
 #include <filesystem>

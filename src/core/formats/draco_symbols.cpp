@@ -229,8 +229,8 @@ void appendTagged(std::span<const std::uint32_t> symbols, int components, std::s
   out.append(room, to);
 }
 
-// Returns the precision of the probabilities (bits) by Draco's rule, from the number of different symbols and the
-// level.
+// Returns the bit length that Draco stores before raw symbols: the length of the number of different symbols, adjusted
+// by the compression level. The precision of the probabilities follows from it.
 int symbolBits(std::uint32_t unique, int level) {
   const int more = level < 4 ? -2 : level < 6 ? -1 : level > 9 ? 2 : level > 7 ? 1 : 0;
   return std::clamp(static_cast<int>(std::bit_width(unique)) + more, 1, kMaxRawBits);

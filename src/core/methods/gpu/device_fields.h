@@ -19,9 +19,10 @@ class DeviceFields {
   // `mostTableBytes`: largest size of a table (bytes).
   DeviceFields(const ComputeDevice& device, std::uint64_t mostTableBytes);
 
-  // Uploads the parts of the field that are not on the device yet. Recently used bricks of other pools stay there, for
-  // threads that work on other drives; they are dropped if they exceed kMostBytes or memory runs out. Throws an
-  // Error with the device's ComputeErrorWords if the field does not fit even then.
+  // Uploads the parts of the field that are not on the device yet. The pools of earlier fields stay on the device, for
+  // threads that work on other trajectories. If a new pool would probably bring the total above kMostBytes, it replaces
+  // the least recently used one; if memory runs out, all other pools are dropped. Throws an Error with the device's
+  // ComputeErrorWords if the field does not fit even then.
   void hold(const std::shared_ptr<const DistanceField>& field);
 
   // The tables of the field of the last hold(). levels() has two words of 16 bytes per level: the bits of the level's

@@ -191,8 +191,8 @@ double overlapOf(const ClassGroups& groups) {
   return overlap;
 }
 
-// Returns the groups, by class, of the patches in the real and in the simulated set. Uses the classes of one of the
-// sets: of the set with whose classes the class frequencies agree better.
+// Groups the patches of the real and of the simulated set by class, and returns the groups of both. Both sets are
+// labelled with the classes of one of them: whichever make the class frequencies of the two sets agree better.
 std::pair<Groups, Groups> groupsByClass(SetComparison& result) {
   ClassGroups byReal = groupsByClassesOf(result.real, result.simulated);
   ClassGroups bySimulated = groupsByClassesOf(result.simulated, result.real);

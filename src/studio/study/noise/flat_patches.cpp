@@ -20,8 +20,9 @@ constexpr std::size_t kFewestMeasured = 14;  // least number of returns in the m
 constexpr double kFewestFreedom = 6;
 // Least cosine of the incidence angle of a patch; more grazing views say little about noise.
 constexpr double kEdgeOn = 0.02;
-constexpr double kDeepest = 3;         // largest ratio between the farthest and the nearest range in a patch
-constexpr double kPlaneTolerance = 3;  // largest deviation from the plane, as a multiple of the usual deviation
+constexpr double kDeepest = 3;  // largest ratio between the farthest and the nearest range in a patch
+constexpr double kPlaneTolerance =
+    3;  // largest RMS deviation of a patch from its plane, as a multiple of the group's noise
 // Largest distance of the points around a possible hole from the patch's plane, as a multiple of the patch's deviation.
 constexpr double kOnPlane = 4;
 constexpr std::size_t kTelling = 100;     // least number of windows in a group for a meaningful quantile
