@@ -219,8 +219,8 @@ int runGenerate(const std::vector<std::string>& arguments) {
       "RANGES");
   add("worker", "make every N-th shard, starting with shard I (from 0), as one of N processes", textValue(), "I");
   add("workers",
-      "the number of these processes; or auto: each makes shards that no "
-      "other makes, and the last completes the dataset",
+      "the number N of processes for --worker; or auto: the processes share the shards by themselves, and the last one "
+      "completes the dataset",
       textValue(), "N|auto");
   add("keep-hits", "save what the beams hit, so that scans can be made again without tracing", textValue(), "DIR");
   add("sweep", "make a dataset in DIR/KEY=VALUE for each value of the list; given several times, for all combinations",

@@ -39,7 +39,8 @@ void printDataset(const std::filesystem::path& folder) {
   const Manifest m = readManifest(folder);
   printText("dataset {}: {} samples, columns {}{}\n", oneLine(m.name), m.samples.size(),
             oneLine(fmt::format("{}", fmt::join(m.columns, ", "))), m.organised ? ", organised" : "");
-  printText("made by scanmill {}, seed {}\n\n", oneLine(m.programVersion), m.seed);
+  printText("made by scanmill {}, seed {} (of the noise; seeds of scenes are in the samples' names)\n\n",
+            oneLine(m.programVersion), m.seed);
   Rows shards{{"shard", "split", "samples", "size"}};
   for (const ShardRecord& s : m.shards) {
     shards.push_back({s.file, s.split, grouped(s.samples), shortBytes(static_cast<double>(s.bytes))});

@@ -71,7 +71,7 @@ void printFeatures(const FeatureCosts& costs) {
   Rows rows{{"cost of a feature per frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
   const auto add = [&](const std::string& name, const FrameCost& cost, const std::string& share) {
     rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
-                    share, fmt::format("{:+}", std::lround(cost.bytes * 1e-3))});
+                    share, fmt::format(share.empty() ? "{}" : "{:+}", std::lround(cost.bytes * 1e-3))});
   };
   add("as the pipeline is", costs.whole, "");
   std::string lost;
@@ -90,8 +90,9 @@ void printFeatures(const FeatureCosts& costs) {
       "one\n",
       formatTable(rows), costs.frame);
   if (lost.empty()) return;
-  printText("not measurable, since equal frames differ by up to {:.0f} %: {}\n", 100 * scatter / costs.whole.seconds(),
-            lost);
+  printText(
+      "too small to measure: within the scatter of their own repeated measurements, at most {:.0f} % of a frame: {}\n",
+      100 * scatter / costs.whole.seconds(), lost);
 }
 
 // Measures the costs of features. On a terminal, shows a progress bar, which ends before anything else is printed.
@@ -241,7 +242,7 @@ int runPlan(const std::vector<std::string>& arguments) {
   }
   const auto rays = static_cast<double>(pipeline.frames()) * static_cast<double>(pipeline.raysPerFrame());
   const auto inFlight = static_cast<double>(plan.framesInFlight()) * static_cast<double>(plan.bytesPerFrameInMemory());
-  printText("\n{} frames x {} {} = {} rays ({} allowed)\n", grouped(pipeline.frames()),
+  printText("\n{} frames x {} {} = {} rays (limits.max_rays: {})\n", grouped(pipeline.frames()),
             grouped(pipeline.raysPerFrame()), pipeline.raysPerFrame() == pipeline.beamsPerFrame() ? "beams" : "rays",
             shortNumber(rays), shortNumber(pipeline.maxRays));
   printText("memory: {} for frames in flight", shortBytes(inFlight));

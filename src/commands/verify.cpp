@@ -60,8 +60,9 @@ int runVerify(const std::vector<std::string>& arguments) {
   }
   expectDataset(folder, "verify");
   const Verification v = withProgress(verifyDataset, folder, "shards", quiet);
-  const int code = report(v.problems, fmt::format("{} shards, {} samples, {} scan files, {} points", grouped(v.shards),
-                                                  grouped(v.samples), grouped(v.scans), grouped(v.points)));
+  const int code =
+      report(v.problems, fmt::format("{} shards, {} samples; {} scan files with {} points, each format counted",
+                                     grouped(v.shards), grouped(v.samples), grouped(v.scans), grouped(v.points)));
   if (v.damaged > 0) printText("next: scanmill regenerate {} makes the damaged shards again\n", folder);
   return code;
 }

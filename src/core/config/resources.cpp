@@ -73,7 +73,11 @@ std::string advice(const fs::path& path, const std::vector<fs::path>& folders, c
     for (std::string& name : yamlNames(folder)) names.push_back(std::move(name));
   }
   const std::string near = nearest(word, names);
-  if (!near.empty()) return fmt::format(" (did you mean '{}'?)", near);
+  if (!near.empty()) {
+    const bool own =
+        std::any_of(folders.begin(), folders.end() - 1, [&](const fs::path& f) { return isThere(f / near); });
+    return fmt::format(" (did you mean '{}'{}?)", near, own ? "" : ", which comes with the program");
+  }
   std::vector<std::string> stems;
   for (const std::string& name : yamlNames(builtInFolder)) stems.push_back(fs::path(name).stem().string());
   return stems.empty() ? "" : fmt::format(" (the program comes with {})", fmt::join(stems, ", "));

@@ -23,9 +23,9 @@ std::span<const EffectEntry> effects() {
        "range_sigma_m: 0 m, spread of the range's offset over the rings; "
        "elevation_sigma_deg: 0 deg, spread of the elevation's error; "
        "gain_sigma: 0, spread of the gain's natural logarithm; "
-       "range_m: none, instead of the spread, a list of range offsets in m, one per ring; "
-       "elevation_deg: none, instead of the spread, a list of elevation errors in deg, one per ring; "
-       "gain: none, instead of the spread, a list of factors, one per ring, 1 is no error",
+       "range_m: none, a list of range offsets in m, one per ring, instead of the spread; "
+       "elevation_deg: none, a list of elevation errors in deg, one per ring, instead of the spread; "
+       "gain: none, a list of factors, one per ring, instead of the spread, 1 is no error",
        0, makeRingBias},
       {"relief", "rough surfaces: grass, gravel, stone and bark reflect beams before or behind the mesh",
        "strength: 1, factor on the values of the material table", 0, makeRelief},
@@ -60,8 +60,8 @@ std::span<const EffectEntry> effects() {
        "output: float or u8 (0 to 255); "
        "model: power or reflectivity, which is the power corrected to the reference range and clear air; "
        "diffuse: lambertian or oren_nayar, for rough surfaces that stay bright at grazing incidence; "
-       "retro_full_scale: none, for bytes of reflectivity, where 0 to 100 are diffuse: the retroreflectance that gives "
-       "255, in units of a white target",
+       "retro_full_scale: none, the retroreflectance that gives 255, in units of a white target, if bytes of "
+       "reflectivity use 0 to 100 for diffuse surfaces",
        1, makeIntensity},
       {"detection", "echoes that exceed the receiver's noise, false positives, and which returns are reported",
        "returns: strongest, first, last, dual (strongest and last), all, or a number N for the N strongest; "
@@ -74,7 +74,7 @@ std::span<const EffectEntry> effects() {
       {"dropout", "returns that are not reported: too faint, or lost at random",
        "threshold: 0, the least power that is reported, 1 is a white target at the reference range; "
        "probability: 0, share lost at random; "
-       "things: false, true: only returns of things are lost at random; "
+       "things: false, true loses only returns of things at random; "
        "rings: 0, share of the rings that report nothing, random per sensor",
        2, makeDropOut},
       {"range_noise", "Gaussian error of the range along the beam",

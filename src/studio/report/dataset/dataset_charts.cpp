@@ -256,8 +256,8 @@ std::vector<Chart> datasetCharts(const Manifest& manifest, const DatasetSummary&
                      .width = kHalfWidth};
   const Chart objects{.name = "class_objects",
                       .title = "Instances per class",
-                      .note = fmt::format("different ones, {}; an instance counts once in a sequence, for each of its "
-                                          "classes",
+                      .note = fmt::format("number of different instances, {}; an instance of several classes counts in "
+                                          "each",
                                           ofScans(summary)),
                       .y = {.title = "instances"},
                       .width = kWholeWidth,
