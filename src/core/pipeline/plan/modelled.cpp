@@ -127,7 +127,8 @@ std::vector<std::string> modelled(const Plan& plan, std::span<const double> bloc
     const auto asked = channelNames(plan.channels);
     if (std::find(asked.begin(), asked.end(), name) == asked.end()) left += (left.empty() ? "" : ", ") + name;
   }
-  if (!left.empty()) lines.push_back(fmt::format("properties of hits that nothing reads, so that they are not computed: {}", left));
+  if (!left.empty())
+    lines.push_back(fmt::format("properties of hits that nothing reads, so that they are not computed: {}", left));
   for (const std::string_view column : {"intensity", "power"}) {
     if (!columns.has(columnIndex(column)) || setsIntensity(pipeline)) continue;
     lines.push_back(fmt::format("{}: left out, no effect sets it (add `effects: [intensity]`)", column));

@@ -28,10 +28,11 @@ TEST_F(PlanTest, OnlyChannelsThatSomebodyReads) {
 }
 
 TEST_F(PlanTest, TellsWhatIsLeftOutAndWhy) {
-  EXPECT_THAT(modelled(plan({}), {}), AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
-                                            Contains(HasSubstr("left out because nothing reads them: normal")),
-                                            Contains(HasSubstr("intensity: left out, no effect sets it")),
-                                            Contains(HasSubstr("effects: none")), Contains(HasSubstr("one pose"))));
+  EXPECT_THAT(modelled(plan({}), {}),
+              AllOf(Contains(HasSubstr("channels: range, instance, semantic")),
+                    Contains(HasSubstr("properties of hits that nothing reads, so that they are not computed: normal")),
+                    Contains(HasSubstr("intensity: left out, no effect sets it")), Contains(HasSubstr("effects: none")),
+                    Contains(HasSubstr("one pose"))));
   EXPECT_THAT(modelled(plan({"motion={steps: 9}", "output.layout=organised", "effects=[quantize: {step_m: 1}]"}), {}),
               AllOf(Contains(HasSubstr("9 poses per revolution")), Contains(HasSubstr("misses: written")),
                     Contains(HasSubstr("effect quantize {step_m: 1}: "))));
