@@ -51,7 +51,7 @@ struct PassPlanes {
 // Calls visit(row of kChannels, pointer to member of PassPlanes, pointer to member of Hits) for each channel that
 // renderers render; the depth takes the place of the range.
 template <class Visit>
-void forEachPass(const Visit& visit) {
+constexpr void forEachPass(const Visit& visit) {
   visit(rowOf(Channel::Range), &PassPlanes::depth, &Hits::range);
   visit(rowOf(Channel::Normal), &PassPlanes::normal, &Hits::normal);
   visit(rowOf(Channel::Instance), &PassPlanes::instance, &Hits::instance);
@@ -60,6 +60,13 @@ void forEachPass(const Visit& visit) {
   visit(rowOf(Channel::Primitive), &PassPlanes::primitive, &Hits::primitive);
   visit(rowOf(Channel::Reflectance), &PassPlanes::reflectance, &Hits::reflectance);
 }
+static_assert(
+    [] {
+      Channels visited;
+      forEachPass([&](const ChannelRow& row, auto, auto) { visited |= row.channel; });
+      return visited == channelsThat(&ChannelRow::drawn);
+    }(),
+    "visit every channel that renderers render, which passes/resolver.cpp and pass_picture.cpp then fill and show");
 
 // One camera's image; planes are row by row from the top.
 struct PassImage {

@@ -292,7 +292,10 @@ std::uint64_t Plan::bytesPerFrameInMemory() const {
   for (std::size_t c = 0; c < kColumnCount; ++c) {
     if (pipeline.output.layout.columns.has(c)) perPoint += bytesOf(kColumns[c].type);
   }
-  const std::uint64_t perRay = 4 + (channels.has(Channel::Normal) ? 12 : 0) + 20 + 8;
+  std::uint64_t perRay = 8;
+  forEachChannel([&]<class T>(const ChannelRow& row, std::vector<T> Hits::*) {
+    if (row.channel != Channel::Normal || channels.has(Channel::Normal)) perRay += sizeof(T);
+  });
   const std::uint64_t perReturn = kReturnBytes + (3 + 2 * pipeline.output.formats.size()) * perPoint;
   const std::uint64_t reported = perReturn * pipeline.mostReturns() * pipeline.beamsPerFrame();
   // Size of a voxel's labels, area, flags and part of the encoded archive (bytes).
