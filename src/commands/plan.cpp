@@ -70,8 +70,9 @@ void printFeatures(const FeatureCosts& costs) {
   const auto ms = [](double seconds) { return fmt::format("{:.2f}", 1e3 * seconds); };
   Rows rows{{"cost of a feature per frame", "trace ms", "effects ms", "encode ms", "all ms", "share", "kB"}};
   const auto add = [&](const std::string& name, const FrameCost& cost, const std::string& share) {
+    const long kilobytes = std::lround(cost.bytes * 1e-3);
     rows.push_back({name, ms(cost.traceSeconds), ms(cost.effectsSeconds), ms(cost.encodeSeconds), ms(cost.seconds()),
-                    share, fmt::format(share.empty() ? "{}" : "{:+}", std::lround(cost.bytes * 1e-3))});
+                    share, share.empty() ? fmt::format("{}", kilobytes) : fmt::format("{:+}", kilobytes)});
   };
   add("as the pipeline is", costs.whole, "");
   std::string lost;

@@ -28,7 +28,7 @@ const DatasetPlan kPlan{"plan", 1, {{"train", 1}}};
 
 // Returns the message of the error that opening the folder throws.
 std::string refusal(const fs::path& folder, FolderUse use, const DatasetPlan& plan = kPlan) {
-  return refusal(folder, use, plan);
+  return messageOf<InputError>([&] { DatasetFolder(folder, use, plan); });
 }
 
 void publish(DatasetFolder& folder, const std::vector<Manifest>& parts) {
