@@ -180,7 +180,7 @@ TEST_F(FirstSteps, InfoOfASceneTellsTheSizesOfItsObjects) {
 
 // The keys that a reader of options asks for, from its own refusal of another.
 template <class Make>
-std::set<std::string> keysRead(std::string_view name, const Make& make) {
+std::set<std::string> keysRead(const Make& make) {
   const Value value = parseYaml("{qqqqqqqqqqqqqqqqqqqq: 1}", "x.yaml");
   Fields fields(value, "options");
   std::string text = messageOf([&] { make(fields); });
@@ -214,11 +214,11 @@ TEST(Keys, ListsAndReferenceNameAllKeysAndNoOthers) {
     EXPECT_THAT(reference, HasSubstr(fmt::format("`{}`", name)));
     for (const std::string& key : read) EXPECT_THAT(reference, HasSubstr(fmt::format("`{}`", key)));
   };
-  for (const EffectEntry& e : effects()) check(e.name, e.keys, keysRead(e.name, e.make));
-  for (const FormatEntry& e : formats()) check(e.name, e.keys, keysRead(e.name, e.make));
+  for (const EffectEntry& e : effects()) check(e.name, e.keys, keysRead(e.make));
+  for (const FormatEntry& e : formats()) check(e.name, e.keys, keysRead(e.make));
   const Scene scene;
   for (const MethodEntry& e : methods()) {
-    check(e.name, e.keys, keysRead(e.name, [&](Fields& options) { e.make(scene, options); }));
+    check(e.name, e.keys, keysRead([&](Fields& options) { e.make(scene, options); }));
   }
 }
 
