@@ -46,7 +46,7 @@ TEST_F(FirstSteps, NamesOfTheProgramsFilesWorkFromAnywhere) {
   EXPECT_EQ(scanmill({"plan", "street"}).code, 0);
   const Outcome missing = scanmill({"plan", "streat"});
   EXPECT_EQ(missing.code, 2);
-  EXPECT_THAT(missing.error, HasSubstr("did you mean 'street.yaml'?"));
+  EXPECT_THAT(missing.error, HasSubstr("did you mean 'street.yaml', which comes with the program?"));
 }
 
 // The pipeline that docs/guide.md gives for one's own scene does as it stands there, with the commands below it.
@@ -72,7 +72,8 @@ TEST_F(FirstSteps, TheGuidesPipelineForAnOwnSceneRuns) {
 TEST_F(FirstSteps, AbsentFilesAreNamedWhereTheyAreReferredTo) {
   expectRefused(scanmill({"plan", changed("scene: scene.yaml", "scene: scnee.yaml")}),
                 "changed.yaml:2:18: there is no file '" + at("scnee.yaml") + "' (did you mean 'scene.yaml'?)");
-  expectRefused(scanmill({"plan", pipeline_, "--set", "sensors.0.preset=os1_182"}), "did you mean 'os1_128.yaml'?");
+  expectRefused(scanmill({"plan", pipeline_, "--set", "sensors.0.preset=os1_182"}),
+                "did you mean 'os1_128.yaml', which comes with the program?");
   folder_.write("lost.yaml", "ontology: scanmil\nmaterials: materials\nobjects: []\n");
   expectRefused(scanmill({"info", at("lost.yaml")}), "lost.yaml:1:11: there is no file");
 }

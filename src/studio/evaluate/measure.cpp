@@ -88,7 +88,7 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
 void requireOneRay(const Hits& hits) {
   if (hits.beamOfRay.empty() && hits.rays() == hits.size()) return;
   throw Error(
-      fmt::format("{} beams have {} rays, but methods are compared with one ray per beam", hits.rays(), hits.size()));
+      fmt::format("{} beams have {} rays, but methods are compared with one ray per beam", hits.size(), hits.rays()));
 }
 
 std::vector<std::uint8_t> edgeBeams(const Method& method, const Shot& shot, double angle) {

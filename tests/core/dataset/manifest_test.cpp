@@ -260,7 +260,7 @@ TEST(Manifest, NamesThePlaceOfWhatIsOutOfRange) {
       {"/samples/0/scans/0/world_from_sensor/0/translation", {1, 1}, "2 numbers, but must have 3"},
       {"/samples/0/scans/0/points_per_class/0/id", 8, "class 8 is not in ontology 'ours'"},
       {"/samples/0/scans/0/points_per_class/0/name", "tree", "is 'unlabeled' in the ontology"},
-      {"/samples/0/scans/0/points", -1, "/samples/0/scans/0/points: is number where"},
+      {"/samples/0/scans/0/points", -1, "/samples/0/scans/0/points: is number, but must be"},
       {"/ontology/classes/1/id", 65536, "65536 is not within 0 to 65535"},
       {"/ontology/classes/1/id", 0, "0 is also the id of 'unlabeled'"},
       {"/ontology/classes/1/name", "car", "'car' is also the name of class 7"},

@@ -154,9 +154,9 @@ TEST(StudyJson, RefusesWhatIsNoStudy) {
       {"/kind", "scanmill repeatability", "not a trade-off study"},
       {"/shots", 0, "has no beams"},
       {"/beams_per_shot", 0, "has no beams"},
-      {"/shots", -3, "/shots: is number where a whole number"},
+      {"/shots", -3, "/shots: is number, but must be a whole number"},
       {"/repeats", 1e300, "/repeats"},
-      {"/settings/0/measured/cost/scan_s", "fast", "/settings/0/measured/cost/scan_s: is string where a number"},
+      {"/settings/0/measured/cost/scan_s", "fast", "/settings/0/measured/cost/scan_s: is string, but must be a number"},
   };
   for (const auto& [place, value, expected] : damages) {
     Json damaged = json;

@@ -161,7 +161,7 @@ TEST_F(BadFrames, FoldersThatAreNoDatasets) {
   writeFile(data / "manifest.json", "{\"schema");
   EXPECT_THAT(refusalOf({.path = data}), HasSubstr("manifest.json"));
   writeMembers(folder.path() / "notes.tar", {{"a.txt", "x"}});
-  EXPECT_THAT(refusalOf({.path = folder.path() / "notes.tar"}), HasSubstr("has no samples"));
+  EXPECT_THAT(refusalOf({.path = folder.path() / "notes.tar"}), HasSubstr("holds no sample"));
 }
 
 TEST_F(BadFrames, OtherYamlFiles) {
