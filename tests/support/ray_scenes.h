@@ -119,7 +119,8 @@ class CoplanarWalls {
     scene = builder.finish();
   }
 
-  // Where both walls are, the first is reported; all points lie in the plane within `tolerance` (m).
+  // Expects that the first wall is reported where both are, and that all points lie in the plane within `tolerance`
+  // (m).
   template <class Range>
   void expectTheFirst(const BeamTable& beams, const Hits& hits, const std::vector<Range>& range,
                       double tolerance) const {

@@ -207,7 +207,7 @@ void DatasetFolder::share() {
 }
 
 void DatasetFolder::begin(FolderUse use) {
-  // Of the processes that share the folder, only one at a time may run the code below.
+  // Only one of the processes that share the folder may run the code below at a time.
   std::unique_ptr<FolderLock> turn;
   std::string holder;
   const auto end = std::chrono::steady_clock::now() + kPatience;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests of all kinds of assets ask of what is read.
+// Helpers of the tests of all kinds of assets.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -58,7 +58,7 @@ inline World makeWorld(std::uint32_t rings, std::uint32_t columns, float range =
   return world;
 }
 
-// As makeWorld(), by beams of 3 mrad with pulses of 5 ns that see from 1 to 100 m.
+// Returns a world as makeWorld() does, with beams of 3 mrad, pulses of 5 ns and a range of 1 to 100 m.
 inline World makeWideWorld(std::uint32_t rings, std::uint32_t columns, float range) {
   World world = makeWorld(rings, columns, range);
   world.beams().minRange = 1;

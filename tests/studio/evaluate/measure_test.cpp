@@ -363,7 +363,7 @@ TEST(HitPoints, OfAMovingSensorAreInTheFrameThatTheShotAsksFor) {
   }
 }
 
-// What is compared is of beams; rays of several a beam would be taken for those of others.
+// Errors are computed by beam, so that several rays per beam would be compared with those of other beams.
 TEST(Measure, RefusesSeveralRaysABeam) {
   Hits several;
   several.reset(1, 2, {});

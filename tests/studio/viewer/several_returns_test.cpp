@@ -80,7 +80,7 @@ TEST(SeveralReturnsStrip, ShowsTheNearest) {
       EXPECT_EQ(keyOf(scan, front).ring, keyOf(scan, i).ring);
       EXPECT_EQ(keyOf(scan, front).column, keyOf(scan, i).column);
     }
-    // What is hidden does not hide what is behind it.
+    // Hidden points do not cover the points behind them.
     std::vector<bool> further(scan.size());
     for (std::size_t i = 0; i < scan.size(); ++i) further[i] = keyOf(scan, i).number == 1;
     const RangeStrip behind = makeRangeStrip(scan, coloring.colors, further);

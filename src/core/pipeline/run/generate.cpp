@@ -104,7 +104,7 @@ class DatasetRun {
 
   std::size_t open(std::size_t job) {
     const ShardJob& own = jobs_[job];
-    // With Kind::Any only sizes are checked: checking bytes would make each process read the shards of all others.
+    // Kind::Any checks sizes only: checking bytes would make each process read the shards of all others.
     const auto check =
         options_.shards.kind == ShardChoice::Kind::Any ? DatasetFolder::Check::Size : DatasetFolder::Check::Bytes;
     std::unique_ptr<FolderLock> claim = shared() ? folder_.claim(own.file) : nullptr;

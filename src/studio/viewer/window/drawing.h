@@ -13,7 +13,7 @@
 
 namespace scanmill {
 
-// What has changed since the last picture.
+// The changes since the last picture.
 struct Changes {
   bool views = true;   // cameras or rectangles of views
   bool items = true;   // points, lines or triangles

@@ -41,7 +41,7 @@ class Playback {
   void changeSpeed(int step);
   // Requests the next frame if it is due. Returns true if playing has ended, a frame was requested or busy() changed.
   bool tick(double now);
-  // From now on, the frames after the requested frame are loaded in advance.
+  // Loads the frames after the requested frame in advance from now on.
   void readAhead();
 
   std::size_t count() const { return source_->keys().size(); }

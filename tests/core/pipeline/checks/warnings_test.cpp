@@ -144,7 +144,7 @@ TEST(RuleWarnings, TellOfTownsWhoseCarsAreOne) {
 
 class HeadingWarnings : public testing::Test {
  protected:
-  // Of objects on a plane, a line each.
+  // Returns the warnings about these objects; `objects`: items of the YAML list.
   std::vector<std::string> of(const std::string& objects) const {
     const std::string labels = SCANMILL_SOURCE_DIR "/labels/";
     const auto file = folder_.write("yard.yaml", "ontology: " + labels + "scanmill.yaml\nmaterials: " + labels +

@@ -267,7 +267,7 @@ TEST_F(RepeatedScans, EveryReturnOfABeamIsCompared) {
     EXPECT_EQ(place.points[1].mean, static_cast<double>(returns));
     EXPECT_NEAR(place.points[2].mean, 0.75 * static_cast<double>(returns), 0.06 * static_cast<double>(returns));
     EXPECT_EQ(result.at(place, 0, 0).unmoved.mean, 0);
-    // Of two noisy ranges, each with a deviation of 1 cm. Neighbours are farther away than that.
+    // The expected value is that of two noisy ranges, each with a deviation of 1 cm; neighbours are farther away.
     EXPECT_NEAR(result.at(place, 1, 1).unmoved.mean, 2e-4, 0.3e-4);
   }
 }
