@@ -6,12 +6,31 @@
 #include <utility>
 #include <vector>
 
+#include "formats/cloud_file.h"
+
 namespace scanmill {
 
 Mat3 zUpFrom(char up) {
   if (up == 'x') return {{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
   if (up == 'y') return {{1, 0, 0}, {0, 0, 1}, {0, -1, 0}};
   return {};
+}
+
+Vec3d originNear(const std::vector<Vec3d>& places) {
+  std::array<std::vector<double>, 3> axes;
+  for (const Vec3d& place : places) {
+    if (!isFinite(place)) continue;
+    axes[0].push_back(place.x);
+    axes[1].push_back(place.y);
+    axes[2].push_back(place.z);
+  }
+  if (axes[0].empty()) return {};
+  const auto median = [](std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  return cloudOrigin({median(axes[0]), median(axes[1]), median(axes[2])});
 }
 
 void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles) {

@@ -16,6 +16,10 @@ constexpr std::uint64_t kMostTriangles = std::uint64_t{1} << 28;
 // Returns the rotation from an up axis ('x', 'y' or 'z') to z. x-up follows COLLADA: y becomes -x, z becomes -y.
 Mat3 zUpFrom(char up);
 
+// Returns an origin near most of the places (m): the median along each axis, which ignores outliers, in whole metres,
+// or 0 along axes on which it is small. Places that are not finite are ignored.
+Vec3d originNear(const std::vector<Vec3d>& places);
+
 // Merges bit-identical vertices, since some kinds of files have three separate vertices for every triangle.
 void weld(std::vector<Vec3f>& positions, std::vector<Vec2f>& uvs, std::vector<Triangle>& triangles);
 

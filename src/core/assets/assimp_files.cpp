@@ -1,12 +1,10 @@
 #include <assimp/DefaultIOSystem.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <system_error>
 
 #include "assets/assimp_parts.h"
 #include "assets/references.h"
-#include "config/text.h"
 
 namespace scanmill {
 
@@ -16,11 +14,8 @@ namespace fs = std::filesystem;
 
 class AssimpFiles final : public Assimp::DefaultIOSystem {
  public:
-  AssimpFiles(const fs::path& asset, bool allowOutside, MissedFiles& missed)
-      : folder_(fs::absolute(asset).lexically_normal().parent_path()),
-        ownLibrary_(asset.stem().string() + ".mtl"),
-        allowOutside_(allowOutside),
-        missed_(missed) {}
+  AssimpFiles(const fs::path& asset, bool allowOutside, std::string& refused)
+      : folder_(fs::absolute(asset).lexically_normal().parent_path()), allowOutside_(allowOutside), refused_(refused) {}
 
   bool Exists(const char* name) const override {
     std::error_code ignored;
@@ -38,32 +33,22 @@ class AssimpFiles final : public Assimp::DefaultIOSystem {
       refusal = refusalOf(inFolder);
     }
     if (!refusal.empty()) {
-      if (missed_.refused.empty()) missed_.refused = refusal;
+      if (refused_.empty()) refused_ = refusal;
       return nullptr;
     }
-    Assimp::IOStream* const stream = DefaultIOSystem::Open(name, mode);
-    if (lowerExtension(name) == ".mtl") noteLibrary(inFolder, stream != nullptr);
-    return stream;
+    return DefaultIOSystem::Open(name, mode);
   }
 
  private:
-  void noteLibrary(const std::string& name, bool found) {
-    std::vector<std::string>& missing = missed_.libraries;
-    const bool known = std::find(missing.begin(), missing.end(), name) != missing.end();
-    if (!found && !known && (missing.empty() || name != ownLibrary_)) missing.push_back(name);
-    if (found && name == ownLibrary_) missing.clear();
-  }
-
   fs::path folder_;
-  std::string ownLibrary_;  // library with the asset's name, which the importer tries if another library is missing
   bool allowOutside_;
-  MissedFiles& missed_;
+  std::string& refused_;
 };
 
 }  // namespace
 
-std::unique_ptr<Assimp::IOSystem> filesFor(const fs::path& asset, bool allowOutside, MissedFiles& missed) {
-  return std::make_unique<AssimpFiles>(asset, allowOutside, missed);
+std::unique_ptr<Assimp::IOSystem> filesFor(const fs::path& asset, bool allowOutside, std::string& refused) {
+  return std::make_unique<AssimpFiles>(asset, allowOutside, refused);
 }
 
 }  // namespace scanmill

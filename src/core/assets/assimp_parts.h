@@ -17,15 +17,10 @@ class IOSystem;
 
 namespace scanmill {
 
-// Files that the importer tried to open without success.
-struct MissedFiles {
-  std::string refused;                 // message about the first file that was refused; empty: none
-  std::vector<std::string> libraries;  // material libraries (.mtl) that are missing
-};
-
 // Returns the file access for the importer. It opens only regular files, no pipes or devices, and without
-// `allowOutside` only files in the asset's folder and its subfolders. `missed` must outlive the result.
-std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, bool allowOutside, MissedFiles& missed);
+// `allowOutside` only files in the asset's folder and its subfolders. `refused` is set to the message about the first
+// file that was refused, and must outlive the result.
+std::unique_ptr<Assimp::IOSystem> filesFor(const std::filesystem::path& asset, bool allowOutside, std::string& refused);
 
 // Returns the materials of an assimp scene. Base colours count as linear, since most exporters write linear ones.
 std::vector<ImportedMaterial> materialsOf(const aiScene& scene);

@@ -48,7 +48,7 @@ class Importer {
  public:
   Importer(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options)
       : file_(file), options_(options), kind_(kind) {
-    importer_.SetIOHandler(filesFor(file, options.allowOutside, missed_).release());
+    importer_.SetIOHandler(filesFor(file, options.allowOutside, refused_).release());
   }
 
   ImportedFile read() {
@@ -57,7 +57,6 @@ class Importer {
     const std::optional<char> declared = declaredUp();
     read.up = options_.up.value_or(declared.value_or('z'));
     read.upDeclared = declared.has_value();
-    read.missing = missed_.libraries;
     read.outOfRange = dropBadFaces();
     undoTurnOfFbx();
     triangulate();
@@ -84,7 +83,7 @@ class Importer {
     } catch (const std::exception& e) {
       failReading(e.what());
     }
-    if (!missed_.refused.empty()) fail(missed_.refused);
+    if (!refused_.empty()) fail(refused_);
     if (scene_ == nullptr) failReading(reason());
     if (scene_->mRootNode == nullptr) failReading("it has no nodes");
   }
@@ -304,7 +303,7 @@ class Importer {
   const std::filesystem::path& file_;
   const AssetOptions& options_;
   const std::string& kind_;
-  MissedFiles missed_;
+  std::string refused_;  // message about the first file that was refused; empty: none
   Assimp::Importer importer_;
   const aiScene* scene_ = nullptr;         // owned by importer_
   std::vector<std::uint32_t> uvChannels_;  // index of the set of texture coordinates, by material

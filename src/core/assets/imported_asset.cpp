@@ -13,6 +13,7 @@
 #include "assets/assimp_reader.h"
 #include "assets/child_process.h"
 #include "assets/imported_file.h"
+#include "assets/obj/obj_mesh.h"
 #include "assets/ply_check.h"
 #include "assets/ply_mesh.h"
 #include "base/error.h"
@@ -64,7 +65,9 @@ std::string remedyFor(const std::string& kind) {
 }
 
 Asset readImported(const std::filesystem::path& file, const std::string& kind, const AssetOptions& options) {
-  ImportedFile imported = kind == ".ply" ? importPly(file, kind, options) : importByAssimp(file, kind, options);
+  ImportedFile imported = kind == ".ply"   ? importPly(file, kind, options)
+                          : kind == ".obj" ? readObjMesh(file, options)
+                                           : importByAssimp(file, kind, options);
   if (!imported.missing.empty()) {
     warn(fmt::format("{}: names '{}', which is missing: its materials have plain colours", file.string(),
                      fmt::join(imported.missing, "', '")));

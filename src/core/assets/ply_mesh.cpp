@@ -106,21 +106,11 @@ Vec3d vertexAt(const char* bytes, const Layout& layout) {
 Vec3d originOf(const char* bytes, const Layout& layout, const Mat3& assetFromFile) {
   constexpr std::uint64_t kSamples = 1000;
   const std::uint64_t every = std::max<std::uint64_t>(layout.vertices / kSamples, 1);
-  std::array<std::vector<double>, 3> axes;
+  std::vector<Vec3d> places;
   for (std::uint64_t i = 0; i < layout.vertices; i += every) {
-    const Vec3d place = assetFromFile * vertexAt(bytes + i * layout.vertexBytes, layout);
-    if (!isFinite(place)) continue;
-    axes[0].push_back(place.x);
-    axes[1].push_back(place.y);
-    axes[2].push_back(place.z);
+    places.push_back(assetFromFile * vertexAt(bytes + i * layout.vertexBytes, layout));
   }
-  if (axes[0].empty()) return {};
-  const auto median = [](std::vector<double>& values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-  };
-  return cloudOrigin({median(axes[0]), median(axes[1]), median(axes[2])});
+  return originNear(places);
 }
 
 // Reads the triangles, and drops those with indices out of range. Returns false if a face is not a triangle.
