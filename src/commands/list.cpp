@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "assets/obj/obj_mesh.h"
 #include "base/error.h"
+#include "base/format_support.h"
 #include "base/terminal.h"
 #include "commands/arguments.h"
 #include "commands/table.h"
@@ -67,6 +69,31 @@ void printCapabilities() {
               can.transmission ? "light goes through glass" : "glass is solid",
               can.motion ? "the sensor may move during a revolution" : "the sensor stands still during a revolution",
               can.passes ? ", its images can be saved (--keep-passes)" : "");
+  }
+}
+
+// Formats whose readers say what they read and what they leave out.
+std::vector<FormatSupport> inputFormats() {
+  return {objFormat()};
+}
+
+Rows inputRows() {
+  Rows rows;
+  for (const FormatSupport& format : inputFormats()) {
+    rows.push_back({std::string(format.name), std::string(format.suffixes)});
+  }
+  return rows;
+}
+
+// Prints what the reader of each format does with the elements of files, in Markdown: docs/inputs.md holds this text.
+void printElements() {
+  for (const FormatSupport& format : inputFormats()) {
+    printText("\n## {} ({})\n\n| in the file | what becomes of it | |\n|---|---|---|\n", format.name, format.suffixes);
+    for (const FormatElements& row : format.elements) {
+      using enum FormatElements::Use;
+      const char* const becomes = row.use == Read ? "read" : row.use == Unused ? "unused" : "left out";
+      printText("| {} | {} | {} |\n", row.names.empty() ? "" : fmt::format("`{}`", row.names), becomes, row.note);
+    }
   }
 }
 
@@ -163,6 +190,7 @@ int runList(const std::vector<std::string>& arguments) {
       {"effects", [] { return entryRows(effects()); }},
       {"corruptions", corruptionRows},
       {"formats", [] { return entryRows(formats()); }},
+      {"inputs", inputRows},
       {"columns", columnRows},
       {"ontologies", ontologyRows},
       {"materials", materialRows},
@@ -183,6 +211,7 @@ int runList(const std::vector<std::string>& arguments) {
   if (wanted == "methods") printKeys(methods());
   if (wanted == "effects") printKeys(effects());
   if (wanted == "formats") printKeys(formats());
+  if (wanted == "inputs") printElements();
   return 0;
 }
 

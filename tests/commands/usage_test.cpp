@@ -1,5 +1,8 @@
 // Help, lists, and wrong usage.
 
+#include <fstream>
+#include <iterator>
+
 #include "commands/command.h"
 #include "tests/commands/program.h"
 
@@ -41,6 +44,14 @@ TEST(Usage, ListNamesWhatThePipelineMayName) {
   EXPECT_EQ(formats.code, 0);
   EXPECT_THAT(formats.out, AllOf(HasSubstr("pcd"), testing::Not(HasSubstr("ray_tracing"))));
   EXPECT_THAT(all.out, HasSubstr(formats.out.substr(0, formats.out.find("\n\nkeys"))));
+}
+
+TEST(Usage, ThePageOfInputsIsWhatTheProgramSays) {
+  std::ifstream file(SCANMILL_SOURCE_DIR "/docs/inputs.md");
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  const std::string said = scanmill({"list", "inputs"}).out;
+  EXPECT_EQ(page.substr(page.find("\n## ")), said.substr(said.find("\n## ")))
+      << "the page's tables are those of 'scanmill list inputs'";
 }
 
 TEST(Usage, WrongUsageIsRefusedWithAdvice) {

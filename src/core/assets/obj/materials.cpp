@@ -8,18 +8,14 @@
 #include <string_view>
 
 #include "assets/base_color.h"
+#include "assets/obj/obj_mesh.h"
 #include "assets/obj/statements.h"
 #include "base/file.h"
+#include "base/format_support.h"
 
 namespace scanmill::obj {
 
 namespace {
-
-// Keys that do not say how a surface reflects in the near infrared.
-constexpr std::array kUnused{"Ka",     "Ks",     "Ke",       "Ns",      "Ni",       "Tf",       "illum",   "sharpness",
-                             "map_Ka", "map_Ks", "map_Ke",   "map_Ns",  "map_bump", "map_Bump", "bump",    "norm",
-                             "disp",   "refl",   "map_refl", "Ps",      "Pc",       "Pcr",      "aniso",   "anisor",
-                             "map_Pr", "map_Pm", "map_Ps",   "map_aat", "map_Ni",   "map_Tf",   "Material"};
 
 // Options of images, and the greatest number of values that each takes.
 struct ImageOption {
@@ -62,7 +58,7 @@ class Library {
       const std::string_view key = statements_.keyword();
       if (key == "newmtl") {
         begin();
-      } else if (std::find(kUnused.begin(), kUnused.end(), key) == kUnused.end()) {
+      } else if (!objFormat().has(FormatElements::Use::Unused, key)) {
         if (index_ == kNone) statements_.fail("stands before the first newmtl");
         if (!known_) readKey(key);
       }
@@ -99,7 +95,7 @@ class Library {
     } else if (key == "map_d" || key == "map_opacity") {
       material().opacityMap = readImage(material().base.name.empty());
     } else {
-      ++to_.leftOut[fmt::format("{} of materials", key.substr(0, 40))];
+      to_.leftOut.add(fmt::format("{} of materials", key.substr(0, 40)));
     }
   }
 
@@ -112,7 +108,7 @@ class Library {
   void readColor() {
     const auto& words = statements_.words();
     if (!words.empty() && (words[0] == "spectral" || words[0] == "xyz")) {
-      ++to_.leftOut[fmt::format("Kd {} of materials", words[0])];
+      to_.leftOut.add(fmt::format("Kd {} of materials", words[0]));
       return;
     }
     if (words.size() != 1 && words.size() < 3) statements_.fail("give three numbers (red, green, blue)");
@@ -140,7 +136,7 @@ class Library {
         const bool number = isNumber(word);
         if (option->values > 1 && (!number || next.empty())) break;
         if (number) values[static_cast<std::size_t>(i)] = statements_.number(word);
-        if (name == "-clamp" && word == "on") ++to_.leftOut["-clamp on of textures, which repeat"];
+        if (name == "-clamp" && word == "on") to_.leftOut.add("-clamp on of textures, which repeat");
         rest = next;
       }
       UvPlace& uv = to_.uvs[index_];

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "assets/imported_file.h"
+#include "base/format_support.h"
 
 namespace scanmill::obj {
 
@@ -31,7 +32,7 @@ struct Materials {
   std::vector<ImportedMaterial> materials;
   std::vector<UvPlace> uvs;  // by index of the material
   std::map<std::string, std::size_t> byName;
-  std::map<std::string, std::size_t> leftOut;  // number of statements that were not understood, by what they are
+  LeftOut leftOut;
 };
 
 // Reads a library and adds its materials; the first definition of a name counts. Throws InputError with the line of a

@@ -19,7 +19,7 @@
 #include "assets/references.h"
 #include "base/error.h"
 #include "base/file.h"
-#include "base/grouped.h"
+#include "base/format_support.h"
 
 namespace scanmill {
 
@@ -31,27 +31,6 @@ using obj::Statements;
 // Largest sum of squared corner counts over all polygons: triangulating a polygon takes a time that grows with the
 // square of its corners, some seconds for 60,000 corners.
 constexpr double kMostCornersSquared = 4e9;
-
-// Statements without influence on surfaces.
-constexpr std::array<std::string_view, 14> kUnused{"vn",        "s",        "mg",     "lod",    "bevel",
-                                                   "c_interp",  "d_interp", "maplib", "usemap", "shadow_obj",
-                                                   "trace_obj", "call",     "csh",    "end"};
-
-// What is left out, by statement: what it is called in the warning. Other statements are named by their keyword.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kLeftOut{{{"l", "lines (l)"},
-                                                                                 {"p", "points (p)"},
-                                                                                 {"surf", "free-form surfaces (surf)"},
-                                                                                 {"curv", "curves (curv)"},
-                                                                                 {"curv2", "curves (curv2)"}}};
-
-// Statements that belong to free-form curves and surfaces, which are counted by surf, curv and curv2.
-constexpr std::array<std::string_view, 14> kOfFreeForms{"vp",   "deg",  "bmat", "step", "cstype", "parm",  "trim",
-                                                        "hole", "scrv", "sp",   "con",  "ctech",  "stech", "res"};
-
-template <class List>
-bool contains(const List& list, std::string_view word) {
-  return std::find(list.begin(), list.end(), word) != list.end();
-}
 
 class Reader {
  public:
@@ -72,7 +51,9 @@ class Reader {
     read.outOfRange = outOfRange_;
     read.materials = std::move(library_.materials);
     read.missing = std::move(missing_);
-    tellWhatIsLeftOut();
+    leftOut_.add(library_.leftOut);
+    leftOut_.add("colours of vertices", colored_);
+    leftOut_.tell(file_.string());
     return read;
   }
 
@@ -108,8 +89,10 @@ class Reader {
       useMaterial();
     } else if (key == "mtllib") {
       readLibraries();
-    } else if (!contains(kUnused, key)) {
-      leaveOut(key);
+    } else if (triangles_ == 0 && vertices_.empty() && objFormat().find(key) == nullptr && statements_.rest().empty()) {
+      statements_.fail("is no statement of an OBJ file: is it text?");
+    } else {
+      leftOut_.addKeyword(objFormat(), key);
     }
   }
 
@@ -240,33 +223,11 @@ class Reader {
       // Exporters that rename the mesh leave the old name in it.
       path = fs::absolute(file_).replace_extension(".mtl");
       if (!fs::is_regular_file(path, ignored)) {
-        if (!contains(missing_, name)) missing_.push_back(name);
+        if (std::find(missing_.begin(), missing_.end(), name) == missing_.end()) missing_.push_back(name);
         return;
       }
     }
     obj::readLibrary(path, library_);
-  }
-
-  void leaveOut(std::string_view key) {
-    if (contains(kOfFreeForms, key)) return;
-    const auto named =
-        std::find_if(kLeftOut.begin(), kLeftOut.end(), [&](const auto& each) { return each.first == key; });
-    if (named == kLeftOut.end() && statements_.rest().empty() && triangles_ == 0 && vertices_.empty()) {
-      statements_.fail("is no statement of an OBJ file: is it text?");
-    }
-    ++leftOut_[named != kLeftOut.end() ? std::string(named->second)
-                                       : fmt::format("statements '{}'", key.substr(0, 40))];
-  }
-
-  void tellWhatIsLeftOut() const {
-    std::map<std::string, std::size_t> all = leftOut_;
-    all.insert(library_.leftOut.begin(), library_.leftOut.end());
-    if (colored_ > 0) all["colours of vertices"] = colored_;
-    if (all.empty()) return;
-    std::string text;
-    for (const auto& [what, count] : all)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", grouped(count), what);
-    warn(fmt::format("{}: left out: {}", file_.string(), text));
   }
 
   // Returns an origin near most vertices (m, along the asset's axes): the median of at most 2000 vertices.
@@ -315,9 +276,9 @@ class Reader {
   std::vector<Part> parts_;
   Part* part_ = nullptr;  // part of the faces that follow; null: not looked up yet
   obj::Materials library_;
-  std::vector<std::string> missing_;            // libraries that do not exist
-  std::map<std::string, std::size_t> leftOut_;  // number of statements that are left out, by what they are
-  std::size_t colored_ = 0;                     // number of vertices with a colour
+  std::vector<std::string> missing_;  // libraries that do not exist
+  LeftOut leftOut_;
+  std::uint64_t colored_ = 0;  // number of vertices with a colour
   std::uint64_t triangles_ = 0;
   std::uint64_t outOfRange_ = 0;
   double cornersSquared_ = 0;
@@ -327,6 +288,35 @@ class Reader {
 };
 
 }  // namespace
+
+const FormatSupport& objFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "OBJ",
+      ".obj, .mtl",
+      {{Unused, "vn s mg lod bevel c_interp d_interp maplib usemap shadow_obj trace_obj call csh",
+        "normals, smoothing and display"},
+       {Read, "v", "three coordinates in double precision; a weight behind them counts for nothing"},
+       {Read, "vt", "texture coordinates"},
+       {Read, "f fo",
+        "faces of three corners and more, with negative indices too; polygons are divided into triangles"},
+       {Read, "o g", "names of nodes, with spaces; the faces of one object and group are one node"},
+       {Read, "usemtl mtllib", "materials"},
+       {Read, "newmtl Kd d Tr Pr Pm", "name, colour, opacity, roughness and metalness of a material"},
+       {Read, "map_Kd map_kd map_d map_opacity",
+        "images, with their options -s and -o; the other options count for nothing"},
+       {Unused, "vp deg bmat step cstype parm trim hole scrv sp con ctech stech res end",
+        "parts of free-form curves and surfaces, which surf, curv and curv2 count"},
+       {Unused, "Ka Ks Ke Ns Ni Tf illum sharpness Ps Pc Pcr aniso anisor", "lighting"},
+       {Unused, "map_Ka map_Ks map_Ke map_Ns map_bump map_Bump bump norm disp refl map_refl", "images of lighting"},
+       {Unused, "map_Pr map_Pm map_Ps map_aat map_Ni map_Tf", "images of lighting"},
+       {LeftOut, "l", "lines (l)"},
+       {LeftOut, "p", "points (p)"},
+       {LeftOut, "surf", "free-form surfaces (surf)"},
+       {LeftOut, "curv curv2", "free-form curves (curv, curv2)"},
+       {LeftOut, "", "colours of vertices"}}};
+  return format;
+}
 
 ImportedFile readObjMesh(const std::filesystem::path& file, const AssetOptions& options) {
   return Reader(file, options).read();

@@ -10,15 +10,17 @@
 //                              contain spaces. Faces of one object and group are one node, even if others come between.
 //   usemtl NAME, mtllib FILE   materials; the name of a library may contain spaces, and a line may name several
 //
-// Normals, smoothing groups, levels of detail and display attributes change no surface. All other statements, such as
-// lines, points and free-form surfaces, are left out with a warning that counts them.
+// Statements that the table objFormat() leaves out, such as lines, and unknown ones are counted in one warning.
 
 #include <filesystem>
 
 #include "assets/asset.h"
 #include "assets/imported_file.h"
+#include "base/format_support.h"
 
 namespace scanmill {
+
+const FormatSupport& objFormat();
 
 // Reads the file. Triangles with indices out of range are dropped and counted. Throws InputError with the line of a
 // statement that cannot be read, and for a library outside of the asset's folder unless AssetOptions::allowOutside.

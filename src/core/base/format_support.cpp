@@ -1,0 +1,57 @@
+#include "base/format_support.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/grouped.h"
+
+namespace scanmill {
+
+const FormatElements* FormatSupport::find(std::string_view keyword) const {
+  for (const FormatElements& row : elements) {
+    for (std::size_t at = 0; at < row.names.size();) {
+      const std::size_t end = std::min(row.names.find(' ', at), row.names.size());
+      if (row.names.substr(at, end - at) == keyword) return &row;
+      at = end + 1;
+    }
+  }
+  return nullptr;
+}
+
+bool FormatSupport::has(FormatElements::Use use, std::string_view keyword) const {
+  const FormatElements* const row = find(keyword);
+  return row != nullptr && row->use == use;
+}
+
+void LeftOut::add(const std::string& what, std::uint64_t count) {
+  if (count > 0) counts_[what] += count;
+}
+
+void LeftOut::addKeyword(const FormatSupport& format, std::string_view keyword) {
+  const FormatElements* const row = format.find(keyword);
+  if (row == nullptr) {
+    add(fmt::format("unknown '{}'", keyword.substr(0, 40)));
+  } else if (row->use == FormatElements::Use::LeftOut) {
+    add(std::string(row->note));
+  }
+}
+
+void LeftOut::add(const LeftOut& other) {
+  for (const auto& [what, count] : other.counts_) add(what, count);
+}
+
+std::string LeftOut::text() const {
+  std::string text;
+  for (const auto& [what, count] : counts_) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", grouped(count), what);
+  }
+  return text;
+}
+
+void LeftOut::tell(const std::string& file) const {
+  if (!empty()) warn(fmt::format("{}: left out: {}", file, text()));
+}
+
+}  // namespace scanmill
