@@ -1,8 +1,10 @@
-// 3D files. Those of assimp go through its child process, so that these two are slow.
+// 3D files. Those of assimp go through its child process, so that 'assets' is slow.
 
+#include <algorithm>
 #include <array>
 
 #include "assets/asset.h"
+#include "assets/obj/obj_mesh.h"
 #include "base/error.h"
 #include "formats/cloud_file.h"
 #include "formats/readers.h"
@@ -20,6 +22,13 @@ const AddFuzzTarget kAssets("assets", [](std::string_view bytes) {
   static constexpr std::array<const char*, 8> kKinds{".obj", ".stl", ".ply", ".dae", ".ac", ".fbx", ".3ds", ".off"};
   const std::string kind = kKinds[kindOf(bytes, kKinds.size())];
   readAsset(inputFile(bytes, kind), {});
+});
+
+// An OBJ file, and from the first "newmtl" on the library that stands beside it.
+const AddFuzzTarget kObj("obj", [](std::string_view bytes) {
+  const std::size_t library = std::min(bytes.find("newmtl"), bytes.size());
+  inputFile(bytes.substr(library), ".mtl");
+  readObjMesh(inputFile(bytes.substr(0, library), ".obj"), {});
 });
 
 const AddFuzzTarget kWorlds("worlds", [](std::string_view bytes) {
