@@ -128,7 +128,7 @@ TEST_F(ObjMesh, WhatIsLeftOutIsTold) {
                   "surf 0 1 0 1 1 2 3 4\nend\nfancy 1 2\n"));
   EXPECT_THAT(message,
               AllOf(HasSubstr("2 lines (l)"), HasSubstr("1 points (p)"), HasSubstr("1 free-form surfaces (surf)"),
-                    HasSubstr("1 statements 'fancy'"), Not(HasSubstr("bezier")), Not(HasSubstr("vn"))));
+                    HasSubstr("1 unknown 'fancy'"), Not(HasSubstr("bezier")), Not(HasSubstr("vn"))));
   EXPECT_EQ(told(square("vn 0 0 1\ns 1\nlod 2\nf 1 2 3\n")), "");
   EXPECT_THAT(refused("garbage\n"), HasSubstr("is no statement of an OBJ file"));
   EXPECT_THAT(refused(std::string("\xFF\xFEv\0 \0", 6)), HasSubstr("is UTF-16 text: save it as UTF-8"));
