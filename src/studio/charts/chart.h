@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/vec.h"
@@ -47,6 +48,11 @@ struct ChartSeries {
   std::vector<std::string> labels{};   // drawn beside the point if there is room; an empty text is not drawn
   std::vector<std::string> details{};  // text that is shown when the pointer is on the point
   std::vector<std::string> fills{};    // "#rrggbb" colours of bars instead of the palette's; the legend shows the first
+
+  void add(const Vec2d& point, std::string detail) {
+    points.push_back(point);
+    details.push_back(std::move(detail));
+  }
 };
 
 struct Chart {

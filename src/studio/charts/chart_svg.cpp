@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "charts/chart.h"
 #include "charts/svg_text.h"
@@ -26,24 +25,15 @@ bool isDrawn(const Vec2d& p) {
 // The palette of M. Okabe and K. Ito, Color Universal Design, 2008, in the same order as in charts.js. Black is
 // replaced by the ink colour. Yellow comes last, since it is hardly visible on a white page. On a dark page, both
 // blues, vermilion and green are lighter.
+using SeriesColors = std::array<const char*, kChartColors>;
+constexpr SeriesColors kOnLight{"#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#1f2328", "#F0E442"};
+constexpr SeriesColors kOnDark{"#3D9BDC", "#E8762B", "#12B886", "#E69F00", "#CC79A7", "#7CC8F2", "#e6edf3", "#F0E442"};
 struct ChartPalette {
   const char *page, *ink, *muted, *grid, *axis, *band;
-  std::array<const char*, kChartColors> colors;
+  SeriesColors colors;
 };
-constexpr ChartPalette kLight{"#ffffff",
-                              "#1f2328",
-                              "#59636e",
-                              "#e8ebef",
-                              "#8b949e",
-                              "#f3f5f8",
-                              {"#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9", "#1f2328", "#F0E442"}};
-constexpr ChartPalette kDark{"#12161c",
-                             "#e6edf3",
-                             "#9aa4af",
-                             "#262d36",
-                             "#6e7681",
-                             "#1a2029",
-                             {"#3D9BDC", "#E8762B", "#12B886", "#E69F00", "#CC79A7", "#7CC8F2", "#e6edf3", "#F0E442"}};
+constexpr ChartPalette kLight{"#ffffff", "#1f2328", "#59636e", "#e8ebef", "#8b949e", "#f3f5f8", kOnLight};
+constexpr ChartPalette kDark{"#12161c", "#e6edf3", "#9aa4af", "#262d36", "#6e7681", "#1a2029", kOnDark};
 constexpr std::array kDashes{"", "7 3", "2.5 3", "10 3 2 3", "5 2 2 2 2 2", "12 4", "", "4 4"};
 // SVG paths of marks around the origin. All cover about the same area as the first mark, a circle of radius 1.
 constexpr std::array kShapes{"M-1,0A1,1 0 1 1 1,0A1,1 0 1 1 -1,0Z",
@@ -257,8 +247,8 @@ class SvgDrawing {
     std::vector<const ChartSeries*> done;
     for (const ChartSeries& s : chart_.series) {
       const auto same = [&](const ChartSeries& o) { return o.name == s.name && o.color == s.color; };
-      if (s.name.empty() || std::none_of(s.points.begin(), s.points.end(), isDrawn)) continue;
-      if (std::any_of(done.begin(), done.end(), [&](const ChartSeries* o) { return same(*o); })) continue;
+      if (s.name.empty() || std::ranges::none_of(s.points, isDrawn)) continue;
+      if (std::ranges::any_of(done, [&](const ChartSeries* o) { return same(*o); })) continue;
       done.push_back(&s);
       const double wide = 32 + svgTextWidth(s.name, kFont);
       if (x > kMargin && x + wide > width_ - kMargin) x = kMargin, y += kFont * 1.6;
@@ -422,8 +412,7 @@ class SvgDrawing {
         const auto covers = [&](const ChartBox& o) { return box.overlaps(o); };
         const bool inside =
             box.left >= area_.left && box.right <= area_.right && box.top >= area_.top && box.bottom <= area_.bottom;
-        placed = inside && std::none_of(taken_.begin(), taken_.end(), covers) &&
-                 (uponLines || std::none_of(lines_.begin(), lines_.end(), covers));
+        placed = inside && std::ranges::none_of(taken_, covers) && (uponLines || std::ranges::none_of(lines_, covers));
         if (!placed) return;
         taken_.push_back(box);
         if (reach > 0) {
@@ -454,36 +443,30 @@ class SvgDrawing {
 }  // namespace
 
 std::string axisNumber(double value, const std::string& unit) {
-  struct Prefix {
-    double factor;
-    const char* text;
-  };
-  constexpr std::array<Prefix, 9> kPrefixes{{{1e12, "T"},
-                                             {1e9, "G"},
-                                             {1e6, "M"},
-                                             {1e3, "k"},
-                                             {1, ""},
-                                             {1e-3, "m"},
-                                             {1e-6, "\xC2\xB5"},
-                                             {1e-9, "n"},
-                                             {1e-12, "p"}}};
   if (unit == "%") return plain(value * 100) + " %";
   const double size = std::abs(value);
   const std::string space = unit.empty() ? "" : " ";
   if (size == 0) return "0" + space + unit;
   if (!(size < 1 && unit.empty()) && size < 1e16) {
-    for (const Prefix& prefix : kPrefixes) {
-      if (size < prefix.factor * (1 - 1e-9)) continue;
-      const std::string unitText = std::string(prefix.text) + unit;
-      return plain(value / prefix.factor) + (unitText.empty() ? "" : " " + unitText);
+    for (const auto& [factor, prefix] : {std::pair(1e12, "T"),
+                                         {1e9, "G"},
+                                         {1e6, "M"},
+                                         {1e3, "k"},
+                                         {1.0, ""},
+                                         {1e-3, "m"},
+                                         {1e-6, "\xC2\xB5"},
+                                         {1e-9, "n"},
+                                         {1e-12, "p"}}) {
+      if (size < factor * (1 - 1e-9)) continue;
+      const std::string unitText = prefix + unit;
+      return plain(value / factor) + (unitText.empty() ? "" : " " + unitText);
     }
   }
   return plain(value) + space + unit;
 }
 
 bool hasPoints(const Chart& chart) {
-  return std::any_of(chart.series.begin(), chart.series.end(),
-                     [](const ChartSeries& s) { return std::any_of(s.points.begin(), s.points.end(), isDrawn); });
+  return std::ranges::any_of(chart.series, [](const ChartSeries& s) { return std::ranges::any_of(s.points, isDrawn); });
 }
 
 std::string drawSvg(const Chart& chart) {

@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <utility>
 
 namespace scanmill {
 
@@ -20,7 +22,6 @@ constexpr std::array<int, 95> kWidths{278,  278, 355, 556, 556, 889, 667, 191, 3
 // Factor by which texts in fonts such as DejaVu Sans and Verdana are wider than in Helvetica.
 constexpr double kOtherFonts = 1.12;
 constexpr double kBold = 1.07;
-constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
 
 struct Character {
   std::size_t bytes = 1;
@@ -48,6 +49,11 @@ Character characterAt(std::string_view text, std::size_t at) {
   return none ? Character{} : Character{bytes, code};
 }
 
+using Escape = std::pair<std::uint32_t, std::string_view>;
+// The texts of code points that XML cannot hold as they are; U+FFFD stands for characters that it does not allow.
+constexpr Escape kEscapes[]{{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"},
+                            {'"', "&quot;"}, {'\'', "&#39;"}, {0, "\xEF\xBF\xBD"}};
+
 double widthOf(std::uint32_t code) {
   if (code >= 32 && code < 127) return kWidths[code - 32];
   return code >= 0x1100 ? 1000 : 600;
@@ -60,21 +66,8 @@ std::string escapeXml(std::string_view text) {
   out.reserve(text.size() + text.size() / 8);
   for (std::size_t i = 0; i < text.size();) {
     const Character c = characterAt(text, i);
-    if (c.code == '&') {
-      out += "&amp;";
-    } else if (c.code == '<') {
-      out += "&lt;";
-    } else if (c.code == '>') {
-      out += "&gt;";
-    } else if (c.code == '"') {
-      out += "&quot;";
-    } else if (c.code == '\'') {
-      out += "&#39;";
-    } else if (c.code == 0) {
-      out += kReplacement;
-    } else {
-      out += text.substr(i, c.bytes);
-    }
+    const auto escape = std::ranges::find(kEscapes, c.code, &Escape::first);
+    out += escape != std::end(kEscapes) ? escape->second : text.substr(i, c.bytes);
     i += c.bytes;
   }
   return out;

@@ -252,8 +252,6 @@ class BeamErrorSum::Impl {
 
 BeamErrorSum::BeamErrorSum(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 BeamErrorSum::~BeamErrorSum() = default;
-BeamErrorSum::BeamErrorSum(BeamErrorSum&&) noexcept = default;
-BeamErrorSum& BeamErrorSum::operator=(BeamErrorSum&&) noexcept = default;
 
 void BeamErrorSum::add(const TrueShot& truth, const Hits& tested, std::span<const float> intensity,
                        std::span<const float> nearestTo, std::span<const float> nearestFrom) {

@@ -93,8 +93,6 @@ class BeamErrorSum {
   // `scene`: provides the classes and the sizes of object instances. It must outlive this object.
   explicit BeamErrorSum(const Scene& scene);
   ~BeamErrorSum();
-  BeamErrorSum(BeamErrorSum&&) noexcept;
-  BeamErrorSum& operator=(BeamErrorSum&&) noexcept;
 
   // Adds a shot. `tested`: hits with the channels Range, Instance and Semantic; a range of NaN counts as a miss.
   // `intensity`: tested intensity of each beam; empty if not compared. `nearestTo`: distance (m) from each beam's true

@@ -57,7 +57,7 @@ std::vector<float> distancesByPoint(std::span<const Vec3f> from, const Cloud& to
 }
 
 void appendKnown(std::vector<float>& all, const std::vector<float>& more) {
-  std::copy_if(more.begin(), more.end(), std::back_inserter(all), [](float d) { return !std::isnan(d); });
+  std::ranges::copy_if(more, std::back_inserter(all), [](float d) { return !std::isnan(d); });
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ CloudDistances cloudDistances(std::span<const Vec3f> truth, std::span<const Vec3
   if (!there.points.empty() && !here.points.empty()) {
     return {distancesByPoint(truth, here), distancesByPoint(tested, there), 0};
   }
-  return {std::vector<float>(truth.size(), kNoDistance), std::vector<float>(tested.size(), kUnknown),
+  return {std::vector<float>(truth.size(), kNoDistance), std::vector<float>(tested.size(), kNoDistance),
           there.points.size() + here.points.size()};
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 
 #include "base/parallel.h"
 #include "base/stage_clock.h"
@@ -18,10 +17,6 @@ namespace scanmill {
 namespace {
 
 constexpr int kFewestRounds = 2;
-
-double leastOf(const std::vector<double>& values) {
-  return *std::min_element(values.begin(), values.end());
-}
 
 // The pipeline, unchanged or with one feature added or removed, and the measured times of each round (s).
 struct Variant {
@@ -57,23 +52,19 @@ void runOnce(Variant& v, std::uint32_t frame) {
   v.encode.push_back(seconds["encode"]);
 }
 
-double roundSeconds(const Variant& v, std::size_t round) {
-  return v.trace[round] + v.effects[round] + v.encode[round];
-}
-
 // Returns a measure of timing noise: the difference (s) between the fastest odd round and the fastest even round;
 // the complete time if there is only one round.
 double scatterOf(const Variant& v) {
   double least[2] = {INFINITY, INFINITY};
   for (std::size_t round = 0; round < v.trace.size(); ++round) {
-    least[round % 2] = std::min(least[round % 2], roundSeconds(v, round));
+    least[round % 2] = std::min(least[round % 2], v.trace[round] + v.effects[round] + v.encode[round]);
   }
   return v.trace.size() < 2 ? least[0] : std::abs(least[0] - least[1]);
 }
 
 FrameCost costOf(const Variant& v) {
   // The minimum is used, since other processes on the machine can only make a round slower.
-  return {leastOf(v.trace), leastOf(v.effects), leastOf(v.encode), v.bytes};
+  return {std::ranges::min(v.trace), std::ranges::min(v.effects), std::ranges::min(v.encode), v.bytes};
 }
 
 FrameCost difference(const FrameCost& with, const FrameCost& without) {
@@ -85,8 +76,7 @@ FrameCost difference(const FrameCost& with, const FrameCost& without) {
 // sets the intensity or the signal-to-noise ratio, for all effects that need these.
 std::vector<bool> dependents(EffectList effects, const EffectEntry* entry) {
   const auto any = [&](auto sets) {
-    return std::any_of(effects.begin(), effects.end(),
-                       [&](const ChosenEffect& e) { return e.entry == entry && sets(*e); });
+    return std::ranges::any_of(effects, [&](const ChosenEffect& e) { return e.entry == entry && sets(*e); });
   };
   const bool lights = any([](const Effect& e) { return e.setsIntensity(); });
   const bool measures = any([](const Effect& e) { return e.setsSnr(); });
@@ -161,8 +151,7 @@ class Features {
   }
 
  private:
-  template <class Change>
-  Variant variant(std::string feature, bool present, const Change& change) const {
+  Variant variant(std::string feature, bool present, const auto& change) const {
     Pipeline pipeline = pipeline_;
     change(pipeline);
     Variant v;
@@ -179,8 +168,7 @@ class Features {
     v.method = whole_.method;
   }
 
-  template <class Change>
-  void add(std::string feature, bool present, const Change& change) {
+  void add(std::string feature, bool present, const auto& change) {
     variants_.push_back(variant(std::move(feature), present, change));
     share(variants_.back());
   }
@@ -190,7 +178,7 @@ class Features {
     std::vector<const EffectEntry*> seen;
     for (const MountedSensor& sensor : pipeline_.sensors) {
       for (const ChosenEffect& effect : *sensor.effects) {
-        if (std::find(seen.begin(), seen.end(), effect.entry) != seen.end()) continue;
+        if (std::ranges::find(seen, effect.entry) != seen.end()) continue;
         seen.push_back(effect.entry);
         const std::vector<bool> go = dependents(*sensor.effects, effect.entry);
         std::string name = fmt::format("effect {}", effect.entry->name);
@@ -230,7 +218,7 @@ class Features {
 
   void addAlpha() {
     const auto tested = [](const Material& m) { return m.alphaTested; };
-    if (std::none_of(whole_.scene->materials.begin(), whole_.scene->materials.end(), tested)) return;
+    if (std::ranges::none_of(whole_.scene->materials, tested)) return;
     Variant v = variant("alpha cut-outs", true, [](Pipeline&) {});
     auto solid = std::make_shared<Scene>(*whole_.scene);
     for (Material& m : solid->materials) m.alphaTested = false;

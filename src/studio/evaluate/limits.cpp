@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <numeric>
 
 #include "base/error.h"
 #include "config/fields.h"
@@ -96,18 +95,9 @@ struct Unit {
 
 // Returns the unit in which messages state a value. Lengths are in millimetres if the limit is below one metre.
 Unit unitOf(Kind kind, double allowed) {
-  switch (kind) {
-    case Kind::Length:
-      return allowed < 1 ? Unit{" mm", 1e-3} : Unit{" m"};
-    case Kind::Share:
-    case Kind::Agreement:
-      return {" %", 0.01};
-    case Kind::Rate:
-      return {" million beams/s", 1e6};
-    case Kind::Amount:
-      break;
-  }
-  return {};
+  if (kind == Kind::Length) return allowed < 1 ? Unit{" mm", 1e-3} : Unit{" m"};
+  if (kind == Kind::Rate) return {" million beams/s", 1e6};
+  return kind == Kind::Amount ? Unit{} : Unit{" %", 0.01};
 }
 
 // Describes an exceeded limit. The value is written with three digits, or with more if these are needed to show that
@@ -177,20 +167,12 @@ double readShare(const Value& value, std::string_view key, std::string_view exam
   refuse(value, key, fmt::format("a share from 0 % to 100 %, such as {}", example));
 }
 
+// Reads a limit of an error.
 double readLimit(const Limit& limit, const Value& value) {
-  switch (limit.kind) {
-    case Kind::Length:
-      return readLength(value, limit.key);
-    case Kind::Share:
-      return readShare(value, limit.key, "0.1 % or 0.001");
-    case Kind::Agreement:
-      return readShare(value, limit.key, "99.5 % or 0.995");
-    case Kind::Amount:
-      return readNumber(value, fmt::format("max_error: {}", limit.key), {0, kInfinity});
-    case Kind::Rate:
-      break;
-  }
-  return readNumber(value, "min_rate (beams/s)", {1, kInfinity});
+  if (limit.kind == Kind::Length) return readLength(value, limit.key);
+  if (limit.kind == Kind::Share) return readShare(value, limit.key, "0.1 % or 0.001");
+  if (limit.kind == Kind::Agreement) return readShare(value, limit.key, "99.5 % or 0.995");
+  return readNumber(value, fmt::format("max_error: {}", limit.key), {0, kInfinity});
 }
 
 }  // namespace
@@ -212,7 +194,7 @@ ErrorLimits readErrorLimits(const Value* errors, const Value* rateValue) {
     }
   }
   if (rateValue != nullptr && rateValue->kind != Value::Kind::Null) {
-    limits.minRate = readLimit(kLimits.back(), *rateValue);
+    limits.minRate = readNumber(*rateValue, "min_rate (beams/s)", {1, kInfinity});
     asked = true;
   }
   if (asked) return limits;
@@ -259,9 +241,8 @@ std::optional<std::size_t> bestThatHolds(std::span<const Candidate> candidates, 
   constexpr double kSameCost = 1.1;
   std::optional<std::size_t> best = cheapest(candidates, limits);
   if (!best) return best;
-  const bool onlyRate = std::none_of(kLimits.begin(), kLimits.end(), [&](const Limit& limit) {
-    return limit.kind != Kind::Rate && (limits.*limit.allowed).has_value();
-  });
+  const bool onlyRate = std::ranges::none_of(
+      kLimits, [&](const Limit& limit) { return limit.kind != Kind::Rate && (limits.*limit.allowed).has_value(); });
   const double most = onlyRate ? kInfinity : kSameCost * candidates[*best].secondsPerBeam;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!(candidates[i].secondsPerBeam <= most) || !broken(candidates[i], limits).empty()) continue;
@@ -282,17 +263,8 @@ std::optional<std::size_t> cheapest(std::span<const Candidate> candidates, const
 std::size_t nearestToHolding(std::span<const Candidate> candidates, const ErrorLimits& limits) {
   if (candidates.empty()) throw Error("there is no setting to choose from");
   // The cheaper of two candidates is returned if both exceed limits by the same factor.
-  std::size_t best = 0;
-  double least = largestExcess(candidates[0], limits);
-  for (std::size_t i = 1; i < candidates.size(); ++i) {
-    const double factor = largestExcess(candidates[i], limits);
-    if (factor > least || (factor == least && !(candidates[i].secondsPerBeam < candidates[best].secondsPerBeam))) {
-      continue;
-    }
-    best = i;
-    least = factor;
-  }
-  return best;
+  const auto order = [&](const Candidate& c) { return std::pair(largestExcess(c, limits), c.secondsPerBeam); };
+  return static_cast<std::size_t>(std::ranges::min_element(candidates, {}, order) - candidates.begin());
 }
 
 std::vector<std::size_t> paretoFront(std::span<const double> a, std::span<const double> b) {
@@ -301,8 +273,8 @@ std::vector<std::size_t> paretoFront(std::span<const double> a, std::span<const 
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (!std::isnan(a[i]) && !std::isnan(b[i])) order.push_back(i);
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t l, std::size_t r) { return a[l] != a[r] ? a[l] < a[r] : b[l] < b[r]; });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t l, std::size_t r) { return a[l] != a[r] ? a[l] < a[r] : b[l] < b[r]; });
   std::vector<std::size_t> front;
   for (const std::size_t i : order) {
     const bool better = front.empty() || b[i] < b[front.back()];

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/wall_timer.h"
+#include "pipeline/read/pipeline.h"
 
 namespace scanmill {
 
@@ -35,12 +36,6 @@ class ResidentGrowth {
 
 void checkStop(const MeasureOptions& options) {
   if (options.stop && options.stop()) throw Error("stopped: the measurement is not finished");
-}
-
-// Returns the angle (rad) for edgeBeams(): the angle between neighbouring columns, since a method that samples as
-// finely as the sensor may miss an edge by this angle. The result is at most one degree, for tables with few columns.
-double edgeAngle(const BeamTable& beams) {
-  return std::min(beams.field / std::max(beams.columns, 1u), radians(1));
 }
 
 // Returns the transform from the sensor's frame at a step of the revolution to its frame at the start. World positions
@@ -84,6 +79,19 @@ TraceAccount timeScans(const Method& method, const Shot& shot, const MeasureOpti
 }
 
 }  // namespace
+
+std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(const Pipeline& pipeline,
+                                                                               const Scene& scene) {
+  if (!setsIntensity(pipeline)) return {};
+  return [&pipeline, &scene](const Shot& shot, const Hits& hits) {
+    Returns returns;
+    returns.start(hits);
+    for (const auto& effect : *pipeline.sensors[shot.sensor].effects) {
+      if (effect->setsIntensity()) effect->apply(hits, shot, scene.materials, returns);
+    }
+    return std::move(returns.intensity);
+  };
+}
 
 void requireOneRay(const Hits& hits) {
   if (hits.beamOfRay.empty() && hits.rays() == hits.size()) return;
@@ -133,16 +141,18 @@ std::vector<TrueShot> trueShots(const Scene& scene, std::vector<Shot> shots, con
     TrueShot& truth = all.emplace_back();
     truth.shot = std::move(shot);
     tracer.trace(truth.shot, kErrorChannels | options.channels, truth.truth);
-    truth.edges = edgeBeams(*rays, truth.shot, edgeAngle(*truth.shot.beams));
+    // A method that samples as finely as the sensor may miss an edge by the angle between neighbouring columns. Tables
+    // with few columns have larger angles than the degree that is used at most.
+    const BeamTable& beams = *truth.shot.beams;
+    truth.edges = edgeBeams(*rays, truth.shot, std::min(beams.field / std::max(beams.columns, 1u), radians(1)));
     if (options.intensity) truth.intensity = options.intensity(truth.shot, truth.truth.hits);
   }
   return all;
 }
 
 bool anyHit(std::span<const TrueShot> shots) {
-  return std::any_of(shots.begin(), shots.end(), [](const TrueShot& t) {
-    return std::any_of(t.truth.range.begin(), t.truth.range.end(), [](double r) { return std::isfinite(r); });
-  });
+  const auto hit = [](double range) { return std::isfinite(range); };
+  return std::ranges::any_of(shots, [&](const TrueShot& t) { return std::ranges::any_of(t.truth.range, hit); });
 }
 
 Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const Scene& scene,
@@ -200,7 +210,7 @@ Measurement measure(const std::function<std::unique_ptr<Method>()>& make, const 
     const double share = static_cast<double>(own.size()) / static_cast<double>(scans);
     const Spread spread = spreadOf(own);
     result.cost.scanSeconds += share * spread.median;
-    result.cost.fastest += share * *std::min_element(own.begin(), own.end());
+    result.cost.fastest += share * *std::ranges::min_element(own);
     result.cost.slowest += share * spread.max;
   }
   if (scans > 0) {

@@ -16,6 +16,8 @@
 
 namespace scanmill {
 
+struct Pipeline;
+
 struct Cost {
   double setupSeconds = 0;  // wall time for creating the method and preparing it for the first shot
   // Wall time of a scan (s): the median, minimum and maximum over all scans of a sensor. For several sensors, each
@@ -52,6 +54,12 @@ struct MeasureOptions {
   // Called between scans. If it returns true, measure() throws Error.
   std::function<bool()> stop{};
 };
+
+// Returns a function for MeasureOptions::intensity that applies a pipeline's effects without noise; the hits must have
+// the channels that the effects read. The function is null if no effect of the pipeline sets the intensity. `pipeline`
+// and `scene` must outlive the function.
+std::function<std::vector<float>(const Shot&, const Hits&)> noiseFreeIntensity(const Pipeline& pipeline,
+                                                                               const Scene& scene);
 
 // Throws Error if beams fire several rays, since methods are compared beam by beam.
 void requireOneRay(const Hits& hits);

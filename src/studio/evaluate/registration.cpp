@@ -13,7 +13,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <nanoflann.hpp>
+#include <numeric>
+#include <vector>
 
 #include "base/parallel.h"
 
@@ -111,7 +114,9 @@ class PclPair {
 
   bool align(const IcpOptions& options) {
     if (source_->size() < kLeastPoints || target_->size() < kLeastPoints) return false;
-    silence();
+    // Turns off PCL's messages. The expected message, about too few matches, is not needed: see Registered::moved.
+    static std::once_flag silenced;
+    std::call_once(silenced, pcl::console::setVerbosityLevel, pcl::console::L_ALWAYS);
     icp_.setMaximumIterations(options.iterations);
     if (options.reach < std::numeric_limits<double>::infinity()) icp_.setMaxCorrespondenceDistance(options.reach);
     PclCloud moved;
@@ -128,15 +133,6 @@ class PclPair {
   }
 
  private:
-  // Turns off PCL's messages. The expected message, about too few matches, is not needed: see Registered::moved.
-  static void silence() {
-    static const bool done = [] {
-      pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
-      return true;
-    }();
-    static_cast<void>(done);
-  }
-
   Vec3f middle_;
   PclCloud::Ptr source_, target_;
   pcl::IterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ> icp_;
@@ -156,22 +152,19 @@ Registered registerClouds(std::span<const Vec3f> source, std::span<const Vec3f> 
 }
 
 FitnessSpread fitnessSpread(std::span<const std::optional<double>> values) {
+  std::vector<double> known;
+  for (const std::optional<double>& v : values) {
+    if (v) known.push_back(*v);
+  }
   FitnessSpread spread;
-  double sum = 0;
-  for (const std::optional<double>& v : values) {
-    if (!v) continue;
-    spread.low = spread.count == 0 ? *v : std::min(spread.low, *v);
-    spread.high = spread.count == 0 ? *v : std::max(spread.high, *v);
-    sum += *v;
-    ++spread.count;
-  }
-  if (spread.count == 0) return spread;
-  spread.mean = sum / static_cast<double>(spread.count);
+  if (known.empty()) return spread;
+  spread.count = known.size();
+  spread.low = std::ranges::min(known);
+  spread.high = std::ranges::max(known);
+  spread.mean = std::accumulate(known.begin(), known.end(), 0.0) / static_cast<double>(known.size());
   double squares = 0;
-  for (const std::optional<double>& v : values) {
-    if (v) squares += square(*v - spread.mean);
-  }
-  if (spread.count > 1) spread.deviation = std::sqrt(squares / static_cast<double>(spread.count - 1));
+  for (const double v : known) squares += square(v - spread.mean);
+  if (known.size() > 1) spread.deviation = std::sqrt(squares / static_cast<double>(known.size() - 1));
   return spread;
 }
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "base/vec.h"
 

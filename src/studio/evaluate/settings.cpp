@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "config/fields.h"
 #include "config/flow_text.h"
@@ -67,9 +66,10 @@ std::vector<MethodSetting> readSettings(const Value& list, const std::string& wh
       entry.make(nothing, fields);
       MethodSetting setting{{settingName(named.name, options), named.name, flowText(options)},
                             {&entry, options, false}};
-      const bool twice = std::any_of(settings.begin(), settings.end(),
-                                     [&](const MethodSetting& s) { return s.setting.name == setting.setting.name; });
-      if (twice) throw InputError(item.where, fmt::format("{}: '{}' is listed twice", what, setting.setting.name));
+      const auto nameOf = [](const MethodSetting& s) { return s.setting.name; };
+      if (std::ranges::find(settings, setting.setting.name, nameOf) != settings.end()) {
+        throw InputError(item.where, fmt::format("{}: '{}' is listed twice", what, setting.setting.name));
+      }
       settings.push_back(std::move(setting));
       if (settings.size() > kMostSettings) {
         throw InputError(item.where, fmt::format("{}: the list has more than {} settings", what, kMostSettings));

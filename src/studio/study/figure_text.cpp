@@ -4,27 +4,24 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <ctime>
+#include <initializer_list>
+#include <utility>
 
 namespace scanmill {
 
 namespace {
 
-struct Scale {
-  double factor;
-  const char* unit;
-};
-
 // Formats a value with the largest unit in which it is at least 1 after rounding (0.9995 becomes 1.00); if there is
-// none, with the smallest unit.
-template <std::size_t n>
-std::string scaled(double value, const std::array<Scale, n>& scales) {
-  for (const Scale& scale : scales) {
-    if (std::abs(value) >= scale.factor * 0.9995) return threeDigits(value / scale.factor) + scale.unit;
+// none, with the smallest unit. `units`: pairs of size and name, the largest first.
+std::string scaled(double value, std::initializer_list<std::pair<double, const char*>> units) {
+  std::string text;
+  for (const auto& [size, unit] : units) {
+    text = threeDigits(value / size) + unit;
+    if (std::abs(value) >= size * 0.9995) break;
   }
-  return threeDigits(value / scales.back().factor) + scales.back().unit;
+  return text;
 }
 
 }  // namespace
@@ -44,17 +41,21 @@ std::string threeDigits(double value) {
 std::string metresText(double metres) {
   if (metres == 0) return "0";
   if (metres < 1e-6) return "< 1 \xC2\xB5m";
-  return scaled(metres, std::array<Scale, 4>{{{1e3, " km"}, {1, " m"}, {1e-3, " mm"}, {1e-6, " \xC2\xB5m"}}});
+  return scaled(metres, {{1e3, " km"}, {1, " m"}, {1e-3, " mm"}, {1e-6, " \xC2\xB5m"}});
 }
 
 std::string secondsText(double seconds) {
   if (seconds == 0) return "0 s";
-  return scaled(seconds, std::array<Scale, 3>{{{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}}});
+  return scaled(seconds, {{1, " s"}, {1e-3, " ms"}, {1e-6, " \xC2\xB5s"}});
 }
 
 std::string amountText(double amount) {
   if (amount < 1) return threeDigits(amount);
-  return scaled(amount, std::array<Scale, 4>{{{1e9, " G"}, {1e6, " M"}, {1e3, " k"}, {1, ""}}});
+  return scaled(amount, {{1e9, " G"}, {1e6, " M"}, {1e3, " k"}, {1, ""}});
+}
+
+double shareOf(std::uint64_t part, std::uint64_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
 std::string shareText(double value) {

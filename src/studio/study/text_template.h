@@ -19,7 +19,6 @@
 #include <functional>
 #include <map>
 #include <string>
-#include <string_view>
 
 #include "dataset/json_node.h"
 

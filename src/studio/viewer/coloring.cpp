@@ -26,8 +26,7 @@ namespace {
 }
 
 const ForeignColumn* foreignOf(const Scan& scan, const ColorBy& by) {
-  const auto found = std::find_if(scan.foreign.begin(), scan.foreign.end(),
-                                  [&](const ForeignColumn& column) { return column.name == by.name(); });
+  const auto found = std::ranges::find(scan.foreign, by.name(), &ForeignColumn::name);
   return found == scan.foreign.end() ? nullptr : &*found;
 }
 
@@ -48,8 +47,7 @@ struct ColorOfId {
 
 // Appends to `colors` the colour of each point's id, and returns the ids that finite points have. idOf(i) returns the
 // id of point i; colorOf(id) its colour.
-template <class IdOf, class ColorOf>
-std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, const ColorOf& colorOf,
+std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const auto& idOf, const auto& colorOf,
                                          std::vector<Rgb>& colors) {
   std::map<std::uint32_t, ColorOfId> present;
   colors.reserve(scan.size());
@@ -69,8 +67,7 @@ std::map<std::uint32_t, ColorOfId> paint(const Scan& scan, const IdOf& idOf, con
 }
 
 Coloring byClass(const Scan& scan, const Ontology* ontology) {
-  Coloring out;
-  out.legend.title = "class";
+  Coloring out{{}, {.title = "class"}};
   const auto color = [&](std::uint32_t id) { return classColor(ontology, static_cast<std::uint16_t>(id)); };
   for (const auto& [id, held] : paint(
            scan, [&](std::size_t i) { return scan[kLabel][i]; }, color, out.colors)) {
@@ -81,8 +78,7 @@ Coloring byClass(const Scan& scan, const Ontology* ontology) {
 }
 
 Coloring byInstance(const Scan& scan) {
-  Coloring out;
-  out.legend.title = "instance";
+  Coloring out{{}, {.title = "instance"}};
   auto present = paint(
       scan, [&](std::size_t i) { return scan[kInstance][i]; }, instanceColor, out.colors);
   const std::uint64_t none = present[0].points;
@@ -100,8 +96,7 @@ Coloring byInstance(const Scan& scan) {
 
 // Colours points by cause. Causes are categories without an order, so each has a separate colour.
 Coloring byCause(const Scan& scan) {
-  Coloring out;
-  out.legend.title = kCause.row.name;
+  Coloring out{{}, {.title = std::string(kCause.row.name)}};
   const auto cause = [&](std::size_t i) { return scan[kCause][i]; };
   const auto reason = [](std::uint32_t of) { return findReason(static_cast<std::uint8_t>(of)); };
   const auto color = [&](std::uint32_t of) { return reason(of) == nullptr ? kNoValue : Rgb(reason(of)->color); };
@@ -121,8 +116,7 @@ Coloring byReturn(const Scan& scan) {
     return single ? 1U : scan[kReturn].empty() ? keyOf(scan, i).number + 1U : scan[kReturn][i];
   };
   const auto color = [&](std::uint32_t of) { return of == 1 ? viridis(kFirstReturn) : instanceColor(of); };
-  Coloring out;
-  out.legend.title = "return";
+  Coloring out{{}, {.title = "return"}};
   for (const auto& [of, held] : paint(scan, number, color, out.colors)) {
     const std::string name = single    ? "first return (the only one)"
                              : of == 0 ? "not known"
@@ -152,12 +146,8 @@ constexpr std::size_t kMostSorted = 1'000'000;  // maximum number of values from
 
 // Colours points by a number. at(i) returns the value of point i. `given`: ends of the scale that the user has chosen;
 // absent: see `scale`.
-template <class At>
-Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<ScaleRange>& given, const At& at) {
-  Coloring out;
-  out.legend.title = scale.title;
-  out.legend.scale = true;
-  out.legend.power = scale.power;
+Coloring byNumber(const Scan& scan, const Scale& scale, const std::optional<ScaleRange>& given, const auto& at) {
+  Coloring out{{}, {.title = scale.title, .scale = true, .power = scale.power}};
   out.legend.integers = scale.integers;
   out.legend.held = given.has_value();
   std::vector<double> finite;
@@ -239,25 +229,15 @@ Coloring byForeign(const Scan& scan, const ForeignColumn& column, const ColorCon
       column.values);
 }
 
-// A quantity that is not a column, and the key in the viewer that selects it.
-struct Figure {
-  const ColorBy& by;
-  char key;
-};
-
 std::vector<std::string> namesInOrder() {
-  const Figure figures[] = {{kByRange, '4'}, {kByHeight, '7'}, {kByError, '0'}};
+  // The quantities that are not columns, and the keys in the viewer that select them.
+  const std::map<char, ColorBy> figures{{'4', kByRange}, {'7', kByHeight}, {'0', kByError}};
   std::vector<std::string> names;
-  for (const char key : std::string_view("1234567890")) {
+  for (const char key : {'1', '2', '3', '4', '5', '6', '7', '8', '9', '0', '\0'}) {  // 0: columns without a key
     for (const Column& column : kColumns) {
       if (column.display.key == key) names.emplace_back(ColorBy::titleOf(column));
     }
-    for (const Figure& figure : figures) {
-      if (figure.key == key) names.push_back(figure.by.name());
-    }
-  }
-  for (const Column& column : kColumns) {
-    if (column.display.key == 0) names.emplace_back(ColorBy::titleOf(column));
+    if (figures.contains(key)) names.push_back(figures.at(key).name());
   }
   return names;
 }
@@ -265,8 +245,7 @@ std::vector<std::string> namesInOrder() {
 }  // namespace
 
 const Column* ColorBy::column() const {
-  const auto found =
-      std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& c) { return titleOf(c) == name_; });
+  const auto found = std::ranges::find(kColumns, name_, titleOf);
   return found == kColumns.end() ? nullptr : &*found;
 }
 
@@ -309,10 +288,6 @@ Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, cons
   const ForeignColumn* const foreign = foreignOf(scan, by);
   if (foreign == nullptr) failForColumn(scan, by, by.name());
   return byForeign(scan, *foreign, context);
-}
-
-Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology) {
-  return colorScan(scan, colorBy, ColorContext{.ontology = ontology});
 }
 
 }  // namespace scanmill

@@ -120,6 +120,5 @@ struct ColorContext {
 // a scan has no column `return`, all points are first returns, unless the scan is organised in several planes, one per
 // return. Uses all threads.
 Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const ColorContext& context);
-Coloring colorScan(const Scan& scan, const std::optional<ColorBy>& colorBy, const Ontology* ontology);
 
 }  // namespace scanmill

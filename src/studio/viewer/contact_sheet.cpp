@@ -87,9 +87,9 @@ void keepSome(std::vector<Model>& models) {
   std::map<std::string, std::size_t> seen;
   std::vector<std::pair<std::size_t, std::size_t>> order;  // pairs of position in the series and index of the model
   for (std::size_t i = 0; i < models.size(); ++i) order.emplace_back(seen[seriesOf(models[i].name)]++, i);
-  std::sort(order.begin(), order.end());
+  std::ranges::sort(order);
   order.resize(kMostSheetCells);
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::ranges::sort(order, {}, &std::pair<std::size_t, std::size_t>::second);
   std::vector<Model> kept;
   kept.reserve(order.size());
   for (const auto& [place, index] : order) kept.push_back(std::move(models[index]));
@@ -112,6 +112,11 @@ Affine upright(const Affine& worldFromMesh) {
 }
 
 Shape shapeOf(const Scene& scene, const Model& model) {
+  static const SemanticClass kNone{.name = "no class", .color = kNoClass, .aliases = {}};
+  const auto classOf = [&](std::uint16_t id) -> const SemanticClass& {
+    const SemanticClass* const known = id == 0 ? nullptr : scene.ontology.find(id);
+    return known == nullptr ? kNone : *known;
+  };
   Shape shape;
   const Affine own = upright(model.instances.front()->worldFromMesh);
   std::map<std::uint16_t, std::size_t> triangles;
@@ -124,20 +129,14 @@ Shape shapeOf(const Scene& scene, const Model& model) {
         shape.box.add(Vec3d(shape.corners.back()));
       }
       const std::uint16_t semantic = mesh.surfaces[mesh.surfaceOf[t]].semantic;
-      const SemanticClass* const known = scene.ontology.find(semantic);
       ++triangles[semantic];
-      shape.colors.push_back(semantic == 0 || known == nullptr ? kNoClass : known->color);
+      shape.colors.push_back(classOf(semantic).color);
     }
   }
-  std::vector<std::pair<std::size_t, std::uint16_t>> order;
-  order.reserve(triangles.size());
-  for (const auto& [semantic, count] : triangles) order.emplace_back(count, semantic);
-  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
-  for (const auto& [count, semantic] : order) {
-    const SemanticClass* const known = scene.ontology.find(semantic);
-    const bool none = semantic == 0 || known == nullptr;
-    shape.classes.emplace_back(none ? "no class" : known->name, none ? kNoClass : known->color);
-  }
+  std::vector<std::pair<std::uint16_t, std::size_t>> order(triangles.begin(), triangles.end());
+  std::ranges::stable_sort(order, std::greater<>(), &std::pair<std::uint16_t, std::size_t>::second);
+  for (const auto& [semantic, count] : order)
+    shape.classes.emplace_back(classOf(semantic).name, classOf(semantic).color);
   return shape;
 }
 

@@ -1,6 +1,5 @@
 #include "viewer/image.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "images/images.h"

@@ -38,48 +38,46 @@ struct ExrImage {
   }
 };
 
-ExrImage readExr(const std::filesystem::path& file) {
+std::shared_ptr<const ExrImage> readExr(const std::filesystem::path& file, const Ontology* ontology,
+                                        const std::vector<std::string>& materials) {
   const ExrReader header(file);
   const auto& channels = header.channels();
   const auto has = [&](const char* name) {
-    return std::any_of(channels.begin(), channels.end(), [&](const ExrChannel& c) { return c.name == name; });
+    return std::ranges::any_of(channels, [&](const ExrChannel& c) { return c.name == name; });
   };
-  ExrImage image;
+  auto image = std::make_shared<ExrImage>();
+  if (ontology != nullptr) image->ontology = *ontology;
+  image->materials = materials;
   if (!has("range")) {
     PassImage passes = readPasses(file, passesIn(file));
     const Camera& c = passes.camera;
-    image.width = static_cast<int>(c.width);
-    image.height = static_cast<int>(c.height);
-    image.size = fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees", c.width, c.height, degrees(c.horizontalField()),
-                             degrees(c.verticalField()));
-    image.planes = std::move(passes.planes);
+    image->width = static_cast<int>(c.width);
+    image->height = static_cast<int>(c.height);
+    image->size = fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees", c.width, c.height,
+                              degrees(c.horizontalField()), degrees(c.verticalField()));
+    image->planes = std::move(passes.planes);
     return image;
   }
   Hits hits;
   readHits(file, channelsIn(file), hits);
-  image.width = static_cast<int>(hits.columns);
-  image.height = static_cast<int>(hits.rings);
-  image.size = fmt::format("{} rings x {} columns", hits.rings, hits.columns);
-  image.ofSensor = true;
-  forEachPass([&](const ChannelRow&, auto plane, auto column) { image.planes.*plane = std::move(hits.*column); });
-  image.incidence = std::move(hits.incidence);
-  image.unresolved = std::move(hits.unresolved);
+  image->width = static_cast<int>(hits.columns);
+  image->height = static_cast<int>(hits.rings);
+  image->size = fmt::format("{} rings x {} columns", hits.rings, hits.columns);
+  image->ofSensor = true;
+  forEachPass([&](const ChannelRow&, auto plane, auto column) { image->planes.*plane = std::move(hits.*column); });
+  image->incidence = std::move(hits.incidence);
+  image->unresolved = std::move(hits.unresolved);
   return image;
 }
 
-struct Span {
-  double low = 1;
-  double high = 1;
-};
-
 // Returns the 1st and 99th percentile of the positive finite values. In large images only every 97th pixel is used.
-Span spanOf(const std::vector<float>& values) {
+ScaleRange spanOf(const std::vector<float>& values) {
   std::vector<float> seen;
   for (std::size_t i = 0; i<values.size(); i += values.size()> 100'000 ? 97 : 1) {
     if (std::isfinite(values[i]) && values[i] > 0) seen.push_back(values[i]);
   }
-  if (seen.empty()) return {};
-  std::sort(seen.begin(), seen.end());
+  if (seen.empty()) return {1, 1};
+  std::ranges::sort(seen);
   const auto at = [&](double share) {
     return double{seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))]};
   };
@@ -133,27 +131,26 @@ class PlaneMaker {
 
  private:
   // Adds a plane. colorOf(pixel) and valueOf(pixel) are called only for pixels that show a surface.
-  template <class ColorOf, class ValueOf>
-  void add(const std::string& name, std::string note, const ColorOf& colorOf, const ValueOf& valueOf) {
+  void add(const std::string& name, std::string note, const auto& colorOf, const auto& valueOf) {
     PassPlane plane{name, Image(image_->width, image_->height, kBackground), {}, std::move(note), {}};
     plane.legend.title = name;
     for (std::size_t i = 0; i < plane.image.pixels.size(); ++i) {
       if (image_->sees(i)) plane.image.pixels[i] = colorOf(i);
     }
-    plane.value = [image = image_, name, valueOf](int column, int row) {
+    plane.value = [image = image_, valueOf](int column, int row) {
       if (column < 0 || row < 0 || column >= image->width || row >= image->height) return std::string();
       const auto i =
           static_cast<std::size_t>(row) * static_cast<std::size_t>(image->width) + static_cast<std::size_t>(column);
-      if (image->sees(i)) return fmt::format("{}: {}", name, valueOf(i));
+      if (image->sees(i)) return valueOf(i);
       const bool gaveUp = std::binary_search(image->unresolved.begin(), image->unresolved.end(), i);
-      return fmt::format("{}: {}", name, gaveUp ? "unresolved" : "nothing");
+      return std::string(gaveUp ? "unresolved" : "nothing");
     };
     planes_.push_back(std::move(plane));
   }
 
   void addDistance() {
     const std::vector<float>& distance = image_->planes.depth;
-    const Span span = spanOf(distance);
+    const ScaleRange span = spanOf(distance);
     const double scale = span.high > span.low ? 1 / std::log(span.high / span.low) : 0;
     add(
         image_->ofSensor ? "range" : "depth", fmt::format("{:.2g} to {:.3g} m, by its logarithm", span.low, span.high),
@@ -185,7 +182,7 @@ class PlaneMaker {
 
   void addShare(const char* name, const std::vector<float>& values) {
     if (values.empty()) return;
-    const double most = std::max(1.0, double{*std::max_element(values.begin(), values.end())});
+    const double most = std::max(1.0, double{*std::ranges::max_element(values)});
     add(
         name, fmt::format("0 to {:.3g}", most), [&](std::size_t i) { return viridis(values[i] / most); },
         [&values](std::size_t i) { return fmt::format("{:.3g}", values[i]); });
@@ -201,10 +198,7 @@ class PlaneMaker {
 
 std::vector<PassPlane> readExrPlanes(const std::filesystem::path& file, const Ontology* ontology,
                                      const std::vector<std::string>& materials) {
-  const auto image = std::make_shared<ExrImage>(readExr(file));
-  if (ontology != nullptr) image->ontology = *ontology;
-  image->materials = materials;
-  return PlaneMaker(image).make();
+  return PlaneMaker(readExr(file, ontology, materials)).make();
 }
 
 // Draws all planes of the file. Scales them without interpolation, since ids must not be interpolated.
@@ -215,8 +209,7 @@ Image drawExr(const std::filesystem::path& file, const Ontology* ontology, int w
   constexpr int kTitleHeight = 30;    // height of the title in pixels
   constexpr int kCaptionHeight = 26;  // height of the caption above each plane in pixels
   constexpr int kGap = 8;             // space between planes in pixels
-  const auto image = std::make_shared<ExrImage>(readExr(file));
-  if (ontology != nullptr) image->ontology = *ontology;
+  const auto image = readExr(file, ontology, {});
   const std::vector<PassPlane> planes = PlaneMaker(image).make();
   const auto count = static_cast<int>(planes.size());
   const int columns = image->ofSensor ? 1 : count <= kInOneRow ? count : (count + 1) / 2;

@@ -17,7 +17,7 @@ namespace scanmill {
 struct PassPlane {
   std::string name;  // quantity in the plane, such as "depth" or "semantic"
   Image image;       // same size as the file's images
-  // Returns the value of a pixel as text, such as "depth: 12.34 m" or "semantic: car (6)"; empty outside of the image.
+  // Returns the value of a pixel as text, such as "12.34 m" or "car (6)"; empty outside of the image.
   std::function<std::string(int column, int row)> value;
   std::string note;  // what the colours show, such as "0 to 1" or "a colour each"; may be empty
   Legend legend;     // names and colours of classes or materials, or the scale of fractions; empty for other planes

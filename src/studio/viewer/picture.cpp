@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -20,10 +19,6 @@
 namespace scanmill {
 
 namespace {
-
-std::string titleWithPoints(const std::string& title, std::ptrdiff_t points) {
-  return fmt::format("{}, {} point{}", title, grouped(static_cast<std::uint64_t>(points)), points == 1 ? "" : "s");
-}
 
 // Colours that are used after the colours of methods, from Okabe and Ito's palette ("Color universal design", 2008).
 constexpr Rgb kMoreColors[] = {{0, 158, 115}, {204, 121, 167}, {240, 228, 66}};
@@ -68,25 +63,13 @@ void drawPoints(Canvas& canvas, const PixelRect& body, const std::vector<Vec3f>&
   canvas.setViews({&view, 1});
   for (const auto& [size, item] : items) {
     canvas.setPoints(static_cast<ItemId>(size), item.points, item.colors);
-    ItemLook look;
-    look.size = size;
-    look.round = size > 3;  // smaller points have too few pixels for a disc
-    canvas.setLook(static_cast<ItemId>(size), look);
+    // Points of at most 3 pixels have too few pixels for a disc.
+    canvas.setLook(static_cast<ItemId>(size), {.size = static_cast<double>(size), .round = size > 3});
   }
 }
 
-// Draws the points with a title and the legend beside them.
-Image drawBoard(const std::vector<Vec3f>& points, const std::vector<Rgb>& colors, const PictureOptions& options,
-                const Legend& legend, const std::string& left, const std::string& right, const std::string& message) {
-  const PanelNeeds needs = needsOfPicture(options.width, options.height, legend.scale || !legend.entries.empty());
-  const PanelRooms rooms = roomsOf(options.width, options.height, needs);
-  PictureBoard board(options.width, options.height, needs.letter);
-  drawPoints(board.canvas(), rooms.body, points, colors, options);
-  return board.draw([&] {
-    titleRow(rooms.title, left, right);
-    panelAt("##side", rooms.side, false, [&] { legendSection(legend, true); });
-    drawMessage(rooms.body, message);
-  });
+std::uint64_t finitePoints(const Scan& scan) {
+  return static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
 }
 
 }  // namespace
@@ -97,17 +80,22 @@ Rgb overlayColor(std::size_t scan) {
 }
 
 Image drawPicture(const Scan& scan, const Ontology* ontology, const PictureOptions& options, const std::string& title) {
-  return drawColored(scan, colorScan(scan, options.colorBy, ontology), options, title);
+  return drawColored(scan, colorScan(scan, options.colorBy, {ontology}), options, title);
 }
 
 Image drawColored(const Scan& scan, const Coloring& coloring, const PictureOptions& options, const std::string& title) {
-  const std::ptrdiff_t points =
-      std::count_if(scan.position.begin(), scan.position.end(), [](const Vec3f& p) { return isFinite(p); });
+  const std::uint64_t points = finitePoints(scan);
   const Legend legend = points == 0 ? Legend{} : coloring.legend;
-  return drawBoard(
-      scan.position, coloring.colors, options, legend, titleWithPoints(title, points),
-      fmt::format("{} view, {}", kViewNames[static_cast<std::size_t>(options.view)], coloring.legend.title),
-      points == 0 ? "no points" : "");
+  const PanelNeeds needs = needsOfPicture(options.width, options.height, legend.scale || !legend.entries.empty());
+  const PanelRooms rooms = roomsOf(options.width, options.height, needs);
+  PictureBoard board(options.width, options.height, needs.letter);
+  drawPoints(board.canvas(), rooms.body, scan.position, coloring.colors, options);
+  return board.draw([&] {
+    titleRow(rooms.title, fmt::format("{}, {} point{}", title, grouped(points), points == 1 ? "" : "s"),
+             fmt::format("{} view, {}", kViewNames[static_cast<std::size_t>(options.view)], coloring.legend.title));
+    panelAt("##side", rooms.side, false, [&] { legendSection(legend, true); });
+    drawMessage(rooms.body, points == 0 ? "no points" : "");
+  });
 }
 
 Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::optional<ColorBy>& colorBy,
@@ -115,7 +103,7 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   constexpr ImageId kStrip = 1;
   constexpr double kReadableWidth = 1600;
   constexpr double kReadableShare = 1.0 / 7;  // least height of the image divided by its width
-  const Coloring coloring = colorScan(scan, colorBy, ontology);
+  const Coloring coloring = colorScan(scan, colorBy, {ontology});
   const Legend& legend = coloring.legend;
   const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});
   const auto steps = [](double wanted, int size) {
@@ -129,15 +117,13 @@ Image drawRangeImage(const Scan& scan, const Ontology* ontology, const std::opti
   const PixelRect below{0, top.height + height, width, legendTableHeight(legend, width, letter)};
   PictureBoard board(width, below.top + below.height, letter);
   board.setImage(kStrip, strip.image);
-  const bool empty =
-      std::none_of(scan.position.begin(), scan.position.end(), [](const Vec3f& p) { return isFinite(p); });
   return board.draw([&] {
     titleRow(top, fmt::format("{}, {}", title, describeStrip(strip)),
              fmt::format("ring 0 at the {}, {}", strip.ringsRise ? "bottom" : "top",
                          legend.scale ? scaleTitle(legend) : legend.title));
     panelAt("##strip", body, false, [&] { imageAt(kStrip, body); });
     panelAt("##legend", below, false, [&] { legendTable(legend); });
-    if (empty) drawMessage(body, "no points");
+    if (finitePoints(scan) == 0) drawMessage(body, "no points");
   });
 }
 

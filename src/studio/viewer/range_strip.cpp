@@ -37,16 +37,9 @@ struct GridSize {
   std::size_t columns = 1;
 };
 
-void requireFitting(const GridSize& size) {
-  if (size.rings <= kMostPictureSide && size.columns <= kMostPictureSide) return;
-  throw InputError(fmt::format("{} rings x {} columns do not fit a picture of at most {} x {}", size.rings,
-                               size.columns, kMostPictureSide, kMostPictureSide));
-}
-
 // Returns the scan's numbers of rings and columns; if it is not organised, as many as its points need.
 GridSize gridOf(const Scan& scan) {
-  std::size_t rings = scan.rings;
-  std::size_t columns = scan.columns;
+  GridSize size{std::max<std::size_t>(scan.rings, 1), std::max<std::size_t>(scan.columns, 1)};
   if (!scan.organised) {
     for (const char* name : {"ring", "column"}) {
       const auto& column = name[0] == 'r' ? scan[kRing] : scan[kColumn];
@@ -57,12 +50,12 @@ GridSize gridOf(const Scan& scan) {
                         name));
       }
     }
-    for (const std::uint16_t r : scan[kRing]) rings = std::max<std::size_t>(rings, r + std::size_t{1});
-    for (const std::uint16_t c : scan[kColumn]) columns = std::max<std::size_t>(columns, c + std::size_t{1});
+    for (const std::uint16_t r : scan[kRing]) size.rings = std::max(size.rings, r + std::size_t{1});
+    for (const std::uint16_t c : scan[kColumn]) size.columns = std::max(size.columns, c + std::size_t{1});
   }
-  const GridSize size{std::max<std::size_t>(rings, 1), std::max<std::size_t>(columns, 1)};
-  requireFitting(size);
-  return size;
+  if (size.rings <= kMostPictureSide && size.columns <= kMostPictureSide) return size;
+  throw InputError(fmt::format("{} rings x {} columns do not fit a picture of at most {} x {}", size.rings,
+                               size.columns, kMostPictureSide, kMostPictureSide));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace scanmill {
@@ -65,15 +64,14 @@ std::vector<ScaleTick> scaleTicks(const Legend& legend) {
     }
     // Add the multiples of this step that do not overlap ticks of larger steps.
     for (ScaleTick& tick : found) {
-      const bool free = std::all_of(ticks.begin(), ticks.end(), [&](const ScaleTick& other) {
-        return std::abs(other.share - tick.share) >= kApart;
-      });
+      const bool free = std::ranges::all_of(
+          ticks, [&](const ScaleTick& other) { return std::abs(other.share - tick.share) >= kApart; });
       if (free && ticks.size() < kMostTicks) ticks.push_back(std::move(tick));
     }
     if (ticks.size() + 1 >= kMostTicks || step.size() < span / 100) break;
   }
   if (ticks.empty()) return {{0, fmt::format("{:.6g}", low)}, {1, fmt::format("{:.6g}", legend.high)}};
-  std::sort(ticks.begin(), ticks.end(), [](const ScaleTick& a, const ScaleTick& b) { return a.share < b.share; });
+  std::ranges::sort(ticks, [](const ScaleTick& a, const ScaleTick& b) { return a.share < b.share; });
   return ticks;
 }
 

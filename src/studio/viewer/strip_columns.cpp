@@ -35,8 +35,7 @@ class AzimuthGrid {
   }
 
   // Calls visit(ring, column, azimuth) for each beam that has an azimuth (rad).
-  template <class Visit>
-  void each(const Visit& visit) const {
+  void each(const auto& visit) const {
     for (std::size_t r = 0; r < rings_; ++r) {
       for (std::size_t c = 0; c < columns_; ++c) {
         if (const float a = azimuth_[r * columns_ + c]; std::isfinite(a)) visit(r, c, double{a});
@@ -105,7 +104,7 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
     look.first[r] = usual + offset;
     count += strays[r].size();
     near += static_cast<std::size_t>(
-        std::count_if(strays[r].begin(), strays[r].end(), [&](double s) { return std::abs(s - offset) <= reach; }));
+        std::ranges::count_if(strays[r], [&](double s) { return std::abs(s - offset) <= reach; }));
   }
   constexpr double kFollowing = 0.6;  // least fraction of all points that must be near the azimuths of their rings
   if (static_cast<double>(near) >= kFollowing * static_cast<double>(count)) return look;
@@ -113,7 +112,7 @@ std::optional<StripColumns> estimated(const AzimuthGrid& grid, std::size_t rings
   // evenly spaced. The rings of such an image are not shifted.
   constexpr double kOneWay = 0.9;  // least fraction of the steps that must have the same direction
   turns = grid.turns(1, 0);
-  const auto along = std::count_if(turns.begin(), turns.end(), [&](double t) { return t * look.step > 0; });
+  const auto along = std::ranges::count_if(turns, [&](double t) { return t * look.step > 0; });
   if (look.fullTurn || static_cast<double>(along) < kOneWay * static_cast<double>(turns.size())) return {};
   look.first.assign(rings, 0);
   return look;

@@ -87,8 +87,8 @@ TEST(Chart, WhatIsNotFiniteIsLeftOutAndBreaksLines) {
   const std::vector<SvgElement> lines = elementsOf(drawSvg(chart), "line");
   ASSERT_EQ(lines.size(), 1u);
   const std::string& d = lines[0].attributes.at("d");
-  EXPECT_EQ(std::count(d.begin(), d.end(), 'M'), 2) << d;
-  EXPECT_EQ(std::count(d.begin(), d.end(), 'L'), 1) << d;
+  EXPECT_EQ(std::ranges::count(d, 'M'), 2) << d;
+  EXPECT_EQ(std::ranges::count(d, 'L'), 1) << d;
 }
 
 TEST(Chart, WithoutDataSaysSo) {

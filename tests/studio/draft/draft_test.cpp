@@ -203,6 +203,36 @@ TEST(DraftScene, NamesTellObjectsApart) {
   EXPECT_EQ(draft.files[1].name, "tree");
   const Scene scene = readScene(folder.write("draft.yaml", draft.yaml), {});
   EXPECT_EQ(scene.ontology.find(scene.meshes[0].surfaces[0].semantic)->name, "street_lamp") << "by its folder";
+  EXPECT_EQ(draft.files[0].guessed, 0u);
+  EXPECT_EQ(draft.files[0].byFolder, 1u);
+}
+
+// Parts that have their class only from the folder are listed; with many nodes, by material and texture.
+TEST(DraftScene, ListsPartsWithoutATellingName) {
+  const TemporaryFolder folder;
+  std::vector<std::pair<std::string, std::string>> nodes{{"leaves", "leaves"}};
+  for (int i = 0; i < 30; ++i) nodes.emplace_back(fmt::format("n{}", i), "grey");
+  folder.write("oak/a.gltf", gltfOf(nodes));
+  const Draft draft = drafted({folder.path() / "oak/a.gltf"}, folder.path());
+  EXPECT_EQ(draft.files[0].guessed, 1u);
+  EXPECT_EQ(draft.files[0].byFolder, 30u);
+  EXPECT_THAT(draft.yaml,
+              testing::HasSubstr("class: tree   # for all triangles without a rule: by the name of the folder"));
+  EXPECT_THAT(draft.yaml, testing::HasSubstr("#   material \"grey\": 30 triangles\n"));
+}
+
+// Textures may be beside a link, and not beside the file that it names.
+TEST(DraftScene, NamesFilesByTheirLinks) {
+  const TemporaryFolder folder;
+  folder.write("store/a.obj", "o a\nv 0 0 0\nv 1 0 0\nv 0 1 3\nf 1 2 3\n");
+  std::filesystem::create_directory(folder.path() / "links");
+  std::filesystem::create_symlink("../store/a.obj", folder.path() / "links/b.obj");
+  std::filesystem::create_directory_symlink("store", folder.path() / "shelf");
+  const std::filesystem::path link = folder.path() / "links/b.obj";
+  EXPECT_THAT(drafted({link}, folder.path()).yaml, testing::HasSubstr("file: \"links/b.obj\""));
+  EXPECT_THAT(drafted({link}, folder.path() / "links").yaml, testing::HasSubstr("file: \"b.obj\""));
+  // A scene file in a linked folder: ".." leads out of the folder that the link names.
+  EXPECT_THAT(drafted({link}, folder.path() / "shelf").yaml, testing::HasSubstr("file: \"../links/b.obj\""));
 }
 
 // A tile's ground is its ground, and its trees are trees; tiles have one unit.

@@ -19,11 +19,16 @@ AssetPart part(const std::string& node, const std::string& material = {}, const 
   return p;
 }
 
+std::vector<const Concept*> guesses(const Asset& asset) {
+  const Concept* const own = conceptOf(concepts(), asset.file.stem().string());
+  return guessParts(concepts(), asset, own == nullptr ? conceptOfFolder(concepts(), asset) : own);
+}
+
 std::string guessed(const std::string& file, const AssetPart& p) {
   Asset asset;
   asset.file = file;
   asset.parts = {p};
-  const Concept* const c = guessParts(concepts(), asset).at(0);
+  const Concept* const c = guesses(asset).at(0);
   return c == nullptr ? std::string() : c->name;
 }
 
@@ -49,6 +54,19 @@ TEST(Guess, TheMoreTellingNameWins) {
   EXPECT_EQ(guessed("/x/y/z.glb", part("node_7")), "");
 }
 
+// A folder above counts only if the folder between says what kind of files it has. The folder of a place with objects
+// of several kinds says nothing about the parts that have no telling name.
+TEST(Guess, OnlyAModelsOwnFolderStatesItsConcept) {
+  EXPECT_EQ(guessed("/tracks/road/forza/forza.ac", part("OBJECT03702")), "");
+  EXPECT_EQ(guessed("/models/bus/Meshes/base.dae", part("Box001")), "bus");
+  Asset track;
+  track.file = "/tracks/road/forza.ac";
+  track.parts = {part("OBJECT1", "", "wall.png"), part("OBJECT2", "", "sand.png"), part("OBJECT3")};
+  EXPECT_EQ(guesses(track).at(2)->name, "road");
+  track.parts.push_back(part("OBJECT4", "", "oak.png"));
+  EXPECT_EQ(guesses(track).at(2), nullptr);
+}
+
 // A box of this size in the file's units, its corner there.
 Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
   Asset asset;
@@ -63,7 +81,7 @@ Asset box(const Vec3d& low, const Vec3d& size, const std::string& name) {
 }
 
 FrameGuess frameOf(const Asset& asset) {
-  FrameGuess guess = guessUp(asset, guessParts(concepts(), asset));
+  FrameGuess guess = guessUp(asset, guesses(asset));
   guessTogether({&guess});
   return guess;
 }
@@ -84,7 +102,7 @@ TEST(Guess, FilesOfAFolderHaveOneUnit) {
   const auto units = [](const std::vector<Asset>& assets) {
     std::vector<FrameGuess> frames;
     frames.reserve(assets.size());
-    for (const Asset& a : assets) frames.push_back(guessUp(a, guessParts(concepts(), a)));
+    for (const Asset& a : assets) frames.push_back(guessUp(a, guesses(a)));
     std::vector<FrameGuess*> all;
     for (FrameGuess& f : frames) all.push_back(&f);
     guessTogether(all);

@@ -73,29 +73,6 @@ TEST(CloudErrors, AreThoseOfBruteForce) {
   EXPECT_NEAR(e.hausdorff, farthest, 1e-5);
 }
 
-TEST(CloudErrors, SwapWithTheirOperands) {
-  const std::vector<Vec3f> a = scattered(400, 3, 5);
-  const std::vector<Vec3f> b = scattered(250, 4, 6);
-  const CloudErrors ab = cloudErrors(a, b);
-  const CloudErrors ba = cloudErrors(b, a);
-  EXPECT_EQ(ab.to.mean, ba.from.mean);
-  EXPECT_EQ(ab.from.mean, ba.to.mean);
-  EXPECT_EQ(ab.to.p99, ba.from.p99);
-  EXPECT_NE(ab.to.mean, ab.from.mean);
-  EXPECT_EQ(ab.hausdorff, ba.hausdorff);
-}
-
-TEST(CloudErrors, OneOutlierMovesHausdorffAndNotTheMedian) {
-  std::vector<Vec3f> tested = gridAt({0, 0, 0.25f});
-  tested.push_back({0, 0, 100});
-  const CloudErrors e = cloudErrors(gridAt({}), tested);
-  EXPECT_EQ(e.to.max, 0.25);
-  EXPECT_EQ(e.from.median, 0.25);
-  EXPECT_EQ(e.from.p99, 0.25);
-  EXPECT_EQ(e.from.max, 100);
-  EXPECT_EQ(e.hausdorff, 100);
-}
-
 TEST(CloudErrors, AreDefinedForFewPointsAndNone) {
   const CloudErrors nothing = cloudErrors({}, {});
   EXPECT_EQ(nothing.to.count, 0u);

@@ -122,15 +122,6 @@ TEST_F(FeaturesOfYard, BytesAreThoseOfTheDatasets) {
   EXPECT_EQ(feature(all, "format pcd").cost.bytes, whole - written(draco, "draco"));
 }
 
-// The effect that sets the intensity takes those along that look at it.
-TEST_F(FeaturesOfYard, EffectsGoWithWhatNeedsThem) {
-  const FeatureCosts all =
-      costs({"effects=[{intensity: {}}, {dropout: {threshold: 0.01}}, {range_noise: {sigma_m: 0.01}}]"});
-  EXPECT_THAT(names(all, true), Contains("effect intensity and dropout"));
-  EXPECT_THAT(names(all, true), Contains("effect dropout"));
-  EXPECT_THAT(names(all, true), Contains("effect range_noise"));
-}
-
 // Each sensor's own effects are taken out of all of them.
 TEST_F(FeaturesOfYard, EffectsOfSensorsCountOnce) {
   const std::string tail = "rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 4}, range_m: [0.5, 100]";

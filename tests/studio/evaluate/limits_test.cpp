@@ -250,9 +250,9 @@ TEST(ParetoFront, IsWhatBruteForceFinds) {
       if (!beaten) expected.push_back(i);
     }
     const std::vector<std::size_t> front = paretoFront(a, b);
-    EXPECT_TRUE(std::is_sorted(front.begin(), front.end(), [&](std::size_t l, std::size_t r) { return a[l] < a[r]; }));
+    EXPECT_TRUE(std::ranges::is_sorted(front, [&](std::size_t l, std::size_t r) { return a[l] < a[r]; }));
     std::vector<std::size_t> members = front;
-    std::sort(members.begin(), members.end());
+    std::ranges::sort(members);
     EXPECT_EQ(members, expected) << stream;
   }
 }

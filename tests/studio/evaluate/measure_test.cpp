@@ -95,8 +95,8 @@ TEST(Measure, TimesOnlyTheScansAndChannelsThatAreAskedFor) {
   EXPECT_LE(m.cost.scanSeconds, m.cost.slowest);
   EXPECT_EQ(m.warnings, std::vector<std::string>{"slow"});
   const Channels timed = Channel::Instance | Channel::Range;
-  EXPECT_EQ(std::count(scans.begin(), scans.end(), timed), 10);
-  EXPECT_EQ(std::count(scans.begin(), scans.end(), timed | kErrorChannels), 2);
+  EXPECT_EQ(std::ranges::count(scans, timed), 10);
+  EXPECT_EQ(std::ranges::count(scans, timed | kErrorChannels), 2);
   EXPECT_EQ(scans.size(), 12u);
 
   // No scan but the timed ones where these say all.
@@ -309,15 +309,14 @@ TEST(Measure, ErrorsDoNotDependOnThreads) {
   };
   const Measurement one = run(1);
   const Measurement three = run(3);
-  EXPECT_EQ(one.errors.all.range.mean, three.errors.all.range.mean);
-  EXPECT_EQ(one.errors.all.range.p999, three.errors.all.range.p999);
+  EXPECT_EQ(one.errors.all.range, three.errors.all.range);
   EXPECT_EQ(one.errors.all.sameLabel, three.errors.all.sameLabel);
   EXPECT_EQ(one.errors.all.falseNegatives, three.errors.all.falseNegatives);
   EXPECT_EQ(one.errors.byPlace[1].errors.beams, three.errors.byPlace[1].errors.beams);
-  EXPECT_EQ(one.cloud.to.mean, three.cloud.to.mean);
-  EXPECT_EQ(one.cloud.from.rms, three.cloud.from.rms);
+  EXPECT_EQ(one.cloud.to, three.cloud.to);
+  EXPECT_EQ(one.cloud.from, three.cloud.from);
   EXPECT_EQ(one.cloud.hausdorff, three.cloud.hausdorff);
-  EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo.rms, three.errors.byPlace[1].errors.nearestTo.rms);
+  EXPECT_EQ(one.errors.byPlace[1].errors.nearestTo, three.errors.byPlace[1].errors.nearestTo);
 }
 
 // The points that a standing sensor's beams hit, in its own axes (m).
@@ -341,8 +340,8 @@ TEST(HitPoints, AreWhereTheSensorPutsThem) {
   const Hits hits = traced(scene, shot);
   const std::vector<Vec3f> points = hitPoints(shot, hits);
   EXPECT_EQ(points, pointsOf(shot, hits));
-  EXPECT_EQ(points.size(), static_cast<std::size_t>(
-                               std::count_if(hits.range.begin(), hits.range.end(), [](float r) { return r < kMiss; })));
+  EXPECT_EQ(points.size(),
+            static_cast<std::size_t>(std::ranges::count_if(hits.range, [](float r) { return r < kMiss; })));
   EXPECT_THROW(hitPoints(twoShots()[0], hits), Error);
 }
 

@@ -1,9 +1,7 @@
 #include "evaluate/registration.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -161,8 +159,7 @@ TEST(Icp, IdenticalCloudsStayWhereTheyAre) {
 TEST(Icp, FindsASmallMotion) {
   const Points box = boxCloud();
   const Affine motion = motionOf(0.6, -0.4, {0.008, -0.005, 0.006});
-  IcpOptions options;
-  options.iterations = 200;
+  const IcpOptions options{.iterations = 200};
   for (const Vec3d& far : {Vec3d{}, Vec3d{300, -200, 50}}) {
     const Affine there{Mat3{}, far};
     const Points target = moved(box, there * motion);
@@ -181,13 +178,10 @@ TEST(Icp, FindsASmallMotion) {
 TEST(Icp, MovesNothingThatIsOutOfReach) {
   const Points box = boxCloud();
   const Points away = moved(box, motionOf(0, 0, {5, 0, 0}));
-  IcpOptions options;
-  options.reach = 0.5;
-  const Registered result = registerClouds(box, away, options);
+  const Registered result = registerClouds(box, away, {.reach = 0.5});
   EXPECT_FALSE(result.moved);
   EXPECT_EQ(result.fitness, result.unmoved);
-  options.reach = 10;
-  EXPECT_TRUE(registerClouds(box, away, options).moved);
+  EXPECT_TRUE(registerClouds(box, away, {.reach = 10}).moved);
 }
 
 TEST(Icp, MoreStepsNeverFitMuchWorse) {
@@ -195,9 +189,7 @@ TEST(Icp, MoreStepsNeverFitMuchWorse) {
   const Points target = moved(box, motionOf(4, 0, {0.1, 0.05, 0}));
   double last = *fitness(box, target);
   for (const int iterations : {1, 2, 5, 10, 50}) {
-    IcpOptions options;
-    options.iterations = iterations;
-    const double now = *registerClouds(box, target, options).fitness;
+    const double now = *registerClouds(box, target, {.iterations = iterations}).fitness;
     EXPECT_LE(now, last * (1 + 1e-6)) << iterations;
     last = now;
   }

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
 #include <set>
 
+#include "tests/support/blender.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "viewer/canvas/canvas_interface.h"
@@ -564,50 +564,21 @@ TEST(CanvasModule, SaysWhatIsMissing) {
               HasSubstr("cannot be loaded"));
 }
 
-// Sets a variable of the environment, and puts it back.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) {
-    const char* before = std::getenv(name);
-    if (before != nullptr) before_ = before;
-    had_ = before != nullptr;
-    if (value != nullptr) {
-      ::setenv(name, value, 1);
-    } else {
-      ::unsetenv(name);
-    }
-  }
-  ~Variable() {
-    if (had_) {
-      ::setenv(name_, before_.c_str(), 1);
-    } else {
-      ::unsetenv(name_);
-    }
-  }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::string before_;
-  bool had_ = false;
-};
-
 TEST(CanvasModule, TakesTheDeviceThatIsNamed) {
   CANVAS_OR_SKIP(canvas, 8, 8);
   EXPECT_THAT(canvas.device(), HasSubstr("VTK 9"));
-  const Variable wrong("SCANMILL_GL_DEVICE", "toaster");
+  const ScopedVariable wrong("SCANMILL_GL_DEVICE", "toaster");
   EXPECT_THAT(messageOf<Error>([] { openOffscreen(8, 8); }), HasSubstr("there is no device 'toaster'"));
 }
 
 TEST(CanvasModule, WithoutADisplayThereIsNoWindow) {
   {
-    const Variable none("DISPLAY", nullptr);
+    const ScopedVariable none("DISPLAY", std::nullopt);
     const std::string message = messageOf<NoDisplay>([] { openWindow("", 80, 60); });
     EXPECT_THAT(message, HasSubstr("DISPLAY is not set"));
     EXPECT_THAT(message, HasSubstr("--screenshot FILE.png"));
   }
-  const Variable dead("DISPLAY", ":987");
+  const ScopedVariable dead("DISPLAY", ":987");
   EXPECT_THAT(messageOf<NoDisplay>([] { openWindow("", 80, 60); }), HasSubstr(":987"));
 }
 

@@ -1,11 +1,8 @@
 // The canvas as a window, under an X server of the test's own, with real keys and clicks.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 
 #include "tests/support/message_of.h"
 #include "tests/support/x_display.h"

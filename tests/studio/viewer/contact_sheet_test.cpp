@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "scenefile/scene_file.h"
+#include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -14,11 +15,7 @@ namespace {
 // Absent where this machine has no OpenGL.
 std::optional<Image> sheetOf(const std::string& objects) {
   const TemporaryFolder folder;
-  const Scene scene = readScene(folder.write("s.yaml", fmt::format("ontology: {0}/labels/scanmill.yaml\n"
-                                                                   "materials: {0}/labels/materials.yaml\n"
-                                                                   "objects:\n{1}",
-                                                                   SCANMILL_SOURCE_DIR, objects)),
-                                {});
+  const Scene scene = readScene(folder.write("s.yaml", kSceneHead + objects), {});
   try {
     return drawContactSheet(scene);
   } catch (const Error& e) {
@@ -45,11 +42,11 @@ Extent extentOf(const Image& image, int cell, int columns, int width, const Rgb&
   const int x0 = cell % columns * (width + 2);
   const int y0 = 34 + cell / columns * (height + 66 + 2);
   Extent e;
-  const double most = *std::max_element(color.begin(), color.end());
+  const double most = *std::ranges::max_element(color);
   for (int y = y0; y < y0 + height; ++y) {
     for (int x = x0; x < x0 + width; ++x) {
       const Rgb& p = image.at(x, y);
-      const double own = *std::max_element(p.begin(), p.end());
+      const double own = *std::ranges::max_element(p);
       if (own < 60) continue;
       bool same = true;
       for (std::size_t c = 0; c < 3; ++c) same = same && std::abs(p[c] / own - color[c] / most) < 0.06;

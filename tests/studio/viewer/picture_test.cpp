@@ -1,6 +1,5 @@
 #include "viewer/picture.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,8 +8,6 @@
 #include "base/error.h"
 #include "dataset/scan_source.h"
 #include "methods/method.h"
-#include "scene/texture.h"
-#include "tests/support/message_of.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_scene.h"
 #include "viewer/color_map.h"
@@ -19,9 +16,6 @@
 namespace scanmill {
 
 namespace {
-
-using testing::AllOf;
-using testing::HasSubstr;
 
 // A ring of ground and a wall ahead.
 Scan smallScan() {
@@ -56,7 +50,7 @@ PictureOptions small() {
 }
 
 std::ptrdiff_t count(const Image& image, const Rgb& color) {
-  return std::count(image.pixels.begin(), image.pixels.end(), color);
+  return std::ranges::count(image.pixels, color);
 }
 
 std::ptrdiff_t bright(const Image& image, int top, int bottom) {
@@ -146,28 +140,7 @@ TEST(Picture, TheSameBytesEveryTime) {
   EXPECT_EQ(bytes(), bytes());
 }
 
-TEST(Png, ReadsBackAsWritten) {
-  const Ontology ontology = colorful();
-  const Image image = drawPicture(smallScan(), &ontology, small(), "a scan");
-  const auto read = decodeTexture(encodePng(image), "picture.png");
-  ASSERT_EQ(read->width, 480u);
-  ASSERT_EQ(read->height, 270u);
-  std::ptrdiff_t wrong = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      // A texture's first row is the lowest.
-      const std::size_t texel = (std::size_t(image.height - 1 - y) * read->width + std::size_t(x)) * 4;
-      for (std::size_t c = 0; c < 3; ++c) wrong += read->rgba[texel + c] != image.at(x, y)[c];
-    }
-  }
-  EXPECT_EQ(wrong, 0);
-}
-
-// The first row below the title.
-int topOf(const Image& image) {
-  return static_cast<int>(std::lround(1.5 * letterOfPicture(image.width, image.width)));
-}
-
+// The range image is its strip (range_strip_test.cpp), enlarged.
 TEST(RangeImage, HasAPixelPerBeam) {
   const Ontology ontology = colorful();
   const Scan scan = smallScan();
@@ -175,7 +148,7 @@ TEST(RangeImage, HasAPixelPerBeam) {
   const int stepX = image.width / 90;
   ASSERT_EQ(image.width, stepX * 90);
   ASSERT_GE(image.width, 1600);
-  const int top = topOf(image);
+  const int top = static_cast<int>(std::lround(1.5 * letterOfPicture(image.width, image.width)));  // below the title
   int bodyHeight = 0;
   while (image.at(stepX * 70, top + bodyHeight) == Rgb{255, 0, 0}) ++bodyHeight;
   const int stepY = bodyHeight / 8;
@@ -187,57 +160,6 @@ TEST(RangeImage, HasAPixelPerBeam) {
     EXPECT_EQ(image.at(column * stepX, top + row * stepY), expected);
     EXPECT_EQ(image.at(column * stepX + stepX - 1, top + row * stepY + stepY - 1), expected);
   }
-}
-
-// Whichever way a sensor counts its rings, the highest beam is on top.
-TEST(RangeImage, HighBeamsAreOnTop) {
-  Scan scan;
-  for (std::uint16_t ring = 0; ring < 4; ++ring) {
-    scan.position.push_back({10, 0, static_cast<float>(ring)});
-    scan[kRing].push_back(ring);
-    scan[kColumn].push_back(0);
-    scan[kLabel].push_back(ring == 3 ? 2 : 1);
-  }
-  const Ontology ontology = colorful();
-  const Image up = drawRangeImage(scan, &ontology, ColorBy("class"), "up");
-  for (Vec3f& p : scan.position) p.z = -p.z;
-  const Image down = drawRangeImage(scan, &ontology, ColorBy("class"), "down");
-  const int top = topOf(up);
-  EXPECT_EQ(up.at(5, top), (Rgb{0, 255, 0}));
-  EXPECT_EQ(down.at(5, top), (Rgb{255, 0, 0}));
-}
-
-TEST(RangeImage, OrganisedScanNeedsNoColumns) {
-  Scan scan;
-  scan.organised = true;
-  scan.rings = 2;
-  scan.columns = 3;
-  scan.position = {{5, 0, 1}, {NAN, NAN, NAN}, {5, 1, 1}, {5, 0, -1}, {5, 0, -1}, {5, 1, -1}};
-  const Image image = drawRangeImage(scan, nullptr, ColorBy("range"), "organised");
-  const int top = topOf(image);
-  const int step = image.width / 3;
-  EXPECT_NE(image.at(0, top), kBackground);
-  EXPECT_EQ(image.at(step, top), kBackground) << "a miss";
-  EXPECT_NE(image.at(2 * step, top), kBackground);
-}
-
-TEST(RangeImage, NearerWins) {
-  Scan scan;
-  scan.position = {{9, 0, 0}, {3, 0, 0}, {6, 0, 0}};
-  scan[kRing] = scan[kColumn] = {0, 0, 0};
-  scan[kLabel] = {1, 2, 3};
-  const Ontology ontology = colorful();
-  const Image image = drawRangeImage(scan, &ontology, ColorBy("class"), "a pixel");
-  EXPECT_EQ(image.at(image.width / 2, 60), (Rgb{0, 255, 0}));
-}
-
-TEST(RangeImage, SaysWhatIsMissing) {
-  Scan scan = smallScan();
-  scan[kColumn].clear();
-  expectInputError([&] { drawRangeImage(scan, nullptr, ColorBy("range"), "no column"); }, {"'column'"});
-  scan = smallScan();
-  scan[kColumn][3] = 65535;
-  EXPECT_THROW(drawRangeImage(scan, nullptr, ColorBy("range"), "too wide"), InputError);
 }
 
 // sRGB (IEC 61966-2-1) as linear light.
@@ -301,7 +223,7 @@ TEST(RealScan, IsDrawnFromAllSides) {
   for (const View view : {View::Driver, View::Above, View::Chase}) {
     options.view = view;
     const Image image = drawPicture(source.scan, nullptr, options, source.title);
-    EXPECT_LT(std::count(image.pixels.begin(), image.pixels.end(), image.at(240, 30)), 480 * 270 * 9 / 10);
+    EXPECT_LT(std::ranges::count(image.pixels, image.at(240, 30)), 480 * 270 * 9 / 10);
   }
   EXPECT_EQ(drawRangeImage(source.scan, nullptr, {}, source.title).width, 2048);
   options.colorBy = ColorBy("class");

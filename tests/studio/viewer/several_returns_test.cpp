@@ -2,7 +2,6 @@
 
 #include "tests/core/sense/several_returns.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "viewer/color_map.h"
@@ -30,7 +29,7 @@ std::vector<Scan> layouts() {
 TEST(SeveralReturnsColors, TellTheReturn) {
   for (const Scan& scan : layouts()) {
     EXPECT_TRUE(hasColor(scan, kByReturn, false));
-    const Coloring coloring = colorScan(scan, kByReturn, nullptr);
+    const Coloring coloring = colorScan(scan, kByReturn, {});
     ASSERT_EQ(coloring.colors.size(), scan.size());
     const std::vector<LegendEntry>& entries = coloring.legend.entries;
     ASSERT_EQ(entries.size(), 2u);
@@ -52,7 +51,7 @@ TEST(SeveralReturnsColors, OfEveryKindAreThere) {
   for (const Scan& scan : layouts()) {
     for (const ColorBy& by : colorsOf(scan)) {
       if (!hasColor(scan, by, false)) continue;
-      EXPECT_EQ(colorScan(scan, by, nullptr).colors.size(), scan.size()) << by.name();
+      EXPECT_EQ(colorScan(scan, by, {}).colors.size(), scan.size()) << by.name();
     }
   }
 }
@@ -60,7 +59,7 @@ TEST(SeveralReturnsColors, OfEveryKindAreThere) {
 // Each beam has a pixel, which shows its nearest return; that of its other returns is the same.
 TEST(SeveralReturnsStrip, ShowsTheNearest) {
   for (const Scan& scan : layouts()) {
-    const Coloring coloring = colorScan(scan, kByReturn, nullptr);
+    const Coloring coloring = colorScan(scan, kByReturn, {});
     const RangeStrip strip = makeRangeStrip(scan, coloring.colors, {});
     EXPECT_TRUE(strip.outward);
     EXPECT_EQ(strip.image.width, static_cast<int>(kColumns));
@@ -84,7 +83,7 @@ TEST(SeveralReturnsStrip, ShowsTheNearest) {
     std::vector<bool> further(scan.size());
     for (std::size_t i = 0; i < scan.size(); ++i) further[i] = keyOf(scan, i).number == 1;
     const RangeStrip behind = makeRangeStrip(scan, coloring.colors, further);
-    EXPECT_EQ(static_cast<std::size_t>(std::count(behind.pointAt.begin(), behind.pointAt.end(), kNoPoint)),
+    EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(behind.pointAt, kNoPoint)),
               strip.pointAt.size() - kBeams / 3);
   }
 }
@@ -93,8 +92,8 @@ TEST(SeveralReturnsPictures, AreDrawn) {
   for (const Scan& scan : layouts()) {
     const PictureOptions options{.colorBy = kByReturn, .width = 320, .height = 200};
     const Image picture = drawPicture(scan, nullptr, options, "two returns");
-    const Rgb second = colorScan(scan, kByReturn, nullptr).legend.entries.at(1).color;
-    EXPECT_TRUE(std::find(picture.pixels.begin(), picture.pixels.end(), second) != picture.pixels.end());
+    const Rgb second = colorScan(scan, kByReturn, {}).legend.entries.at(1).color;
+    EXPECT_TRUE(std::ranges::find(picture.pixels, second) != picture.pixels.end());
     EXPECT_GT(drawRangeImage(scan, nullptr, kByReturn, "two returns").pixels.size(), kBeams);
   }
 }

@@ -96,7 +96,7 @@ TEST(StripColumns, EveryPointKeepsItsOwnPixel) {
       ASSERT_EQ(strip.place(i).second, strip.ringsRise ? 7 - scan[kRing][i] : scan[kRing][i]);
     }
     EXPECT_EQ(pixels.size(), scan.size());
-    EXPECT_EQ(static_cast<std::size_t>(std::count(strip.pointAt.begin(), strip.pointAt.end(), kNoPoint)),
+    EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(strip.pointAt, kNoPoint)),
               strip.pointAt.size() - scan.size());
   }
 }

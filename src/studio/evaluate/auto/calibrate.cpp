@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "base/short_text.h"
-#include "evaluate/intensity.h"
 #include "evaluate/measure.h"
 #include "pipeline/run/forecast.h"
 #include "pipeline/run/progress.h"
@@ -71,7 +70,9 @@ class Calibrator {
         choice_(readAutoChoice(pipeline_)),
         stop_(stop),
         scenes_(sequencesOf(pipeline_, choice_.shots)),
-        progress_("calibrate", scenes_.size() * choice_.settings.size(), "settings", "beams", quiet) {}
+        progress_("calibrate", scenes_.size() * choice_.settings.size(), "settings", "beams", quiet) {
+    errorLimits_.minRate.reset();
+  }
 
   Calibration run() {
     Calibration calibration;
@@ -95,14 +96,6 @@ class Calibrator {
     double perBeam = 0;  // time per beam (s), summed over scenes
     int scenes = 0;      // number of scenes on which the setting was measured
   };
-
-  // True if a setting exceeds an error limit on the scenes measured so far; then it need not be measured on further
-  // scenes.
-  bool erring(const CalibratedSetting& row) const {
-    ErrorLimits errors = choice_.limits;
-    errors.minRate.reset();
-    return !broken(row.candidate, errors).empty();
-  }
 
   // Excludes methods that ignore motion; called if objects of the scene move. The other methods are measured with all
   // objects at their positions at time 0 s.
@@ -147,7 +140,8 @@ class Calibrator {
     for (std::size_t s = 0; s < calibration.settings.size(); ++s) {
       CalibratedSetting& row = calibration.settings[s];
       progress_.say(row.setting.setting.name);
-      if (row.failure.empty() && (index == 0 || !erring(row))) {
+      // A setting that exceeds an error limit on the scenes before need not be measured on further ones.
+      if (row.failure.empty() && (index == 0 || broken(row.candidate, errorLimits_).empty())) {
         try {
           const Measurement m = measure([&] { return makeMethod(row.setting.choice, scene); }, scene, truth, options);
           sums_[s].setup += m.cost.setupSeconds;
@@ -170,9 +164,7 @@ class Calibrator {
     for (const CalibratedSetting& s : calibration.settings) {
       holding += s.failure.empty() && broken(s.candidate, choice_.limits).empty() ? 1 : 0;
     }
-    ErrorLimits errors = choice_.limits;
-    errors.minRate.reset();
-    const bool onlyRate = limitTexts(chosen.candidate, errors).empty();
+    const bool onlyRate = limitTexts(chosen.candidate, errorLimits_).empty();
     return fmt::format(
         "the {} of {} settings that keep the limits, of {} measured on {} frames; limits: {}; it traces {} beams/s "
         "with set-up, range error p99 {:.3g} mm, {:.3f} % of the beams are false negatives or positives, {:.3f} % of "
@@ -186,6 +178,7 @@ class Calibrator {
   ShotSource source_;
   const Pipeline& pipeline_;
   AutoChoice choice_;
+  ErrorLimits errorLimits_ = choice_.limits;  // the limits without the rate
   const std::atomic<bool>* stop_;
   std::vector<std::size_t> scenes_;
   Progress progress_;

@@ -140,7 +140,7 @@ double cosineOf(const World& world, const Found& f, const Vec3d& direction) {
 // whatever the order of `found`. `found` must not be empty.
 Found firstOf(const World& world, const std::vector<Found>& found, const Vec3d& direction) {
   if (found.size() == 1) return found.front();
-  const Found nearest = *std::min_element(found.begin(), found.end(), [&](const Found& a, const Found& b) {
+  const Found nearest = *std::ranges::min_element(found, [&](const Found& a, const Found& b) {
     return a.range != b.range ? a.range < b.range : rank(world, a) < rank(world, b);
   });
   const double far = reachOf(nearest.range);
@@ -276,7 +276,7 @@ class ExactTracer::Impl {
     while (radius < start + farthest) radius *= 2;
 
     const std::scoped_lock lock(mutex_);
-    const auto known = std::find_if(worlds_.begin(), worlds_.end(), [&](const std::shared_ptr<const ExactWorld>& w) {
+    const auto known = std::ranges::find_if(worlds_, [&](const std::shared_ptr<const ExactWorld>& w) {
       return w->world.origin == origin && w->radius >= radius;
     });
     if (known != worlds_.end()) {

@@ -15,8 +15,7 @@ constexpr std::size_t kMostNamed = 3;             // maximum number of features 
 
 // Adds to each item of a list the title, explanation and pipeline keys of its row in the table `rows`, which is the row
 // with the name item[key]. compare.json has no titles and explanations, which are for users.
-template <class Rows>
-void addWords(Json& list, const char* key, const Rows& rows) {
+void addWords(Json& list, const char* key, const auto& rows) {
   for (Json& item : list) {
     for (const auto& row : rows) {
       if (item.at(key) == row.name) item.update({{"title", row.title}, {"meaning", row.meaning}, {"keys", row.keys}});
@@ -39,8 +38,7 @@ Chart featureChart(const SetComparison& comparison) {
   for (const Separation& s : comparison.features) {
     const auto place = static_cast<double>(chart.y.names.size());
     chart.y.names.emplace_back(kPatchFeatures[s.feature].title);
-    bars.points.push_back({s.strength, place});
-    bars.details.push_back(fmt::format("{}: {:.3f}", kPatchFeatures[s.feature].title, s.strength));
+    bars.add({s.strength, place}, fmt::format("{}: {:.3f}", kPatchFeatures[s.feature].title, s.strength));
     within.points.push_back({comparison.withinReal[s.feature], place});
   }
   chart.height = 120 + 26 * static_cast<int>(chart.y.names.size());
@@ -59,9 +57,8 @@ Chart pairChart(Chart chart, const Json& rows, const char* name, const char* rea
     for (std::size_t i = 0; i < 2; ++i) {
       const Json& value = row.at(i == 0 ? real : simulated);
       const double figure = value.is_null() ? NAN : factor * value.get<double>();
-      chart.series[i].points.push_back({figure, static_cast<double>(chart.y.names.size())});
-      chart.series[i].details.push_back(
-          value.is_null() ? "" : fmt::format("{}: {:.3g}", row.at(name).get<std::string>(), figure));
+      chart.series[i].add({figure, static_cast<double>(chart.y.names.size())},
+                          value.is_null() ? "" : fmt::format("{}: {:.3g}", row.at(name).get<std::string>(), figure));
     }
     chart.y.names.push_back(row.at(name));
   }

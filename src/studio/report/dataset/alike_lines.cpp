@@ -37,7 +37,7 @@ std::string joined(const std::vector<Line>& lines) {
   const Line& first = lines.front();
   std::size_t different = 0, last = 0;
   const auto differs = [&](std::size_t i) {
-    return std::any_of(lines.begin(), lines.end(), [&](const Line& l) { return l.numbers[i] != first.numbers[i]; });
+    return std::ranges::any_of(lines, [&](const Line& l) { return l.numbers[i] != first.numbers[i]; });
   };
   for (std::size_t i = 0; i < first.numbers.size(); ++i) {
     if (differs(i)) ++different, last = i;
@@ -71,9 +71,8 @@ std::vector<std::string> alikeLines(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) {
     if (!seen.insert(line).second) continue;
     Line parts = split(line);
-    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) {
-      return g.front().texts == parts.texts && !parts.numbers.empty();
-    });
+    const auto group = std::ranges::find_if(
+        groups, [&](const auto& g) { return g.front().texts == parts.texts && !parts.numbers.empty(); });
     if (group == groups.end()) {
       groups.push_back({std::move(parts)});
     } else {

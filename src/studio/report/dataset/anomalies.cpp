@@ -7,7 +7,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "report/page/page.h"
@@ -41,7 +40,7 @@ struct UsualSides {
       std::vector<double> values;
       values.reserve(things.size());
       for (const Sides& t : things) values.push_back(t[side]);
-      std::sort(values.begin(), values.end());
+      std::ranges::sort(values);
       low[side] = quantileOf(values, spared);
       middle[side] = quantileOf(values, 0.5);
       high[side] = quantileOf(values, 1 - spared);

@@ -20,10 +20,6 @@ constexpr int kBarHeight = 21, kAround = 120;
 constexpr std::size_t kMostClasses = 12;  // number of classes that a stacked bar shows if it combines further classes
 constexpr const char* kOtherFill = "#8b949e";
 
-double perScan(std::uint64_t points, std::uint64_t scans) {
-  return scans == 0 ? 0 : static_cast<double>(points) / static_cast<double>(scans);
-}
-
 // Returns the classes for which count(class) is not zero, those with the largest count first.
 std::vector<const ClassSummary*> classesWith(const DatasetSummary& summary,
                                              const std::function<std::uint64_t(const ClassSummary&)>& count) {
@@ -31,7 +27,7 @@ std::vector<const ClassSummary*> classesWith(const DatasetSummary& summary,
   for (const ClassSummary& c : summary.classes) {
     if (count(c) > 0) classes.push_back(&c);
   }
-  std::stable_sort(classes.begin(), classes.end(), [&](const auto* a, const auto* b) { return count(*a) > count(*b); });
+  std::ranges::stable_sort(classes, [&](const auto* a, const auto* b) { return count(*a) > count(*b); });
   return classes;
 }
 
@@ -63,13 +59,13 @@ Chart ringsChart(const DatasetSummary& summary, bool shares) {
   const auto add = [&](const std::string& name, const std::string& fill, const std::vector<std::uint64_t>& ranges) {
     ChartSeries bars{.name = name, .mark = ChartMark::Bars};
     for (std::size_t i = 0; i < rings.size(); ++i) {
-      double value = perScan(pointsIn(ranges, rings[i]), shares ? pointsIn(all, rings[i]) : summary.scansRead);
+      double value = shareOf(pointsIn(ranges, rings[i]), shares ? pointsIn(all, rings[i]) : summary.scansRead);
       // Rounding errors must not extend the bar beyond 100 %.
       if (shares) value = std::min(value, 1 - stacked[i]);
       stacked[i] += value;
-      bars.points.push_back({static_cast<double>(i), value});
-      bars.details.push_back(fmt::format("{}, {}: {}", name, rings[i].name,
-                                         shares ? shareText(value) : amountText(value) + " points a scan"));
+      bars.add({static_cast<double>(i), value},
+               fmt::format("{}, {}: {}", name, rings[i].name,
+                           shares ? shareText(value) : amountText(value) + " points a scan"));
       if (!fill.empty()) bars.fills.push_back(fill);
     }
     chart.series.push_back(std::move(bars));
@@ -100,9 +96,8 @@ Chart classChart(const DatasetSummary& summary, Chart chart, bool lying, std::ui
   ChartSeries bars{.mark = ChartMark::Bars};
   for (const ClassSummary* c : classes) {
     const auto place = static_cast<double>(bars.points.size()), value = static_cast<double>(c->*count);
-    bars.points.push_back(lying ? Vec2d{value, place} : Vec2d{place, value});
-    bars.labels.push_back(lying ? shareText(perScan(c->*count, summary.points)) : std::to_string(c->*count));
-    bars.details.push_back(fmt::format("{}: {}", c->name, c->*count));
+    bars.add(lying ? Vec2d{value, place} : Vec2d{place, value}, fmt::format("{}: {}", c->name, c->*count));
+    bars.labels.push_back(lying ? shareText(shareOf(c->*count, summary.points)) : std::to_string(c->*count));
     bars.fills.push_back(htmlColor(c->color));
     (lying ? chart.y : chart.x).names.push_back(c->name);
   }
@@ -131,9 +126,9 @@ Chart splitChart(const DatasetSummary& summary) {
     ChartSeries dots{.name = splits[i]->name, .color = i};
     for (std::size_t row = 0; row < classes.size(); ++row) {
       const auto own = classes[row]->pointsOfSplit.find(splits[i]->name);
-      const double share = own == classes[row]->pointsOfSplit.end() ? 0 : perScan(own->second, splits[i]->points);
-      dots.points.push_back({share, static_cast<double>(row)});
-      dots.details.push_back(fmt::format("{} in {}: {}", classes[row]->name, splits[i]->name, shareText(share)));
+      const double share = own == classes[row]->pointsOfSplit.end() ? 0 : shareOf(own->second, splits[i]->points);
+      dots.add({share, static_cast<double>(row)},
+               fmt::format("{} in {}: {}", classes[row]->name, splits[i]->name, shareText(share)));
     }
     chart.series.push_back(std::move(dots));
   }
@@ -154,7 +149,7 @@ Chart stepsChart(const DatasetSummary& summary, Chart chart, double step,
     const std::vector<std::uint64_t> points = counts(summary.sensors[s]);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double middle = (static_cast<double>(i) + 0.5) * step;
-      line.points.push_back({middle, points[i] == 0 ? NAN : perScan(points[i], summary.sensors[s].scansRead)});
+      line.points.push_back({middle, points[i] == 0 ? NAN : shareOf(points[i], summary.sensors[s].scansRead)});
     }
     chart.series.push_back(std::move(line));
   }
@@ -203,8 +198,8 @@ Chart scanPointsChart(const Manifest& manifest) {
           ++scans;
         }
       }
-      line.points.push_back({static_cast<double>(first), scans == 0 ? NAN : perScan(points, scans)});
-      line.details.push_back(fmt::format("{}: {}", manifest.samples[first].key, points));
+      line.add({static_cast<double>(first), scans == 0 ? NAN : shareOf(points, scans)},
+               fmt::format("{}: {}", manifest.samples[first].key, points));
     }
     chart.series.push_back(std::move(line));
   }

@@ -115,13 +115,13 @@ class DatasetPage {
       shard = std::min(shard, sample.shard);
     }
     std::vector<SequenceSummary> sequences = s_.sequences;
-    std::stable_sort(sequences.begin(), sequences.end(),
-                     [&](const SequenceSummary& a, const SequenceSummary& b) { return first[a.name] < first[b.name]; });
+    std::ranges::stable_sort(
+        sequences, [&](const SequenceSummary& a, const SequenceSummary& b) { return first[a.name] < first[b.name]; });
     std::vector<std::string> scenes;
     for (const SequenceSummary& s : sequences) {
       if (s.scene.empty()) return {};
       const std::string scene = fmt::format("{}, seed {}", s.scene, s.seed);
-      if (std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) scenes.push_back(scene);
+      if (std::ranges::find(scenes, scene) == scenes.end()) scenes.push_back(scene);
     }
     return scenes;
   }
@@ -162,16 +162,15 @@ class DatasetPage {
   // Sets the values that determine which commands the template suggests to the user.
   void next() {
     const auto holds = [&](const char* split) {
-      return std::any_of(s_.splits.begin(), s_.splits.end(),
-                         [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
+      return std::ranges::any_of(s_.splits, [&](const SplitSummary& s) { return s.name == split && s.samples > 0; });
     };
-    page_.update({{"path", shellWord(report_.path)},
-                  {"damaged", std::any_of(report_.shardFaults.begin(), report_.shardFaults.end(),
-                                          [](const std::string& fault) { return !fault.empty(); })},
-                  {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
-                  {"validated", holds("train") && (holds("val") || holds("test"))},
-                  {"one_sequence", s_.sequences.size() < 2},
-                  {"has_objects", !report_.objects.ofClass.empty()}});
+    page_.update(
+        {{"path", shellWord(report_.path)},
+         {"damaged", std::ranges::any_of(report_.shardFaults, [](const std::string& fault) { return !fault.empty(); })},
+         {"first_sample", m_.samples.empty() ? "" : shellWord(m_.samples.front().key)},
+         {"validated", holds("train") && (holds("val") || holds("test"))},
+         {"one_sequence", s_.sequences.size() < 2},
+         {"has_objects", !report_.objects.ofClass.empty()}});
   }
 
   void pictures() {
@@ -320,8 +319,7 @@ class DatasetPage {
     list("sequences", s_.sequences);
   }
 
-  template <class Rows>
-  void list(const char* name, const Rows& rows) {
+  void list(const char* name, const auto& rows) {
     page_[name] = Json::array();
     for (std::size_t i = 0; i < std::min(rows.size(), kMostRows); ++i) page_[name].push_back(rows[i]);
     page_[std::string("more_") + name] = rows.size() - page_[name].size();

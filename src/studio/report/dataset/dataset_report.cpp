@@ -23,12 +23,6 @@ namespace {
 
 constexpr int kPictureWidth = 1280, kPictureHeight = 720;
 
-double farthestRange(const Manifest& manifest) {
-  double farthest = 1;
-  for (const SensorRecord& s : manifest.sensors) farthest = std::max(farthest, s.beams.maxRange);
-  return farthest;
-}
-
 std::string titleOf(const Manifest& manifest, const ScanPlace& place) {
   const SampleRecord& sample = manifest.samples[place.sample];
   return fmt::format("{}, {}", sample.key, sample.scans[place.scan].sensor);
@@ -93,7 +87,9 @@ class Examination {
   }
 
   void countScans(const std::vector<ScanPlace>& spread) {
-    const RangeSteps steps = rangeStepsFor(farthestRange(report_.manifest));
+    double farthest = 1;
+    for (const SensorRecord& s : report_.manifest.sensors) farthest = std::max(farthest, s.beams.maxRange);
+    const RangeSteps steps = rangeStepsFor(farthest);
     std::vector<std::optional<ScanCounts>> counts(spread.size());
     std::vector<std::vector<std::string>> mistakes(spread.size());
     Progress progress("scans read", spread.size(), "scans", "points", options_.quiet);
@@ -147,8 +143,7 @@ class Examination {
   // Draws pictures of the scans, sorted by key. Skips scans that cannot be read, without reporting them.
   void picture(std::vector<ScanPlace> shown) {
     const auto keyOf = [&](const ScanPlace& place) { return report_.manifest.samples[place.sample].key; };
-    std::stable_sort(shown.begin(), shown.end(),
-                     [&](const ScanPlace& a, const ScanPlace& b) { return keyOf(a) < keyOf(b); });
+    std::ranges::stable_sort(shown, [&](const ScanPlace& a, const ScanPlace& b) { return keyOf(a) < keyOf(b); });
     std::vector<std::optional<Scan>> scans(shown.size());
     ScanReading reading;
     reading.stop = options_.stop;

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -17,15 +16,14 @@ namespace {
 
 using ClassPoints = std::map<std::uint16_t, std::uint64_t>;
 
-template <class List, class Named>
-auto& entryNamed(List& list, const std::string& name, Named make) {
-  const auto found = std::find_if(list.begin(), list.end(), [&](const auto& e) { return e.name == name; });
+auto& entryNamed(auto& list, const std::string& name, auto make) {
+  const auto found = std::ranges::find_if(list, [&](const auto& e) { return e.name == name; });
   return found == list.end() ? list.emplace_back(make()) : *found;
 }
 
 double medianOf(std::vector<std::uint64_t> values) {
   if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   const std::size_t middle = values.size() / 2;
   const auto upper = static_cast<double>(values[middle]);
   return values.size() % 2 == 1 ? upper : (static_cast<double>(values[middle - 1]) + upper) / 2;
@@ -60,16 +58,14 @@ class Summing {
  public:
   Summing(const Manifest& manifest, const RangeSteps& steps) : manifest_(manifest) {
     sum_.steps = steps;
-    for (const SemanticClass& c : manifest.ontology.classes) {
-      addClass(c.id, c.name, c.thing, true);
-    }
+    for (const SemanticClass& c : manifest.ontology.classes) addClass(c.id, c.name, c.thing, true);
     for (const SensorRecord& s : manifest.sensors) sensorEntry(s.name);
   }
 
   // Adds the figures that the manifest has for all scans.
   void addManifest() {
     const auto has = [&](const char* column) {
-      return std::find(manifest_.columns.begin(), manifest_.columns.end(), column) != manifest_.columns.end();
+      return std::ranges::find(manifest_.columns, column) != manifest_.columns.end();
     };
     sum_.labelled = has("label");
     sum_.instanced = has("instance");
@@ -171,9 +167,7 @@ class Summing {
       c.pointsOfSplit[sample.split] += points;
     }
     for (const auto& [reason, beams] : scan.beamsPerReason) sensor.beamsPerReason[reason] += beams;
-    if (scan.points == 0) {
-      sum_.emptyScans.push_back(title);
-    }
+    if (scan.points == 0) sum_.emptyScans.push_back(title);
     if (scan.unresolved > 0) sum_.unresolvedScans.push_back(fmt::format("{}: {} beams", title, scan.unresolved));
     pointsOfSensor_[scan.sensor].push_back(scan.points);
   }
@@ -241,9 +235,7 @@ class Summing {
       thing.id = key.second;
       thing.pointsOfClass = objects_.at(key);
       thing.mostClass =
-          std::max_element(thing.pointsOfClass.begin(), thing.pointsOfClass.end(), [](const auto& a, const auto& b) {
-            return a.second < b.second;
-          })->first;
+          std::ranges::max_element(thing.pointsOfClass, {}, [](const auto& entry) { return entry.second; })->first;
       sum_.things.push_back(std::move(thing));
     }
   }

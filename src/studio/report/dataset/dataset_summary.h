@@ -3,8 +3,6 @@
 // Summarises a dataset in figures. Some figures are from the manifest and cover all scans. Others are computed from
 // points and cover only the scans that were read.
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>

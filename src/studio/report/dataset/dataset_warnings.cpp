@@ -17,10 +17,6 @@ namespace {
 
 constexpr double kFewClassPoints = 1e-4;  // fraction of all points below which a class is reported
 
-double shareOf(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-}
-
 class Warnings {
  public:
   Warnings(const DatasetSummary& summary, const ReadingFaults& faults, const std::filesystem::path& folder)
@@ -88,8 +84,8 @@ class Warnings {
   void classes() {
     const auto none = classesWhere([](const ClassSummary& c) { return c.id != 0 && c.points == 0; });
     if (!none.empty()) {
-      const auto known = std::count_if(sum_.classes.begin(), sum_.classes.end(),
-                                       [](const ClassSummary& c) { return c.id != 0 && c.known; });
+      const auto known =
+          std::ranges::count_if(sum_.classes, [](const ClassSummary& c) { return c.id != 0 && c.known; });
       add(fmt::format("No points of {} of the ontology's {} classes: {}.", none.size(), known,
                       fmt::join(alikeLines(none), ", ")));
       list_.back().note = true;  // is only a note, since few scenes contain all classes
@@ -123,8 +119,8 @@ class Warnings {
 
   // Compares the classes in the split "train" with the classes in every other split.
   void splits() {
-    const auto train = std::find_if(sum_.splits.begin(), sum_.splits.end(),
-                                    [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
+    const auto train =
+        std::ranges::find_if(sum_.splits, [](const SplitSummary& s) { return s.name == "train" && s.points > 0; });
     if (train == sum_.splits.end()) return;
     for (const SplitSummary& other : sum_.splits) {
       if (other.name == train->name || other.points == 0) continue;
@@ -166,7 +162,7 @@ class Warnings {
   }
 
   const ClassSummary& classOf(std::uint16_t id) const {
-    return *std::find_if(sum_.classes.begin(), sum_.classes.end(), [&](const ClassSummary& c) { return c.id == id; });
+    return *std::ranges::find_if(sum_.classes, [&](const ClassSummary& c) { return c.id == id; });
   }
 
   // Reports suspicious objects. Objects of the same class with the same reason are combined to one warning, with

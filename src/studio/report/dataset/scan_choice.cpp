@@ -1,8 +1,6 @@
 #include "report/dataset/scan_choice.h"
 
 #include <algorithm>
-#include <array>
-#include <map>
 #include <string>
 
 #include "base/random.h"
@@ -46,13 +44,13 @@ std::vector<ScanPlace> randomScans(const Manifest& manifest, const std::vector<b
   std::vector<SplitSamples> splits;
   for (std::size_t s = 0; s < manifest.samples.size(); ++s) {
     const SampleRecord& sample = manifest.samples[s];
-    const bool any = std::any_of(sample.scans.begin(), sample.scans.end(), [](const auto& r) { return r.points > 0; });
+    const bool any = std::ranges::any_of(sample.scans, [](const auto& r) { return r.points > 0; });
     if (!any || !sound[sample.shard]) continue;
-    auto split = std::find_if(splits.begin(), splits.end(), [&](const auto& p) { return p.split == sample.split; });
+    auto split = std::ranges::find_if(splits, [&](const auto& p) { return p.split == sample.split; });
     if (split == splits.end()) split = splits.insert(splits.end(), {sample.split, {}});
     split->drawn.emplace_back(drawOf(seed, s), s);
   }
-  for (SplitSamples& split : splits) std::sort(split.drawn.begin(), split.drawn.end());
+  for (SplitSamples& split : splits) std::ranges::sort(split.drawn);
   std::vector<ScanPlace> chosen;
   for (std::size_t turn = 0; chosen.size() < count; ++turn) {
     bool more = false;

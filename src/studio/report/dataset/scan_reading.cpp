@@ -65,8 +65,7 @@ std::vector<std::string> shardFaults(const fs::path& folder, const Manifest& man
 std::vector<std::string> readScans(const fs::path& folder, const Manifest& manifest,
                                    const std::vector<ScanPlace>& places, const ScanReading& reading) {
   std::vector<FormatRecord> formats = manifest.formats;  // sorted by accuracy, the most exact first
-  std::stable_sort(formats.begin(), formats.end(),
-                   [](const auto& a, const auto& b) { return a.maxErrorMetres < b.maxErrorMetres; });
+  std::ranges::stable_sort(formats, [](const auto& a, const auto& b) { return a.maxErrorMetres < b.maxErrorMetres; });
   std::map<std::uint32_t, std::vector<std::size_t>> wanted;  // for each shard: indices in `places`
   for (std::size_t k = 0; k < places.size(); ++k) wanted[manifest.samples[places[k].sample].shard].push_back(k);
   std::vector<std::string> problems;

@@ -1,8 +1,6 @@
 #include "report/dataset/scan_thinning.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <functional>
 #include <map>
 #include <utility>
@@ -38,7 +36,7 @@ double weightOf(const Vec3f& position) {
 // Returns the factor f for which the sum of min(f * weight, 1) over all weights is `kept`. f * weight is then the
 // probability of keeping a point.
 double factorFor(std::vector<double> weights, double kept) {
-  std::sort(weights.begin(), weights.end(), std::greater<>());
+  std::ranges::sort(weights, std::greater<>());
   double rest = 0;
   for (const double w : weights) rest += w;
   for (std::size_t whole = 0; whole < weights.size(); ++whole) {
@@ -63,7 +61,7 @@ std::vector<std::size_t> pointsToView(const Scan& scan, std::size_t most) {
   std::vector<std::pair<std::size_t, std::vector<std::size_t>>> groups;
   addRare(scan, scan[kInstance], finite, true, groups);
   addRare(scan, scan[kLabel], finite, false, groups);
-  std::stable_sort(groups.begin(), groups.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(groups, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [count, points] : groups) {
     if (wholeCount + count > most / 2) break;
     for (const std::size_t i : points) {

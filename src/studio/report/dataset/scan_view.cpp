@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "base/base64.h"
 #include "report/dataset/scan_thinning.h"
@@ -33,7 +32,7 @@ OrderedJson column(const std::vector<std::uint32_t>& numbers) {
 
 // Encodes numbers in the smallest of the types u8, u16 and u32 that can represent all of them.
 OrderedJson narrowColumn(const std::vector<std::uint32_t>& numbers) {
-  const std::uint32_t most = numbers.empty() ? 0 : *std::max_element(numbers.begin(), numbers.end());
+  const std::uint32_t most = numbers.empty() ? 0 : *std::ranges::max_element(numbers);
   return most < 1u << 8    ? column<std::uint8_t>(numbers)
          : most < 1u << 16 ? column<std::uint16_t>(numbers)
                            : column<std::uint32_t>(numbers);
@@ -44,8 +43,7 @@ class ViewData {
   ViewData(const ViewedScan& viewed, const Ontology& ontology)
       : scan_(viewed.scan), ontology_(ontology), points_(pointsToView(viewed.scan, kMostViewedPoints)) {
     json_["title"] = viewed.title;
-    json_["points"] =
-        std::count_if(scan_.position.begin(), scan_.position.end(), [](const Vec3f& p) { return isFinite(p); });
+    json_["points"] = std::ranges::count_if(scan_.position, isFinite<float>);
     json_["shown"] = points_.size();
   }
 
@@ -65,12 +63,9 @@ class ViewData {
  private:
   void positions() {
     constexpr double kSteps = 65535;
-    Vec3d low{}, high{};
-    for (std::size_t k = 0; k < points_.size(); ++k) {
-      const Vec3d p(scan_.position[points_[k]]);
-      low = k == 0 ? p : Vec3d{std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-      high = k == 0 ? p : Vec3d{std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
+    Box box;
+    for (const std::size_t i : points_) box.add(Vec3d(scan_.position[i]));
+    const Vec3d low = box.empty() ? Vec3d{} : box.low, high = box.empty() ? Vec3d{} : box.high;
     const auto stepOf = [](double extent) { return extent > 0 ? extent / kSteps : 1; };
     const Vec3d step{stepOf(high.x - low.x), stepOf(high.y - low.y), stepOf(high.z - low.z)};
     std::vector<std::uint32_t> places;
@@ -96,12 +91,9 @@ class ViewData {
     std::map<std::uint16_t, std::uint32_t> indexOf;
     OrderedJson classes = OrderedJson::array();
     for (const auto& [id, count] : counts) {
-      const SemanticClass* known = ontology_.find(id);
       indexOf.emplace(id, static_cast<std::uint32_t>(indexOf.size()));
-      classes.push_back({{"id", id},
-                         {"name", known == nullptr ? fmt::format("class {}", id) : known->name},
-                         {"color", classColor(&ontology_, id)},
-                         {"points", count}});
+      classes.push_back(
+          {{"id", id}, {"name", className(&ontology_, id)}, {"color", classColor(&ontology_, id)}, {"points", count}});
     }
     std::vector<std::uint32_t> indices;
     for (const std::size_t i : points_) indices.push_back(indexOf.at(scan_[kLabel][i]));

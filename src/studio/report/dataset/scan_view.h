@@ -3,7 +3,6 @@
 // Writes scans for the 3D view of a report's page, in which users can rotate them. scan_view.js draws the view with
 // three.js.
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>

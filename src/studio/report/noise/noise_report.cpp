@@ -1,10 +1,8 @@
 #include "report/noise/noise_report.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "charts/chart.h"
@@ -21,14 +19,12 @@ namespace {
 constexpr double kMillimetres = 1000;
 
 void addWithError(ChartSeries& series, double x, double y, double error, const std::string& detail) {
-  series.points.push_back({x, y});
+  series.add({x, y}, detail);
   series.spans.push_back({y - error, y + error});
-  series.details.push_back(detail);
 }
 
 Chart sigmaChart(const NoiseFit& fit) {
-  Chart chart{.name = "range_noise"};
-  chart.title = "Range noise";
+  Chart chart{.name = "range_noise", .title = "Range noise"};
   chart.note = fmt::format(
       "Flat patches up to {:.0f}° from their normals; bars: standard errors of a bootstrap over patches. The range "
       "step of {:.3g} mm is not included. The deviation about planes also includes offsets between rings, curvature "
@@ -40,11 +36,10 @@ Chart sigmaChart(const NoiseFit& fit) {
   ChartSeries planes{.name = "about planes", .color = 2, .mark = ChartMark::Dots};
   ChartSeries line{
       .name = fit.linear ? "fitted: base + growth × range" : "fitted: table", .color = 1, .mark = ChartMark::Line};
-  for (const PatchGroup& band : fit.bands) {
-    if (!band.leftOut.empty()) continue;
-    addWithError(measured, band.range, band.sigma * kMillimetres, band.error * kMillimetres,
-                 fmt::format("{}: {} patches", band.name, band.patches));
-    planes.points.push_back({band.range, band.planeSigma * kMillimetres});
+  for (const PatchGroup* band : fit.used()) {
+    addWithError(measured, band->range, band->sigma * kMillimetres, band->error * kMillimetres,
+                 fmt::format("{}: {} patches", band->name, band->patches));
+    planes.points.push_back({band->range, band->planeSigma * kMillimetres});
   }
   constexpr int kSteps = 60;
   const double last = fit.measuredUpTo() * 1.05;
@@ -56,13 +51,8 @@ Chart sigmaChart(const NoiseFit& fit) {
   return chart;
 }
 
-// Returns a chart with a bar for the noise of each group.
-Chart groupChart(const std::vector<PatchGroup>& groups, const char* name, const std::string& title,
-                 const std::string& note, const std::string& axis) {
-  Chart chart{.name = name};
-  chart.title = title;
-  chart.note = note;
-  chart.x.title = axis;
+// Returns `chart` with a bar for the noise of each group.
+Chart groupChart(const std::vector<PatchGroup>& groups, Chart chart) {
   chart.y = {.title = "standard deviation (mm)", .low = 0};
   ChartSeries bars{.name = "measured", .color = 0, .mark = ChartMark::Bars};
   for (const PatchGroup& group : groups) {
@@ -75,21 +65,24 @@ Chart groupChart(const std::vector<PatchGroup>& groups, const char* name, const 
 }
 
 Chart incidenceChart(const NoiseFit& fit) {
-  return groupChart(fit.incidences, "incidence", "Range noise against incidence",
-                    "All ranges that the fit uses. At grazing incidence the footprint extends along the beam, so that "
-                    "a rough surface spreads the ranges more; the rows also show different places.",
-                    "angle between beam and normal");
+  return groupChart(fit.incidences, {.name = "incidence",
+                                     .title = "Range noise against incidence",
+                                     .note = "All ranges that the fit uses. At grazing incidence the footprint extends "
+                                             "along the beam, so that a rough surface spreads the ranges more; the "
+                                             "rows also show different places.",
+                                     .x = {.title = "angle between beam and normal"}});
 }
 
 Chart intensityChart(const NoiseFit& fit) {
-  return groupChart(fit.intensities, "intensity", "Range noise against intensity",
-                    "The patches that the fit uses, in five groups of equal number by their median intensity.",
-                    "intensity, as recorded");
+  return groupChart(fit.intensities, {.name = "intensity",
+                                      .title = "Range noise against intensity",
+                                      .note = "The patches that the fit uses, in five groups of equal number by their "
+                                              "median intensity.",
+                                      .x = {.title = "intensity, as recorded"}});
 }
 
 Chart dropOutChart(const NoiseFit& fit) {
-  Chart chart{.name = "drop_out"};
-  chart.title = "Drop-out";
+  Chart chart{.name = "drop_out", .title = "Drop-out"};
   chart.note =
       "Share of beams without a return among those whose neighbours returned from the patch's plane; bars: standard "
       "errors.";
@@ -97,10 +90,9 @@ Chart dropOutChart(const NoiseFit& fit) {
   chart.y = {.title = "share without a return (%)", .low = 0};
   ChartSeries measured{.name = "measured", .color = 0, .mark = ChartMark::Dots, .emphasised = true};
   ChartSeries model{.name = "fitted: one share", .color = 1, .mark = ChartMark::Line};
-  for (const PatchGroup& band : fit.bands) {
-    if (!band.leftOut.empty()) continue;
-    addWithError(measured, band.range, 100 * band.dropOut.share(), 100 * band.dropOut.error,
-                 fmt::format("{}: {} of {}", band.name, band.dropOut.lost, band.dropOut.of));
+  for (const PatchGroup* band : fit.used()) {
+    addWithError(measured, band->range, 100 * band->dropOut.share(), 100 * band->dropOut.error,
+                 fmt::format("{}: {} of {}", band->name, band->dropOut.lost, band->dropOut.of));
   }
   model.points = {{0, 100 * fit.dropOut.share()}, {fit.measuredUpTo() * 1.05, 100 * fit.dropOut.share()}};
   chart.series = {model, measured};

@@ -188,13 +188,7 @@ std::string shellWord(const std::string& word, bool quote) {
 std::string scriptJson(const std::string& json) {
   std::string safe;
   safe.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
+  for (const char c : json) safe += c == '<' ? std::string("\\u003c") : std::string(1, c);
   return safe;
 }
 

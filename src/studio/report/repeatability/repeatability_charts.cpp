@@ -1,7 +1,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "charts/chart.h"
@@ -28,11 +27,12 @@ ChartSeries line(std::string name, std::size_t color) {
 void add(ChartSeries& series, double x, const FitnessSpread& spread, const std::string& detail) {
   const bool any = spread.count > 0;
   const bool spreads = any && spread.mean >= kRounding;
-  series.points.push_back({x, spreads ? spread.mean : any ? 0 : kNothing});
   const double low = std::max(spread.mean - spread.deviation, spread.low);
   series.spans.push_back({spreads ? low : kNothing, spreads ? spread.mean + spread.deviation : kNothing});
-  series.details.push_back(
-      fmt::format("{}: {:.4g} +- {:.2g} m² of {} pairs", detail, spread.mean, spread.deviation, spread.count));
+  series.add({x, spreads ? spread.mean
+                 : any   ? 0
+                         : kNothing},
+             fmt::format("{}: {:.4g} +- {:.2g} m² of {} pairs", detail, spread.mean, spread.deviation, spread.count));
 }
 
 ChartAxis logAxis(const std::string& title) {
@@ -50,13 +50,21 @@ Chart fitnessAxes(const char* name, const std::string& title, const std::string&
 std::vector<const RepeatedPlace*> byDistance(const RepeatedView& view) {
   std::vector<const RepeatedPlace*> places;
   for (const RepeatedPlace& place : view.places) places.push_back(&place);
-  std::stable_sort(places.begin(), places.end(),
-                   [](const RepeatedPlace* a, const RepeatedPlace* b) { return a->distance < b->distance; });
+  std::ranges::stable_sort(places, {}, &RepeatedPlace::distance);
   return places;
 }
 
 std::string at(const RepeatedPlace& place) {
   return fmt::format("{:.3g} m", place.distance);
+}
+
+// Adds a line of the view's fitness over the distance, between two scans with the same noise level.
+void addLine(Chart& chart, const Repeatability& result, const RepeatedView& view, std::size_t level, OfLevels when,
+             ChartSeries series) {
+  for (const RepeatedPlace* place : byDistance(view)) {
+    add(series, place->distance, result.at(*place, level, level).*when, at(*place));
+  }
+  chart.series.push_back(std::move(series));
 }
 
 Chart fitnessChart(const Repeatability& result, std::size_t method, OfLevels when, const char* name,
@@ -67,11 +75,7 @@ Chart fitnessChart(const Repeatability& result, std::size_t method, OfLevels whe
                                         result.levels[result.reference], result.scans));
   for (const RepeatedView& view : result.views) {
     if (view.method != method) continue;
-    ChartSeries series = line(view.name, chart.series.size());
-    for (const RepeatedPlace* place : byDistance(view)) {
-      add(series, place->distance, result.at(*place, result.reference, result.reference).*when, at(*place));
-    }
-    chart.series.push_back(std::move(series));
+    addLine(chart, result, view, result.reference, when, line(view.name, chart.series.size()));
   }
   return chart;
 }
@@ -87,9 +91,8 @@ Chart pointsChart(const Repeatability& result, std::size_t method) {
     ChartSeries series = line(view.name, chart.series.size());
     for (const RepeatedPlace* place : byDistance(view)) {
       const PointCount& count = place->points[result.reference];
-      series.points.push_back({place->distance, count.mean});
-      series.details.push_back(
-          fmt::format("{}: {:g} points, {} to {}", at(*place), count.mean, count.least, count.most));
+      series.add({place->distance, count.mean},
+                 fmt::format("{}: {:g} points, {} to {}", at(*place), count.mean, count.least, count.most));
     }
     chart.series.push_back(std::move(series));
   }
@@ -128,11 +131,7 @@ Chart withinChart(const Repeatability& result, const RepeatedView& view) {
   Chart chart = fitnessAxes("within", fmt::format("{}: both scans with the same noise", view.name),
                             "After ICP. Bars: standard deviation.");
   for (std::size_t level = 0; level < result.levels.size(); ++level) {
-    ChartSeries series = line(result.levels[level], level);
-    for (const RepeatedPlace* place : byDistance(view)) {
-      add(series, place->distance, result.at(*place, level, level).registered, at(*place));
-    }
-    chart.series.push_back(std::move(series));
+    addLine(chart, result, view, level, &LevelFitness::registered, line(result.levels[level], level));
   }
   return chart;
 }
@@ -155,11 +154,8 @@ Chart repeatabilityMethods(const Repeatability& result, const std::string& view)
                             fmt::format("After ICP; noise {} on both scans.", result.levels[result.reference]));
   for (const RepeatedView& own : result.views) {
     if (own.name != view) continue;
-    ChartSeries series = line(result.methods[own.method], own.method);
-    for (const RepeatedPlace* place : byDistance(own)) {
-      add(series, place->distance, result.at(*place, result.reference, result.reference).registered, at(*place));
-    }
-    chart.series.push_back(std::move(series));
+    addLine(chart, result, own, result.reference, &LevelFitness::registered,
+            line(result.methods[own.method], own.method));
   }
   return chart;
 }

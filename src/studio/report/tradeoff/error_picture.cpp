@@ -24,11 +24,6 @@ Rgb errorColor(double error) {
   return viridis(kDarkest + (1 - kDarkest) * std::log10(std::max(error, kLeast) / kLeast) / kDecades);
 }
 
-Vec3f pointOfBeam(const BeamTable& beams, std::size_t i, double range) {
-  const Vec3d origin = beams.originOf(i);
-  return Vec3f(origin + beams.direction[i] * range);
-}
-
 }  // namespace
 
 std::string drawErrors(const TrueShot& truth, const Hits& tested) {
@@ -41,7 +36,7 @@ std::string drawErrors(const TrueShot& truth, const Hits& tested) {
   std::uint64_t falsePositives = 0;
   std::uint64_t label = 0;
   const auto add = [&](std::size_t i, double range, const Rgb& color) {
-    scan.position.push_back(pointOfBeam(*truth.shot.beams, i, range));
+    scan.position.push_back(Vec3f(truth.shot.beams->originOf(i) + truth.shot.beams->direction[i] * range));
     coloring.colors.push_back(color);
   };
   for (std::size_t i = 0; i < real.size(); ++i) {

@@ -100,8 +100,8 @@ class StudyPage {
 
   void settings() {
     const std::optional<std::size_t> base = tracingDefault(study_);
-    std::vector<std::size_t> front = rangeFront(study_);
-    for (const std::size_t i : wrongFront(study_)) front.push_back(i);
+    std::vector<std::size_t> front = frontOf(study_, rangeP99);
+    for (const std::size_t i : frontOf(study_, wrongShare)) front.push_back(i);
     page_["settings"] = Json::array();
     for (std::size_t i = 0; i < study_.settings.size(); ++i) {
       const SettingResult& s = study_.settings[i];
@@ -117,7 +117,7 @@ class StudyPage {
         const double own = s.measured.cost.scanSeconds;
         const double its = base ? study_.settings[*base].measured.cost.scanSeconds : 0;
         if (own > 0 && its > 0) row["times_tracing"] = own / its;
-        row["strong"] = std::find(front.begin(), front.end(), i) != front.end();
+        row["strong"] = std::ranges::find(front, i) != front.end();
         if (s.measured.cloud.to.count + s.measured.cloud.from.count == 0) row.erase("cloud");
       }
       row.erase("measured");
@@ -144,11 +144,11 @@ class StudyPage {
     for (const std::size_t i : shown) {
       page_["shown"].push_back({{"name", nameOf(i)}});
       for (const ErrorGroup& g : errors(i).byClass) {
-        const bool known = std::any_of(names.begin(), names.end(), [&](const auto& c) { return c.first == g.name; });
+        const bool known = std::ranges::any_of(names, [&](const auto& c) { return c.first == g.name; });
         if (!known && g.errors.beams > 0) names.emplace_back(g.name, g.errors.beams);
       }
     }
-    std::stable_sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    std::ranges::stable_sort(names, [](const auto& a, const auto& b) { return a.second > b.second; });
     for (const auto& [name, beams] : names) {
       Json row{{"name", name}, {"beams", beams}, {"shown", Json::array()}};
       for (const std::size_t i : shown) {
@@ -168,13 +168,13 @@ class StudyPage {
     page_["methods"] = Json::array();
     for (const std::string& method : methodsOf(study_)) {
       std::vector<std::size_t> own;
-      std::copy_if(rows.begin(), rows.end(), std::back_inserter(own),
-                   [&](std::size_t i) { return study_.settings[i].setting.method == method; });
+      std::ranges::copy_if(rows, std::back_inserter(own),
+                           [&](std::size_t i) { return study_.settings[i].setting.method == method; });
       std::vector<std::string> names;
       Json table{{"stages", Json::array()}, {"rows", Json::array()}};
       for (const std::size_t i : own) {
         for (const auto& [stage, seconds] : study_.settings[i].measured.cost.stages) {
-          if (seconds <= 0 || std::find(names.begin(), names.end(), stage) != names.end()) continue;
+          if (seconds <= 0 || std::ranges::find(names, stage) != names.end()) continue;
           names.push_back(stage);
           table["stages"].push_back({{"title", wordsOf(stage)}, {"hint", "summed over threads"}});
         }
@@ -213,8 +213,8 @@ class StudyPage {
                {"off_percent", 100 * fit->largestResidual},
                {"ring_counts", Json::array()}};
       for (const auto& entry : counts) {
-        const auto timing = std::find_if(fit->timings.begin(), fit->timings.end(),
-                                         [&](const RingTiming& t) { return t.rings == entry.first; });
+        const auto timing =
+            std::ranges::find_if(fit->timings, [&](const RingTiming& t) { return t.rings == entry.first; });
         row["ring_counts"].push_back(timing == fit->timings.end() ? Json::object()
                                                                   : Json{{"scan_s", timing->scanSeconds}});
       }

@@ -53,7 +53,7 @@ const BeamErrors& errorsOf(const Study& study, std::size_t setting) {
 
 // Returns the error of the group with this name; NaN if there is no such group.
 double errorOf(const std::vector<ErrorGroup>& groups, const std::string& name, const Measure& measure) {
-  const auto found = std::find_if(groups.begin(), groups.end(), [&](const ErrorGroup& g) { return g.name == name; });
+  const auto found = std::ranges::find_if(groups, [&](const ErrorGroup& g) { return g.name == name; });
   return found == groups.end() ? kNone : measure.of(found->errors);
 }
 
@@ -124,12 +124,11 @@ Chart frontChart(const Study& study, Chart chart, const Measure& measure, const 
       byDefault.labelsFirst = true;
       for (const std::size_t i : measured) {
         const SettingResult& s = study.settings[i];
-        const bool on = std::find(front.begin(), front.end(), i) != front.end();
+        const bool on = std::ranges::find(front, i) != front.end();
         if (s.setting.method != method || on != emphasised) continue;
         ChartSeries& series = isDefault(s.setting) ? byDefault : others;
-        series.points.push_back(place(i));
+        series.add(place(i), settingDetail(study, s));
         series.labels.push_back(shortName(s.setting));
-        series.details.push_back(settingDetail(study, s));
       }
       chart.series.insert(chart.series.end(), {byDefault, others});
     }
@@ -163,8 +162,7 @@ Chart settingsChart(const Study& study, const Shown& shown, Chart chart, ChartMa
     for (std::size_t n = 0; n < (lying ? chart.y : chart.x).names.size(); ++n) {
       const auto [value, detail] = figure(errorsOf(study, shown.settings[k]), n);
       const double place = static_cast<double>(n) + beside(k, shown.settings.size(), step);
-      series.points.push_back(lying ? Vec2d{value, place} : Vec2d{place, value});
-      series.details.push_back(name + "\n" + detail);
+      series.add(lying ? Vec2d{value, place} : Vec2d{place, value}, name + "\n" + detail);
     }
     chart.series.push_back(std::move(series));
   }
@@ -220,8 +218,8 @@ Chart placeChart(const Study& study, Chart chart, const Measure& measure) {
     ChartSeries series{.name = placeText(places[k]), .color = k + 3};  // the first three colours are those of methods
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double value = errorOf(errorsOf(study, rows[row]).byPlace, places[k], measure);
-      series.points.push_back({value, static_cast<double>(row) + beside(k, places.size(), 0.2)});
-      series.details.push_back(fmt::format("{}\n{}: {}", chart.y.names[row], series.name, measure.text(value)));
+      series.add({value, static_cast<double>(row) + beside(k, places.size(), 0.2)},
+                 fmt::format("{}\n{}: {}", chart.y.names[row], series.name, measure.text(value)));
     }
     chart.series.push_back(std::move(series));
   }
@@ -238,7 +236,7 @@ Chart classChart(const Study& study, Chart chart, const Measure& measure) {
     for (const std::size_t i : shown.settings) most = std::fmax(most, errorOf(errorsOf(study, i).byClass, name, count));
     return most;
   };
-  std::stable_sort(names.begin(), names.end(), [&](const auto& a, const auto& b) { return beams(a) > beams(b); });
+  std::ranges::stable_sort(names, [&](const auto& a, const auto& b) { return beams(a) > beams(b); });
   if (names.size() > kMostClasses) names.resize(kMostClasses);
   chart.x = measure.axis();
   chart.y.names = names;
@@ -250,7 +248,7 @@ Chart classChart(const Study& study, Chart chart, const Measure& measure) {
                         });
   std::vector<std::string> spotless;
   std::erase_if(chart.series, [&](const ChartSeries& s) {
-    const bool errs = std::any_of(s.points.begin(), s.points.end(), [](const Vec2d& p) { return p.x > 0; });
+    const bool errs = std::ranges::any_of(s.points, [](const Vec2d& p) { return p.x > 0; });
     if (!errs) spotless.push_back(s.name);
     return !errs;
   });
@@ -284,7 +282,7 @@ Chart stagesChart(const Study& study) {
   for (const std::size_t i : rows) {
     chart.y.names.push_back(study.settings[i].setting.name);
     for (const auto& [stage, share] : sharesOfStages(study.settings[i].measured.cost)) {
-      const bool known = std::find(stages.begin(), stages.end(), stage) != stages.end();
+      const bool known = std::ranges::find(stages, stage) != stages.end();
       if (share >= kSmallStage && !known) stages.push_back(stage);
     }
   }
@@ -303,10 +301,9 @@ Chart stagesChart(const Study& study) {
         for (const std::string& stage : stages) seconds -= secondsOf(stage);
         seconds = std::max(seconds, 0.0);
       }
-      series.points.push_back({seconds, static_cast<double>(row)});
       series.labels.push_back(k + 1 == stages.size() ? secondsText(scan) : "");
-      series.details.push_back(
-          fmt::format("{}\n{}: {} of {}", chart.y.names[row], stages[k], secondsText(seconds), secondsText(scan)));
+      series.add({seconds, static_cast<double>(row)}, fmt::format("{}\n{}: {} of {}", chart.y.names[row], stages[k],
+                                                                  secondsText(seconds), secondsText(scan)));
     }
     chart.series.push_back(std::move(series));
   }
@@ -323,17 +320,16 @@ Chart encodingsChart(const Study& study) {
               .height = 420};
   for (const EncodingResult& e : study.encodings) {
     if (!e.failure.empty()) continue;
-    auto series = std::find_if(chart.series.begin(), chart.series.end(),
-                               [&](const ChartSeries& s) { return s.name == e.format; });
+    auto series = std::ranges::find_if(chart.series, [&](const ChartSeries& s) { return s.name == e.format; });
     if (series == chart.series.end()) {
       series = chart.series.insert(series, {.name = e.format, .color = chart.series.size() % 7});
     }
     const std::string error = e.largestError == 0 ? "no error" : metresText(e.largestError);
-    series->points.push_back({e.bytesPerPoint, e.encodePointsPerSecond});
     series->labels.push_back(fmt::format("{}: {}", e.name, error));
-    series->details.push_back(fmt::format("{}\n{:.2f} bytes a point, {} points/s encoded, {} points/s decoded\n{}",
-                                          e.name, e.bytesPerPoint, amountText(e.encodePointsPerSecond),
-                                          amountText(e.decodePointsPerSecond), error));
+    series->add(
+        {e.bytesPerPoint, e.encodePointsPerSecond},
+        fmt::format("{}\n{:.2f} bytes a point, {} points/s encoded, {} points/s decoded\n{}", e.name, e.bytesPerPoint,
+                    amountText(e.encodePointsPerSecond), amountText(e.decodePointsPerSecond), error));
   }
   return chart;
 }
@@ -361,8 +357,8 @@ Chart ringsChart(const Study& study) {
     ChartSeries line{.name = name, .color = colors[k], .mark = ChartMark::Line};
     double least = fit->timings.front().rings, most = least;
     for (const RingTiming& t : fit->timings) {
-      dots.points.push_back({static_cast<double>(t.rings), t.scanSeconds});
-      dots.details.push_back(fmt::format("{}\n{} rings: {}", name, t.rings, secondsText(t.scanSeconds)));
+      dots.add({static_cast<double>(t.rings), t.scanSeconds},
+               fmt::format("{}\n{} rings: {}", name, t.rings, secondsText(t.scanSeconds)));
       least = std::min<double>(least, t.rings);
       most = std::max<double>(most, t.rings);
     }
@@ -392,13 +388,13 @@ std::vector<Chart> studyCharts(const Study& study) {
   return {
       frontChart(study,
                  {.name = "pareto", .title = "Speed against range error", .note = sceneNote(study), .width = 880},
-                 kRangeError, rangeFront(study)),
+                 kRangeError, frontOf(study, rangeP99)),
       frontChart(study,
                  {.name = "wrong",
                   .title = "Speed against wrong beams",
                   .note = "beams that only one of truth and setting hits, or whose class or instance differs",
                   .width = kWide},
-                 kWrong, wrongFront(study)),
+                 kWrong, frontOf(study, wrongShare)),
       bandChart(study, {.name = "errors_by_range", .title = "Range error by range"}, range, byRange, kRangeError),
       bandChart(study, {.name = "errors_by_incidence", .title = "Range error by incidence"}, incidence, byIncidence,
                 kRangeError),

@@ -32,7 +32,7 @@ std::vector<std::string> groupNames(const Study& study, const std::vector<std::s
   std::vector<std::string> names;
   for (const std::size_t i : settings) {
     for (const ErrorGroup& g : study.settings[i].measured.errors.*groups) {
-      const bool known = std::find(names.begin(), names.end(), g.name) != names.end();
+      const bool known = std::ranges::find(names, g.name) != names.end();
       if (g.errors.beams > 0 && !known) names.push_back(g.name);
     }
   }
@@ -50,9 +50,7 @@ std::size_t methodColor(const Study& study, const std::string& method) {
 }
 
 std::vector<std::size_t> settingColors(const Study& study, const std::vector<std::string>& methods) {
-  const auto first = [&](std::size_t k) {
-    return std::find(methods.begin(), methods.end(), methods[k]) - methods.begin();
-  };
+  const auto first = [&](std::size_t k) { return std::ranges::find(methods, methods[k]) - methods.begin(); };
   std::vector<std::size_t> colors(methods.size());
   std::vector<std::size_t> free(kMoreColors.begin(), kMoreColors.end());
   for (std::size_t k = 0; k < methods.size(); ++k) {
@@ -71,23 +69,23 @@ std::vector<std::size_t> shownSettings(const Study& study, std::size_t most) {
   const std::vector<std::size_t> measured = measuredSettings(study);
   std::vector<std::size_t> shown, fastest;
   const auto show = [&](std::size_t i) {
-    if (shown.size() < most && std::find(shown.begin(), shown.end(), i) == shown.end()) shown.push_back(i);
+    if (shown.size() < most && std::ranges::find(shown, i) == shown.end()) shown.push_back(i);
   };
   for (const std::string& method : methodsOf(study)) {
     std::vector<std::size_t> own;
-    std::copy_if(measured.begin(), measured.end(), std::back_inserter(own),
-                 [&](std::size_t i) { return study.settings[i].setting.method == method; });
+    std::ranges::copy_if(measured, std::back_inserter(own),
+                         [&](std::size_t i) { return study.settings[i].setting.method == method; });
     if (own.empty()) continue;
-    fastest.push_back(*std::min_element(own.begin(), own.end(), [&](std::size_t a, std::size_t b) {
+    fastest.push_back(*std::ranges::min_element(own, [&](std::size_t a, std::size_t b) {
       return study.settings[a].measured.cost.scanSeconds < study.settings[b].measured.cost.scanSeconds;
     }));
     const auto byDefault =
-        std::find_if(own.begin(), own.end(), [&](std::size_t i) { return isDefault(study.settings[i].setting); });
+        std::ranges::find_if(own, [&](std::size_t i) { return isDefault(study.settings[i].setting); });
     show(byDefault != own.end() ? *byDefault : fastest.back());
   }
   for (const std::size_t i : fastest) show(i);
-  for (const std::size_t i : rangeFront(study)) show(i);
-  for (const std::size_t i : wrongFront(study)) show(i);
+  for (const std::size_t i : frontOf(study, rangeP99)) show(i);
+  for (const std::size_t i : frontOf(study, wrongShare)) show(i);
   return shown;
 }
 
@@ -95,10 +93,8 @@ std::vector<std::size_t> settingsByMethod(const Study& study, std::size_t most) 
   std::vector<std::size_t> rows = measuredSettings(study);
   if (rows.size() > most) rows = shownSettings(study, most);
   const std::vector<std::string> methods = methodsOf(study);
-  const auto place = [&](std::size_t i) {
-    return std::find(methods.begin(), methods.end(), study.settings[i].setting.method);
-  };
-  std::stable_sort(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+  const auto place = [&](std::size_t i) { return std::ranges::find(methods, study.settings[i].setting.method); };
+  std::ranges::stable_sort(rows, [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
   return rows;
 }
 

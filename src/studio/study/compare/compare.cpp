@@ -10,8 +10,9 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "evaluate/roc.h"
+#include "evaluate/spread.h"
 #include "exports/class_map.h"
+#include "study/figure_text.h"
 #include "study/median.h"
 
 namespace scanmill {
@@ -33,8 +34,7 @@ Groups groupsByKind(const Patches& patches) {
 // The values of a feature, by group and band of ranges.
 using Strata = std::map<std::pair<std::uint16_t, std::size_t>, std::vector<float>>;
 
-template <class Wanted>
-Strata strataOf(const Patches& patches, const Groups& groups, std::size_t feature, const Wanted& wanted) {
+Strata strataOf(const Patches& patches, const Groups& groups, std::size_t feature, const auto& wanted) {
   Strata strata;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     const float value = patches.value[feature][i];
@@ -91,12 +91,7 @@ Separated separate(const Strata& a, const Strata& b) {
 }
 
 void sortByStrength(std::vector<Separation>& list) {
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Separation& a, const Separation& b) { return a.strength > b.strength; });
-}
-
-double shareOf(const std::vector<std::uint64_t>& counts, std::size_t index, std::size_t all) {
-  return all == 0 ? 0 : static_cast<double>(counts[index]) / static_cast<double>(all);
+  std::ranges::stable_sort(list, std::greater<>(), &Separation::strength);
 }
 
 void addRanges(SetComparison& result) {
@@ -107,16 +102,15 @@ void addRanges(SetComparison& result) {
   };
   const auto real = countsOf(result.real.patches), simulated = countsOf(result.simulated.patches);
   for (std::size_t band = 0; band < kRangeBandCount; ++band) {
-    result.ranges.push_back({comparedBandName(band), shareOf(real, band, result.real.patches.size()),
-                             shareOf(simulated, band, result.simulated.patches.size())});
+    result.ranges.push_back({comparedBandName(band), shareOf(real[band], result.real.patches.size()),
+                             shareOf(simulated[band], result.simulated.patches.size())});
   }
 }
 
 // Returns the median intensities of the patches in each row. bandOf(patches, i) returns the row of the patch i; an
 // index beyond the last row if the patch belongs to none.
-template <class BandOf>
 std::vector<IntensityRow> intensityRows(const SetComparison& result, const std::vector<std::string>& names,
-                                        const BandOf& bandOf) {
+                                        const auto& bandOf) {
   const auto medians = [&](const Patches& patches) {
     std::vector<std::vector<float>> values(names.size());
     for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -213,9 +207,8 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
     GroupComparison own;
     const SemanticClass* const known = result.byClass ? result.classes.find(group) : nullptr;
     own.name = !result.byClass ? std::string(kPatchKinds[group]) : known == nullptr ? "unlabeled" : known->name;
-    own.realShare = static_cast<double>(count.first) / static_cast<double>(std::max<std::size_t>(1, real.size()));
-    own.simulatedShare =
-        static_cast<double>(count.second) / static_cast<double>(std::max<std::size_t>(1, simulated.size()));
+    own.realShare = shareOf(count.first, real.size());
+    own.simulatedShare = shareOf(count.second, simulated.size());
     for (std::size_t f = 0; f < kFeatureCount; ++f) {
       const auto found = separated[f].groups.find(group);
       if (found != separated[f].groups.end()) own.features.push_back(found->second.of(f));
@@ -223,9 +216,8 @@ void addGroups(SetComparison& result, const Groups& real, const Groups& simulate
     sortByStrength(own.features);
     result.groups.push_back(std::move(own));
   }
-  std::stable_sort(result.groups.begin(), result.groups.end(), [](const GroupComparison& a, const GroupComparison& b) {
-    return std::max(a.realShare, a.simulatedShare) > std::max(b.realShare, b.simulatedShare);
-  });
+  std::ranges::stable_sort(result.groups, std::greater<>(),
+                           [](const GroupComparison& g) { return std::max(g.realShare, g.simulatedShare); });
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // Writes compare.json. Values of figures and features have the units stated beside them. Shares of points and areas
-// under ROC curves are from 0 to 1. Unknown values are null.
+// under ROC curves are from 0 to 1. Unknown values are NaN, which the library writes as null.
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "config/version.h"
@@ -12,13 +11,8 @@ namespace scanmill {
 
 namespace {
 
-OrderedJson numberOrNull(double value, double factor = 1) {
-  return std::isfinite(value) ? OrderedJson(value * factor) : OrderedJson();
-}
-
 // Returns an array with the JSON of each item of a list.
-template <class List, class Json>
-OrderedJson arrayOf(const List& list, const Json& jsonOf) {
+OrderedJson arrayOf(const auto& list, const auto& jsonOf) {
   OrderedJson array = OrderedJson::array();
   for (const auto& item : list) array.push_back(jsonOf(item));
   return array;
@@ -41,15 +35,15 @@ OrderedJson separationJson(const Separation& s) {
           {"strength", s.strength},
           {"area", s.area},
           {"unit", feature.unit},
-          {"real_value", numberOrNull(s.realValue, feature.factor)},
-          {"simulated_value", numberOrNull(s.simulatedValue, feature.factor)},
+          {"real_value", s.realValue * feature.factor},
+          {"simulated_value", s.simulatedValue * feature.factor},
           {"real_patches", s.real},
           {"simulated_patches", s.simulated}};
 }
 
 OrderedJson intensityJson(const std::vector<IntensityRow>& rows) {
   return arrayOf(rows, [](const IntensityRow& row) -> OrderedJson {
-    return {{"band", row.name}, {"real", numberOrNull(row.real)}, {"simulated", numberOrNull(row.simulated)}};
+    return {{"band", row.name}, {"real", row.real}, {"simulated", row.simulated}};
   });
 }
 
@@ -61,8 +55,8 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
     const SetFigure& figure = kSetFigures[i];
     figures.push_back({{"figure", figure.name},
                        {"unit", figure.unit},
-                       {"real", numberOrNull(comparison.real.figures[i], figure.factor)},
-                       {"simulated", numberOrNull(comparison.simulated.figures[i], figure.factor)},
+                       {"real", comparison.real.figures[i] * figure.factor},
+                       {"simulated", comparison.simulated.figures[i] * figure.factor},
                        {"keys", figure.keys}});
   }
   const OrderedJson json{
@@ -77,7 +71,7 @@ std::string comparisonJson(const SetComparison& comparison, const std::string& d
       {"features", arrayOf(comparison.features,
                            [&](const Separation& s) {
                              OrderedJson own = separationJson(s);
-                             own["strength_within_real"] = numberOrNull(comparison.withinReal[s.feature]);
+                             own["strength_within_real"] = comparison.withinReal[s.feature];
                              own["keys"] = kPatchFeatures[s.feature].keys;
                              return own;
                            })},

@@ -88,18 +88,9 @@ double rounded(double value) {
   return std::stod(fmt::format("{:.2g}", value));
 }
 
-Value scalar(std::string text) {
-  Value value;
-  value.kind = Value::Kind::Scalar;
-  value.text = std::move(text);
-  return value;
-}
-
-Value map(std::string key, Value of) {
-  Value value;
-  value.kind = Value::Kind::Map;
-  value.entries.push_back({std::move(key), std::move(of)});
-  return value;
+// Returns the place of an effect in a list of effects; the end if the list does not have it.
+auto placeOf(const std::vector<Value>& effects, std::string_view name) {
+  return std::ranges::find_if(effects, [&](const Value& v) { return readNamed(v, "an effect").name == name; });
 }
 
 }  // namespace
@@ -108,8 +99,7 @@ std::vector<KeyChange> adviceFor(const SetComparison& comparison, const std::vec
   constexpr double kAlike = 1.1;
   std::vector<KeyChange> advice;
   for (const Mover& mover : kMovers) {
-    const auto item = std::find_if(own.begin(), own.end(),
-                                   [&](const Value& v) { return readNamed(v, "an effect").name == mover.effect; });
+    const auto item = placeOf(own, mover.effect);
     const std::optional<Shown> figure = shown(comparison, mover);
     if (item == own.end() || !figure || std::max(figure->real, figure->simulated) < mover.least) continue;
     const std::optional<double> now = numberIn(readNamed(*item, "an effect").options, mover.key);
@@ -130,24 +120,11 @@ std::string assignmentOf(const std::vector<KeyChange>& advice, const std::vector
   list.kind = Value::Kind::Sequence;
   list.items = items;
   for (const KeyChange& a : advice) {
-    Value number = scalar(fmt::format("{:g}", a.next));
-    const auto item = std::find_if(list.items.begin(), list.items.end(),
-                                   [&](const Value& v) { return readNamed(v, "an effect").name == a.effect; });
-    if (item == list.items.end()) {
-      // The effect is in the sensor's file. An item after the word `sensor` overrides the effect's key.
-      list.items.push_back(map(std::string(a.effect), map(std::string(a.key), std::move(number))));
-      continue;
-    }
-    Value options = readNamed(*item, "an effect").options;
-    options.kind = Value::Kind::Map;
-    const auto entry = std::find_if(options.entries.begin(), options.entries.end(),
-                                    [&](const Value::Entry& e) { return e.key == a.key; });
-    if (entry == options.entries.end()) {
-      options.entries.push_back({std::string(a.key), std::move(number)});
-    } else {
-      entry->value = std::move(number);
-    }
-    *item = map(std::string(a.effect), std::move(options));
+    const auto place = static_cast<std::size_t>(placeOf(list.items, a.effect) - list.items.begin());
+    // If the effect is in the sensor's file, an item after the word `sensor` overrides the effect's key.
+    if (place == list.items.size()) list.items.emplace_back();
+    if (list.items[place].kind != Value::Kind::Map) list.items[place] = {};  // setValue() makes a map of it
+    setValue(list, fmt::format("{}.{}.{}={:g}", place, a.effect, a.key, a.next));
   }
   return "effects=" + flowText(list);
 }
@@ -165,8 +142,7 @@ void addKeyChanges(SetComparison& comparison, const std::filesystem::path& simul
     const Plan plan = planOfDataset(readManifest(simulated), simulated, pipeline);
     const Pipeline& read = plan.pipeline;
     if (read.drawn != nullptr) return none("The second set's mounts or effects are random.");
-    const auto named = std::find_if(read.sensors.begin(), read.sensors.end(),
-                                    [&](const MountedSensor& s) { return s.name == sensor; });
+    const auto named = std::ranges::find_if(read.sensors, [&](const MountedSensor& s) { return s.name == sensor; });
     const MountedSensor& own = named == read.sensors.end() ? read.sensors.front() : *named;
     comparison.advice = adviceFor(comparison, sensorEffectItems(read.effectItems, own));
     if (comparison.advice.empty())

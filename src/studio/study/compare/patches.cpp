@@ -201,13 +201,12 @@ class PatchReader {
     set(Feature::RingOffset, std::fabs(offset), out);
   }
 
-  // Returns the mean intensity of the middle five pixels of the row that is `dr` rows below the patch's point. Only
-  // returns on the same surface are used; nothing if there are fewer than four, or if all have the intensity 0.
-  std::optional<double> meanIntensity(int dr) const {
-    constexpr int kOwn = 2;
+  // Returns the mean intensity of pixels in the row that is `dr` rows below the patch's point. Only returns on the same
+  // surface are used; nothing if there are fewer than four, or if all have the intensity 0.
+  std::optional<double> meanIntensity(int dr, std::initializer_list<int> columns) const {
     double sum = 0;
     int count = 0;
-    for (int dc = -kOwn; dc <= kOwn; ++dc) {
+    for (const int dc : columns) {
       if (!near(at(dr, dc))) continue;
       sum += static_cast<double>(scan_[kIntensity][grid_.point[at(dr, dc)]]);
       ++count;
@@ -219,16 +218,12 @@ class PatchReader {
   void addIntensity(Patches& out) const {
     const double own = static_cast<double>(scan_[kIntensity][grid_.point[pixel_]]);
     set(Feature::Intensity, own, out);
-    double sum = 0;
-    int count = 0;
-    for (const int dc : {-2, -1, 1, 2}) {
-      if (!near(at(0, dc))) continue;
-      sum += static_cast<double>(scan_[kIntensity][grid_.point[at(0, dc)]]);
-      ++count;
+    if (const auto beside = meanIntensity(0, {-2, -1, 1, 2})) {
+      set(Feature::IntensityScatter, std::fabs(own / *beside - 1), out);
     }
-    if (count == 4 && sum > 0) set(Feature::IntensityScatter, std::fabs(4 * own / sum - 1), out);
     if (!grid_.knowsRings) return;
-    const auto here = meanIntensity(0), above = meanIntensity(-1), below = meanIntensity(1);
+    const auto five = {-2, -1, 0, 1, 2};
+    const auto here = meanIntensity(0, five), above = meanIntensity(-1, five), below = meanIntensity(1, five);
     if (!here || !above || !below) return;
     out.ringGain.back() = static_cast<float>(std::log(*here / (0.5 * (*above + *below))));
     set(Feature::RingGain, std::fabs(static_cast<double>(out.ringGain.back())), out);

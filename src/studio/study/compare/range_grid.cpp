@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "study/median.h"
 
@@ -74,8 +73,7 @@ class GridMaker {
       filled.push_back(r);
     }
     std::vector<std::uint32_t> sorted = filled;
-    std::stable_sort(sorted.begin(), sorted.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return elevation[a] > elevation[b]; });
+    std::ranges::stable_sort(sorted, [&](std::uint32_t a, std::uint32_t b) { return elevation[a] > elevation[b]; });
     const bool upwards = filled.size() > 1 && elevation[filled.front()] < elevation[filled.back()];
     std::vector<std::uint32_t> row(pointsOfRing.size());
     for (std::uint32_t r = 0; r < row.size(); ++r) {
@@ -84,7 +82,7 @@ class GridMaker {
     std::vector<std::uint32_t> places;  // rows for the rings that have points, from top to bottom
     places.reserve(filled.size());
     for (const std::uint32_t r : filled) places.push_back(row[r]);
-    std::sort(places.begin(), places.end());
+    std::ranges::sort(places);
     for (std::size_t i = 0; i < sorted.size(); ++i) row[sorted[i]] = places[i];
     return row;
   }
@@ -138,12 +136,12 @@ class GridMaker {
   void byRings() {
     constexpr double kLeastStep = kTurn / 8192;
     const std::vector<std::uint16_t>& ring = scan_[kRing];
-    const std::uint32_t rings = std::max<std::uint32_t>(scan_.rings, *std::max_element(ring.begin(), ring.end()) + 1u);
+    const std::uint32_t rings = std::max<std::uint32_t>(scan_.rings, *std::ranges::max_element(ring) + 1u);
     std::vector<std::vector<std::uint32_t>> ofRing(rings);
     for (const std::uint32_t i : points_) ofRing[ring[i]].push_back(i);
     std::vector<double> steps;
     for (auto& points : ofRing) {
-      std::stable_sort(points.begin(), points.end(), [&](std::uint32_t a, std::uint32_t b) {
+      std::ranges::stable_sort(points, [&](std::uint32_t a, std::uint32_t b) {
         return azimuthOf(scan_.position[a]) < azimuthOf(scan_.position[b]);
       });
       for (std::size_t k = 1; k < points.size(); ++k) {
@@ -194,7 +192,7 @@ class GridMaker {
     std::vector<double> elevations;
     for (const std::uint32_t i : points_) elevations.push_back(elevationOf(scan_.position[i]));
     std::vector<double> sorted = elevations;
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     const auto cut = static_cast<std::size_t>(kBeyond * static_cast<double>(sorted.size()));
     const double low = sorted[cut];
     const double high = sorted[sorted.size() - 1 - cut];

@@ -28,14 +28,6 @@ constexpr double kCell = 0.5;        // edge of a cell in which the relief of th
 constexpr double kStep = 0.25;       // height difference within a cell (m) above which the cell contains an object
 constexpr double kNearPoint = 5;     // points at a smaller range (m) count as near
 
-template <class T>
-double percentileOf(std::vector<T> values, double share) {
-  if (values.empty()) return kNaN;
-  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return static_cast<double>(values[static_cast<std::size_t>(index)]);
-}
-
 // Counts and measured values of one scan.
 struct ScanCounts {
   std::uint64_t points = 0, near = 0;
@@ -146,8 +138,7 @@ void measureGround(const Scan& scan, const RangeGrid& grid, ScanCounts& counts) 
     cells[{static_cast<int>(std::floor(p.x / kCell)), static_cast<int>(std::floor(p.y / kCell))}].push_back(p);
   }
   std::erase_if(cells, [](const auto& cell) {
-    const auto lower = [](const Vec3d& a, const Vec3d& b) { return a.z < b.z; };
-    const auto [low, high] = std::minmax_element(cell.second.begin(), cell.second.end(), lower);
+    const auto [low, high] = std::ranges::minmax_element(cell.second, {}, &Vec3d::z);
     return high->z - low->z > kStep;
   });
   ground.clear();
@@ -198,19 +189,19 @@ double spreadOverRows(const Patches& patches, const std::vector<float>& values) 
   }
   const auto spreadAbout = [](std::vector<float> list, double middle) {
     for (float& v : list) v = static_cast<float>(std::fabs(static_cast<double>(v) - middle));
-    return kNormal * percentileOf(std::move(list), 0.5);
+    return kNormal * quantileOf(std::move(list), 0.5);
   };
   std::vector<float> medians;
   double chance = 0;
   for (const auto& [number, own] : rows) {
     if (own.size() < kFewest) continue;
-    const double median = percentileOf(own, 0.5);
+    const double median = quantileOf(own, 0.5);
     const double spread = spreadAbout(own, median);
     medians.push_back(static_cast<float>(median));
     chance += kOfMedian * spread * spread / static_cast<double>(own.size());
   }
   if (medians.size() < kFewestRows) return kNaN;
-  const double spread = spreadAbout(medians, percentileOf(medians, 0.5));
+  const double spread = spreadAbout(medians, quantileOf(medians, 0.5));
   return std::sqrt(std::max(0.0, spread * spread - chance / static_cast<double>(medians.size())));
 }
 
@@ -225,17 +216,9 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? kNaN : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-std::vector<float> definedOf(const std::vector<float>& values) {
-  std::vector<float> defined;
-  for (const float v : values) {
-    if (!std::isnan(v)) defined.push_back(v);
-  }
-  return defined;
-}
-
 void addPatchFigures(ScanSet& set) {
   const Patches& patches = set.patches;
-  figure(set, "median_range") = percentileOf(patches.range, 0.5);
+  figure(set, "median_range") = quantileOf(patches.range, 0.5);
   std::uint64_t seen = 0, jumps = 0, edges = 0, mixed = 0;
   for (std::size_t i = 0; i < patches.size(); ++i) {
     constexpr float kFarthest = 35, kApart = 0.1f;
@@ -250,7 +233,7 @@ void addPatchFigures(ScanSet& set) {
   }
   figure(set, "jumps_1m") = share(jumps, seen);
   figure(set, "mixed") = share(mixed, edges);
-  figure(set, "intensity_scatter") = percentileOf(definedOf(patches.of(Feature::IntensityScatter)), 0.5);
+  figure(set, "intensity_scatter") = quantileOf(patches.of(Feature::IntensityScatter), 0.5);
   figure(set, "ring_offset") = spreadOverRows(patches, patches.ringOffset);
   figure(set, "ring_gain") = spreadOverRows(patches, patches.ringGain);
 }
@@ -297,11 +280,11 @@ ScanSet addUp(std::string name, std::vector<ScanCounts> all, std::optional<Ontol
   figure(set, "near") = share(sum.near, sum.points);
   figure(set, "ground_slope") = meanOf(slopes);
   figure(set, "ground_residual") = meanOf(residuals);
-  figure(set, "ground_relief") = percentileOf(sum.relief, 0.5);
-  figure(set, "ground_relief_90") = percentileOf(sum.relief, 0.9);
+  figure(set, "ground_relief") = quantileOf(sum.relief, 0.5);
+  figure(set, "ground_relief_90") = quantileOf(sum.relief, 0.9);
   addPatchFigures(set);
   std::vector<float>& intensity = set.patches.of(Feature::Intensity);
-  const double median = percentileOf(definedOf(intensity), 0.5);
+  const double median = quantileOf(intensity, 0.5);
   figure(set, "median_intensity") = median;
   for (float& value : intensity) value = median > 0 ? static_cast<float>(value / median) : value;
   return set;
@@ -337,8 +320,8 @@ ScanSet readScanSet(const std::filesystem::path& path, const ScanSetOptions& opt
   if (stored == 0) throw InputError({path.string()}, "has no scans");
   const std::size_t count = std::min(options.scans, stored);
   const std::vector<std::string> sensors = store.sensors();
-  const bool found = std::any_of(sensors.begin(), sensors.end(),
-                                 [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
+  const bool found =
+      std::ranges::any_of(sensors, [&](const std::string& own) { return lowerCase(own) == lowerCase(options.sensor); });
   const std::string sensor = found || sensors.size() > 1 ? options.sensor : std::string();
   std::vector<ScanCounts> all(count);
   // Process a few scans at a time, to show progress and to limit memory use.

@@ -25,12 +25,6 @@ constexpr double kGoodMisfit = 0.1;   // if no band has a larger relative error,
 
 using Patches = std::vector<const FlatPatch*>;
 
-double quantileOf(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 // Returns the deviation without the effect of rounding ranges to a step, which adds step^2 / 12 to the variance. The
 // formula holds if the ranges on a patch vary by more than a step.
 double withoutStep(double deviation, double step) {
@@ -178,32 +172,55 @@ std::string listed(const std::vector<std::string>& names) {
   return fmt::format("{} and {} more", fmt::join(names.begin(), names.begin() + kShown, ", "), names.size() - kShown);
 }
 
+// Returns the item `ring_bias` of the effects as YAML, with the spreads of the rings' errors that are attributed to the
+// sensor (kOwnErrors); empty if there are none.
+std::string ringBiasYaml(const RingErrors& rings) {
+  std::string keys;
+  const auto add = [&](const RingSpread& spread, const char* key) {
+    if (spread.agreement < kOwnErrors || spread.sigma <= 0) return;
+    keys += fmt::format("{}{}: {:.2g}", keys.empty() ? "" : ", ", key, spread.sigma);
+  };
+  add(rings.range, "range_sigma_m");
+  add(rings.gain, "gain_sigma");
+  if (keys.empty()) return {};
+  std::string text =
+      fmt::format("  # Rings differ: odd and even patches agree on their offsets by a correlation of {:.2f}",
+                  rings.range.agreement);
+  if (rings.gain.rings > 0) text += fmt::format(", on their\n  # gains by {:.2f}", rings.gain.agreement);
+  return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
+}
+
 std::string rangeName(double low, double high) {
   return std::isfinite(high) ? fmt::format("{:g}-{:g} m", low, high) : fmt::format("from {:g} m", low);
 }
 
 }  // namespace
 
+std::vector<const PatchGroup*> NoiseFit::used() const {
+  std::vector<const PatchGroup*> list;
+  for (const PatchGroup& band : bands) {
+    if (band.leftOut.empty()) list.push_back(&band);
+  }
+  return list;
+}
+
 double NoiseFit::sigmaAt(double range) const {
   if (linear) return base + growth * range;
   const PatchGroup* below = nullptr;
-  for (const PatchGroup& band : bands) {
-    if (!band.leftOut.empty()) continue;
-    if (range <= band.range) {
-      if (below == nullptr) return band.sigma;
-      const double part = (range - below->range) / (band.range - below->range);
-      return below->sigma + part * (band.sigma - below->sigma);
+  for (const PatchGroup* band : used()) {
+    if (range <= band->range) {
+      if (below == nullptr) return band->sigma;
+      const double part = (range - below->range) / (band->range - below->range);
+      return below->sigma + part * (band->sigma - below->sigma);
     }
-    below = &band;
+    below = band;
   }
   return below == nullptr ? 0 : below->sigma;
 }
 
 double NoiseFit::measuredUpTo() const {
   double last = 0;
-  for (const PatchGroup& band : bands) {
-    if (band.leftOut.empty()) last = std::max(last, band.range);
-  }
+  for (const PatchGroup* band : used()) last = std::max(last, band->range);
   return last;
 }
 
@@ -234,14 +251,12 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
     fit.bands.back().leftOut = unfit(fit.bands.back());
     useful[b] = fit.bands.back().leftOut.empty();
   }
-  std::vector<const PatchGroup*> used;
   Patches all;
   Patches steep;
-  for (const PatchGroup& band : fit.bands) {
-    if (!band.leftOut.empty()) continue;
-    used.push_back(&band);
-    fit.patches += band.patches;
-    fit.points += band.points;
+  const std::vector<const PatchGroup*> used = fit.used();
+  for (const PatchGroup* band : used) {
+    fit.patches += band->patches;
+    fit.points += band->points;
   }
   if (used.empty()) {
     throw InputError(
@@ -279,7 +294,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
       fit.incidences.back().leftOut = fmt::format("beyond {:g} deg", degrees(options.mostIncidence));
     }
   }
-  const bool lit = std::any_of(scans.begin(), scans.end(), [](const RecordedScan& s) { return !s.intensity.empty(); });
+  const bool lit = std::ranges::any_of(scans, [](const RecordedScan& s) { return !s.intensity.empty(); });
   if (lit && !steep.empty()) {
     std::vector<double> intensities;
     for (const FlatPatch* p : steep) intensities.push_back(p->intensity);
@@ -289,8 +304,8 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
       const bool last = part + 1 == kParts;
       const double high = last ? INFINITY : quantileOf(intensities, (part + 1.0) / kParts);
       Patches group;
-      std::copy_if(steep.begin(), steep.end(), std::back_inserter(group),
-                   [&](const FlatPatch* p) { return p->intensity >= low && p->intensity < high; });
+      std::ranges::copy_if(steep, std::back_inserter(group),
+                           [&](const FlatPatch* p) { return p->intensity >= low && p->intensity < high; });
       if (!group.empty()) {
         const std::string name = last ? fmt::format("from {:.4g}", low) : fmt::format("{:.4g}-{:.4g}", low, high);
         fit.intensities.push_back(describe(group, name, low, high, fit.step, kIntensityStream + part));
@@ -304,9 +319,7 @@ NoiseFit fitNoise(const BeamTable& beams, const std::vector<RecordedScan>& scans
 std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
   const double last = fit.measuredUpTo();
   double end = 0;
-  for (const PatchGroup& band : fit.bands) {
-    if (band.leftOut.empty()) end = std::max(end, band.high);
-  }
+  for (const PatchGroup* band : fit.used()) end = std::max(end, band->high);
   if (!(fit.sensorReach > end)) return {};
   const char* rule = !fit.linear || fit.growth <= 0 ? "the last value is used" : "the line is extrapolated";
   std::vector<std::string> lines{
@@ -319,37 +332,13 @@ std::vector<std::string> beyondMeasured(const NoiseFit& fit) {
   return lines;
 }
 
-namespace {
-
-// Returns the item `ring_bias` of the effects as YAML, with the spreads of the rings' errors that are attributed to the
-// sensor (kOwnErrors); empty if there are none.
-std::string ringBiasYaml(const RingErrors& rings) {
-  std::string keys;
-  const auto add = [&](const RingSpread& spread, const char* key) {
-    if (spread.agreement < kOwnErrors || spread.sigma <= 0) return;
-    keys += fmt::format("{}{}: {:.2g}", keys.empty() ? "" : ", ", key, spread.sigma);
-  };
-  add(rings.range, "range_sigma_m");
-  add(rings.gain, "gain_sigma");
-  if (keys.empty()) return {};
-  std::string text =
-      fmt::format("  # Rings differ: odd and even patches agree on their offsets by a correlation of {:.2f}",
-                  rings.range.agreement);
-  if (rings.gain.rings > 0) text += fmt::format(", on their\n  # gains by {:.2f}", rings.gain.agreement);
-  return text + fmt::format(" ({} rings).\n  - ring_bias: {{{}}}\n", rings.range.rings, keys);
-}
-
-}  // namespace
-
 std::string effectsYaml(const NoiseFit& fit, const std::string& date) {
-  const PatchGroup* first = nullptr;
-  const PatchGroup* last = nullptr;
+  const std::vector<const PatchGroup*> used = fit.used();
+  const PatchGroup* const first = used.front();
+  const PatchGroup* const last = used.back();
   std::string rows;
-  for (const PatchGroup& band : fit.bands) {
-    if (!band.leftOut.empty()) continue;
-    if (first == nullptr) first = &band;
-    last = &band;
-    rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band.range, band.sigma);
+  for (const PatchGroup* band : used) {
+    rows += fmt::format("{}[{:.3g}, {:.3g}]", rows.empty() ? "" : ", ", band->range, band->sigma);
   }
   std::string text = "effects:\n";
   text += fmt::format("  # Fitted with `scanmill fit-noise`, {}, on\n  # {}.\n", date, listed(fit.files));

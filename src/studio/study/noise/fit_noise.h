@@ -69,6 +69,8 @@ struct NoiseFit {
   MeasuredShare dropOut;     // lost returns in the bands that the fit uses
   RingErrors rings;          // errors of rings, from patches with ranges and incidences that the fit uses
 
+  std::vector<const PatchGroup*> used() const;  // returns the bands of range that the fit uses
+
   double sigmaAt(double range) const;  // returns the model's sigma (m)
   double measuredUpTo() const;         // returns the mean range (m) of the last band that the fit uses
 };

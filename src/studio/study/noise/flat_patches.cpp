@@ -202,10 +202,11 @@ std::vector<double> usualDeviations(const std::vector<FlatPatch>& candidates) {
   return usual;
 }
 
-// Chooses flat windows in raster order, separately for each scan and colour of the tested beams. Skips windows that
+// Returns flat windows in raster order, separately for each scan and colour of the tested beams. Skips windows that
 // overlap a chosen window.
-void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup, const BeamImage& image,
-            std::vector<const FlatPatch*>& chosen) {
+std::vector<FlatPatch> choose(const std::vector<FlatPatch>& candidates, const std::vector<double>& usualOfGroup,
+                              const BeamImage& image) {
+  std::vector<FlatPatch> chosen;
   std::vector<bool> taken(std::size_t{image.rows()} * image.columns());
   const FlatPatch* previous = nullptr;
   for (const FlatPatch& patch : candidates) {
@@ -228,8 +229,9 @@ void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>&
     visit([&](std::size_t at) { overlaps = overlaps || taken[at]; });
     if (overlaps) continue;
     visit([&](std::size_t at) { taken[at] = true; });
-    chosen.push_back(&patch);
+    chosen.push_back(patch);
   }
+  return chosen;
 }
 
 }  // namespace
@@ -237,8 +239,8 @@ void choose(const std::vector<FlatPatch>& candidates, const std::vector<double>&
 BeamImage::BeamImage(const BeamTable& beams) : columns_(beams.columns), wraps_(beams.fullTurn()) {
   ring_.resize(beams.rings);
   std::iota(ring_.begin(), ring_.end(), 0u);
-  std::stable_sort(ring_.begin(), ring_.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return beams.elevation[a] > beams.elevation[b]; });
+  std::ranges::stable_sort(ring_,
+                           [&](std::uint32_t a, std::uint32_t b) { return beams.elevation[a] > beams.elevation[b]; });
   const double step = beams.columns > 1 ? beams.azimuth(1) - beams.azimuth(0) : 2 * kPi;
   shift_.reserve(ring_.size());
   for (const std::uint32_t ring : ring_) {
@@ -271,7 +273,7 @@ std::optional<FlatPatch> measurePatch(const BeamTable& beams, const BeamImage& i
   const std::optional<Cells> cells = cellsOf(image, scan, window);
   if (!cells) return {};
   const std::vector<const Cell*> tested = returnedOf(*cells, true);
-  const auto all = std::count_if(cells->begin(), cells->end(), [](const Cell& c) { return c.tested; });
+  const auto all = std::ranges::count_if(*cells, [](const Cell& c) { return c.tested; });
   if (static_cast<double>(tested.size()) < kReturned * static_cast<double>(all)) return {};
   const auto [near, far] = std::minmax_element(tested.begin(), tested.end(),
                                                [](const Cell* a, const Cell* b) { return a->range < b->range; });
@@ -368,14 +370,7 @@ std::vector<FlatPatch> findFlatPatches(const BeamTable& beams, const std::vector
       }
     }
   }
-
-  const std::vector<double> usual = usualDeviations(candidates);
-  std::vector<const FlatPatch*> chosen;
-  choose(candidates, usual, image, chosen);
-  std::vector<FlatPatch> patches;
-  patches.reserve(chosen.size());
-  for (const FlatPatch* p : chosen) patches.push_back(*p);
-  return patches;
+  return choose(candidates, usualDeviations(candidates), image);
 }
 
 }  // namespace scanmill

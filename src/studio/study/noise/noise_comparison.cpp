@@ -40,7 +40,7 @@ RecordedScan simulate(const BeamTable& beams, const BeamImage& image, const std:
   shot.worldFromSensor.resize(1);
   Hits hits;
   hits.reset(beams.rings, beams.columns, Channel::Range);
-  std::fill(hits.range.begin(), hits.range.end(), kMiss);
+  std::ranges::fill(hits.range, kMiss);
   for (const FlatPatch* patch : patches) {
     for (std::uint32_t row = 0; row < kPatchRings; ++row) {
       for (std::uint32_t column = 0; column < kPatchColumns; ++column) {
@@ -74,7 +74,7 @@ ResidualSpread spreadOf(const std::vector<FlatPatch>& patches) {
 }
 
 bool fitted(const NoiseFit& fit, double range) {
-  return std::any_of(fit.bands.begin(), fit.bands.end(), [&](const PatchGroup& band) {
+  return std::ranges::any_of(fit.bands, [&](const PatchGroup& band) {
     return band.leftOut.empty() && range >= band.low && range < band.high;
   });
 }

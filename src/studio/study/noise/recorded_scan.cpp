@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,14 +40,14 @@ std::vector<std::uint16_t> ringsByElevation(const Scan& scan, const BeamTable& b
     if (!elevations[r].empty()) own.emplace_back(medianOf(elevations[r]), static_cast<std::uint16_t>(r));
   }
   for (std::uint32_t r = 0; r < beams.rings; ++r) known.emplace_back(beams.elevation[r], static_cast<std::uint16_t>(r));
-  std::sort(own.begin(), own.end());
-  std::sort(known.begin(), known.end());
+  std::ranges::sort(own);
+  std::ranges::sort(known);
   std::vector<std::uint16_t> rings(elevations.size(), 0);
   for (std::size_t i = 0; i < own.size(); ++i) {
     const auto nearer = [&](const auto& a, const auto& b) {
       return std::fabs(a.first - own[i].first) < std::fabs(b.first - own[i].first);
     };
-    const auto& match = own.size() == known.size() ? known[i] : *std::min_element(known.begin(), known.end(), nearer);
+    const auto& match = own.size() == known.size() ? known[i] : *std::ranges::min_element(known, nearer);
     rings[own[i].second] = match.second;
   }
   return rings;
@@ -178,7 +177,7 @@ Pose alignedFrame(const std::vector<BeamPoint>& points, const BeamTable& beams) 
 double tolerance(const BeamTable& beams) {
   double least = beams.field / std::max(beams.columns, 2u);
   std::vector<double> elevation = beams.elevation;
-  std::sort(elevation.begin(), elevation.end());
+  std::ranges::sort(elevation);
   for (std::size_t ring = 1; ring < elevation.size(); ++ring) {
     const double step = elevation[ring] - elevation[ring - 1];
     if (step > 1e-6) least = std::min(least, step);
@@ -228,15 +227,15 @@ double rangeStep(const std::vector<RecordedScan>& scans) {
   constexpr double kShare = 0.99;     // least fraction of the ranges that must be multiples of the step
   std::vector<double> sorted;
   for (const RecordedScan& scan : scans) {
-    std::copy_if(scan.range.begin(), scan.range.end(), std::back_inserter(sorted), [](double r) { return r == r; });
+    std::ranges::copy_if(scan.range, std::back_inserter(sorted), [](double r) { return r == r; });
   }
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   std::vector<double> gaps;
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     if (sorted[i] - sorted[i - 1] > 2 * kSame) gaps.push_back(sorted[i] - sorted[i - 1]);
   }
   if (gaps.size() < 10) return 0;
-  std::sort(gaps.begin(), gaps.end());
+  std::ranges::sort(gaps);
   double step = gaps[gaps.size() / 20];
   if (step < kSmallest) return 0;
   // Gaps between sorted ranges are only a few steps long. Longer distances determine the step more exactly.
@@ -264,7 +263,7 @@ double rangeStep(const std::vector<RecordedScan>& scans) {
     cosine += std::cos(2 * kPi * r / step);
   }
   const double phase = std::atan2(sine, cosine) / (2 * kPi);
-  const auto fits = std::count_if(sorted.begin(), sorted.end(), [&](double r) {
+  const auto fits = std::ranges::count_if(sorted, [&](double r) {
     const double steps = r / step - phase;
     return std::abs(steps - std::round(steps)) * step < 5 * kSame;
   });

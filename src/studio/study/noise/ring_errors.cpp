@@ -88,7 +88,7 @@ PatchView viewOf(const BeamTable& beams, const BeamImage& image, const RecordedS
 void addTo(RingSystem& system, const std::vector<std::uint32_t>& ring, const std::vector<double>& values,
            const Eigen::MatrixXd& columns) {
   std::vector<std::uint32_t> rings = ring;
-  std::sort(rings.begin(), rings.end());
+  std::ranges::sort(rings);
   rings.erase(std::unique(rings.begin(), rings.end()), rings.end());
   const auto rows = static_cast<Eigen::Index>(ring.size()), own = static_cast<Eigen::Index>(rings.size());
   Eigen::MatrixXd left(rows, own + 1);  // one indicator column per ring, then the values

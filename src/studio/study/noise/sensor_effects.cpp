@@ -1,6 +1,7 @@
 #include "study/noise/sensor_effects.h"
 
 #include <algorithm>
+#include <sstream>
 #include <vector>
 
 #include "base/error.h"
@@ -12,16 +13,6 @@ namespace scanmill {
 
 namespace {
 
-std::vector<std::string> linesOf(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return lines;
-}
-
 bool isComment(const std::string& line) {
   const std::size_t at = line.find_first_not_of(" \t");
   return at != std::string::npos && line[at] == '#';
@@ -31,10 +22,6 @@ bool isComment(const std::string& line) {
 bool standsBetween(const std::string& line) {
   return line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#';
 }
-
-}  // namespace
-
-namespace {
 
 // Returns the lines of the file's effects that are not replaced, each with the comments above it. `first`: index of the
 // line with the key. `end`: index of the line after its value.
@@ -52,7 +39,7 @@ std::string keptEffects(const Value& list, const std::vector<std::string>& lines
     while (i + 1 < list.items.size() && stop > own + 1 && isComment(lines[stop - 1])) --stop;
     if (stop <= own) throw InputError(list.items[i].where, "two effects on one line: give each a line of its own");
     const std::string name = readNamed(list.items[i], "an effect").name;
-    if (std::find(replaced.begin(), replaced.end(), name) == replaced.end()) {
+    if (std::ranges::find(replaced, name) == replaced.end()) {
       for (std::size_t l = begin; l < stop; ++l) kept += lines[l] + "\n";
     }
     begin = stop;
@@ -69,7 +56,9 @@ std::string withEffects(const std::string& text, const std::string& file, const 
   const bool flow = text.find_first_not_of(" \t\r\n") != std::string::npos && root.where.line > 0 &&
                     text[text.find_first_not_of(" \t\r\n")] == '{';
   if (flow) throw InputError(root.where, "is written as {...}: give each key a line of its own");
-  const std::vector<std::string> lines = linesOf(text);
+  std::vector<std::string> lines;
+  std::istringstream reading(text);
+  for (std::string line; std::getline(reading, line);) lines.push_back(line);
   std::size_t first = lines.size();
   std::size_t end = lines.size();
   for (const Value::Entry& entry : root.entries) {

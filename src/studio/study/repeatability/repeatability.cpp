@@ -21,17 +21,13 @@ namespace {
 
 using ObjectCloud = std::vector<Vec3f>;  // points relative to the object's centre, along the world's axes (m)
 
-// Transforms a point of a scan to the world. The point is in the sensor's frame at the time of its column; if the scan
-// is deskewed, in the sensor's frame at the start of the revolution.
-Vec3d worldPoint(const Shot& shot, const Vec3f& point, std::uint16_t column) {
-  return shot.worldFromSensor[shot.deskew ? 0 : shot.stepOf(column)] * static_cast<Vec3d>(point);
-}
-
 ObjectCloud crop(const Scan& scan, const Shot& shot, const BoxedThing& thing, double margin) {
   ObjectCloud cloud;
   const Vec3d middle = thing.center();
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Vec3d p = worldPoint(shot, scan.position[i], scan[kColumn][i]);
+    // A point is in the sensor's frame at the time of its column, or at the start of the revolution if it is deskewed.
+    const std::size_t step = shot.deskew ? 0 : shot.stepOf(scan[kColumn][i]);
+    const Vec3d p = shot.worldFromSensor[step] * Vec3d(scan.position[i]);
     if (thing.distance(p) <= margin) cloud.push_back(static_cast<Vec3f>(p - middle));
   }
   return cloud;
@@ -126,7 +122,7 @@ class RepeatabilityRun {
           view.method = m;
           view.sensor = fmt::format("{} ({}{}{} x {} beams)", sensor.name, beams.model, beams.model.empty() ? "" : ", ",
                                     beams.rings, beams.columns);
-          const bool seeds = std::any_of(pipeline.sequences.begin(), pipeline.sequences.end(), [&](const Sequence& q) {
+          const bool seeds = std::ranges::any_of(pipeline.sequences, [&](const Sequence& q) {
             return q.scene == sequence.scene && q.sceneSeed != sequence.sceneSeed;
           });
           view.name = seeds ? fmt::format("{} {}", sequence.scene, sequence.sceneSeed) : sequence.scene;
@@ -143,7 +139,7 @@ class RepeatabilityRun {
       std::vector<std::string> blind;
       std::string object;
       for (const RepeatedPlace& place : view.places) {
-        if (std::any_of(place.points.begin(), place.points.end(), [](const PointCount& c) { return c.most > 0; })) {
+        if (std::ranges::any_of(place.points, [](const PointCount& c) { return c.most > 0; })) {
           continue;
         }
         blind.push_back(fmt::format("{} ({:.4g} m)", place.frame, place.distance));
@@ -168,7 +164,7 @@ class RepeatabilityRun {
       for (std::size_t s = 0; s < plan_.pipeline.sensors.size(); ++s) {
         for (const ChosenEffect& effect : *choice_.levels[level].effects[s]) {
           const std::string_view name = effect.entry->name;
-          if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+          if (std::ranges::find(names, name) == names.end()) names.emplace_back(name);
         }
       }
       if (names.empty() && choice_.levels[level].named) continue;

@@ -40,9 +40,8 @@ std::vector<NoiseLevel> readLevels(const Value& list, const Pipeline& pipeline) 
       level.effects.push_back(
           std::make_shared<const Effects>(readSensorEffects(effects, EffectClasses(pipeline), sensor)));
     }
-    const bool twice =
-        std::any_of(levels.begin(), levels.end(), [&](const NoiseLevel& l) { return l.name == level.name; });
-    if (twice) throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));
+    if (std::ranges::find(levels, level.name, &NoiseLevel::name) != levels.end())
+      throw InputError(item.where, fmt::format("two noise levels are named '{}'", level.name));
     levels.push_back(std::move(level));
   }
   return levels;

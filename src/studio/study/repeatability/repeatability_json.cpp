@@ -1,6 +1,4 @@
-// Writes repeatability.json.
-
-#include <cmath>
+// Writes repeatability.json. A limit that is infinite, which means no limit, is written as null.
 
 #include "dataset/json_text.h"
 #include "study/repeatability/repeatability.h"
@@ -17,10 +15,6 @@ OrderedJson spreadJson(const FitnessSpread& spread) {
           {"deviation", spread.deviation},
           {"min", spread.low},
           {"max", spread.high}};
-}
-
-OrderedJson limitJson(double metres) {
-  return std::isfinite(metres) ? OrderedJson(metres) : OrderedJson(nullptr);
 }
 
 OrderedJson placeJson(const Repeatability& result, const RepeatedPlace& place) {
@@ -56,8 +50,8 @@ std::string repeatabilityJson(const Repeatability& result) {
                    {"margin_m", result.margin},
                    {"icp",
                     {{"iterations", result.icp.iterations},
-                     {"reach_m", limitJson(result.icp.reach)},
-                     {"fitness_within_m", limitJson(result.icp.fitnessWithin)}}},
+                     {"reach_m", result.icp.reach},
+                     {"fitness_within_m", result.icp.fitnessWithin}}},
                    {"methods", result.methods},
                    {"noise", result.levels},
                    {"reference", result.levels[result.reference]},

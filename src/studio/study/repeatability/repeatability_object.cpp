@@ -38,7 +38,7 @@ const BoxedThing& thingToWatch(const std::vector<BoxedThing>& things, const std:
   double least = 0;
   std::vector<std::string> names;
   for (const BoxedThing& thing : things) {
-    if (std::find(names.begin(), names.end(), thing.name()) == names.end()) names.push_back(thing.name());
+    if (std::ranges::find(names, thing.name()) == names.end()) names.push_back(thing.name());
     if (!name.empty() && thing.name() != name) continue;
     const double distance = thing.distance(from);
     if (nearestThing != nullptr && distance >= least) continue;

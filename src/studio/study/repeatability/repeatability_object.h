@@ -2,7 +2,6 @@
 
 // Finds the object that repeated scans look at, and measures the distance of points from it.
 
-#include <cstdint>
 #include <string>
 #include <vector>
 

@@ -140,11 +140,10 @@ class Fitter {
 
   // Calls visit(a, b) for pairs of points in the same ring, where b is `apart` columns after a. If a column has several
   // points, only the last of them is used.
-  template <class Visit>
-  void forPairs(std::uint32_t apart, const Visit& visit) const {
+  void forPairs(std::uint32_t apart, const auto& visit) const {
     std::vector<const Point*> byColumn(fit_.columns);
     for (const std::vector<Point>& ring : rings_) {
-      std::fill(byColumn.begin(), byColumn.end(), nullptr);
+      std::ranges::fill(byColumn, nullptr);
       for (const Point& p : ring) byColumn[p.column] = &p;
       for (std::uint32_t c = 0; c + apart < fit_.columns; ++c) {
         if (byColumn[c] != nullptr && byColumn[c + apart] != nullptr) visit(*byColumn[c], *byColumn[c + apart]);
@@ -252,8 +251,7 @@ class Fitter {
         const double level = std::sqrt(std::max(far * far - across * across, 0.0)) - along;
         angles.push_back(std::atan2(p.place.z - fit_.originHeight, level));
       }
-      std::vector<double> sorted = angles;
-      fit_.elevation[ring] = medianOf(sorted);
+      fit_.elevation[ring] = medianOf(angles);
       for (const double a : angles) off.push_back(std::fabs(a - fit_.elevation[ring]));
     }
     if (off.empty()) throw InputError("no ring has enough points");
@@ -282,18 +280,16 @@ class Fitter {
   }
 
   void findTimes() {
-    std::vector<double> steps;
-    forPairs(1, [&](const Point& a, const Point& b) {
-      if (a.time && b.time) steps.push_back(*b.time - *a.time);
-    });
-    if (steps.size() < kFewestInRing) return;
-    double step = medianOf(steps);
-    const std::uint32_t apart = fit_.columns / 2;
-    steps.clear();
-    forPairs(apart, [&](const Point& a, const Point& b) {
-      if (a.time && b.time) steps.push_back((*b.time - *a.time) / apart);
-    });
-    if (steps.size() >= kFewestInRing) step = medianOf(steps);
+    const auto stepsOver = [&](std::uint32_t apart) {
+      std::vector<double> steps;
+      forPairs(apart, [&](const Point& a, const Point& b) {
+        if (a.time && b.time) steps.push_back((*b.time - *a.time) / apart);
+      });
+      return steps;
+    };
+    const std::vector<double> near = stepsOver(1), far = stepsOver(fit_.columns / 2);
+    if (near.size() < kFewestInRing) return;
+    const double step = medianOf(far.size() >= kFewestInRing ? far : near);
     if (!(step > 0)) return;
     fit_.period = step * 2 * kPi / std::fabs(step_);
     std::vector<double> firing(fit_.rings, 0);
@@ -304,7 +300,7 @@ class Fitter {
       }
       if (times.size() >= kFewestInRing) firing[ring] = medianOf(times);
     }
-    const double first = *std::min_element(firing.begin(), firing.end());
+    const double first = *std::ranges::min_element(firing);
     for (double& f : firing) f -= first;
     fit_.firing = std::move(firing);
   }
@@ -332,8 +328,8 @@ SensorFit fitSensor(const std::vector<Scan>& scans) {
 }
 
 std::string sensorYaml(const SensorFit& fit, const std::string& source) {
-  const bool down = std::is_sorted(fit.elevation.begin(), fit.elevation.end(), std::greater<>());
-  const bool up = std::is_sorted(fit.elevation.begin(), fit.elevation.end());
+  const bool down = std::ranges::is_sorted(fit.elevation, std::greater<>());
+  const bool up = std::ranges::is_sorted(fit.elevation);
   std::string text = fmt::format("model: fitted\nsource: \"{}\"\ncolumns: {}\n", source, fit.columns);
   text += fit.period > 0 ? fmt::format("rate_hz: {:.5g}\n", 1 / fit.period)
                          : "rate_hz: 10   # the scans have no times: check\n";
@@ -347,7 +343,7 @@ std::string sensorYaml(const SensorFit& fit, const std::string& source) {
                       listOf(fit.elevation, degrees(1), 4), listOf(fit.azimuthOffset, degrees(1), 4));
   if (fit.originOffset > 0) text += fmt::format("origin_offset_m: {:.4f}\n", fit.originOffset);
   if (fit.originHeight != 0) text += fmt::format("origin_height_m: {:.4f}\n", fit.originHeight);
-  const bool fires = std::any_of(fit.firing.begin(), fit.firing.end(), [](double f) { return f > 1e-8; });
+  const bool fires = std::ranges::any_of(fit.firing, [](double f) { return f > 1e-8; });
   if (fires) text += fmt::format("firing_time_us: {}\n", listOf(fit.firing, 1e6, 2));
   text += fmt::format("range_m: [{:.3g}, {:.4g}]   # the nearest and the farthest point: check with the data sheet\n",
                       fit.nearest, fit.farthest);

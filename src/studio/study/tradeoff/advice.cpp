@@ -153,8 +153,7 @@ class Comparison {
   }
 
   std::size_t fastestOf(const std::vector<std::size_t>& settings) const {
-    return *std::min_element(settings.begin(), settings.end(),
-                             [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
+    return *std::ranges::min_element(settings, [&](std::size_t a, std::size_t b) { return seconds(a) < seconds(b); });
   }
   // True if setting `i` is faster than `other` by more than kSameTime.
   bool notablyFaster(std::size_t i, std::size_t other) const { return seconds(i) * (1 + kSameTime) < seconds(other); }
@@ -213,7 +212,7 @@ class Comparison {
       if (wrongShare(errors(i)) <= least + kSameShare) few.push_back(i);
     }
     for (const std::size_t i : few) {
-      if (std::none_of(few.begin(), few.end(), [&](std::size_t other) { return rangesWorse(i, other); })) {
+      if (std::ranges::none_of(few, [&](std::size_t other) { return rangesWorse(i, other); })) {
         exact.push_back(i);
       }
     }
@@ -257,7 +256,7 @@ Json factsOf(const Comparison& c, std::size_t i) {
     if (software && entry != nullptr && entry->can.passes) facts["software"] = true;
   }
   const std::vector<std::string>& refused = c.study.refused;
-  if (std::find(refused.begin(), refused.end(), method) != refused.end()) facts["refused"] = true;
+  if (std::ranges::find(refused, method) != refused.end()) facts["refused"] = true;
   if (!c.base || *c.base == i) return facts;
   const GroupErrors& there = c.errors(*c.base);
   if (c.rangesWorse(i, *c.base)) facts["there_p99"] = p99Text(there);
@@ -333,13 +332,12 @@ Advice adviceTo(const Comparison& c, const Answer& answer, bool noTrade) {
 Advice judge(const Comparison& c, const std::string& method, const std::vector<std::size_t>& own) {
   const std::string need = "Whether to take " + method;
   std::vector<std::size_t> unbeaten;
-  std::copy_if(own.begin(), own.end(), std::back_inserter(unbeaten), [&](std::size_t i) { return !c.dominator(i); });
+  std::ranges::copy_if(own, std::back_inserter(unbeaten), [&](std::size_t i) { return !c.dominator(i); });
   if (!unbeaten.empty()) {
     const std::size_t best = c.fastestOf(unbeaten);
     return {need, c.nameOf(best), said(kUnbeaten, kAny, factsOf(c, best))};
   }
-  const auto byDefault =
-      std::find_if(own.begin(), own.end(), [&](std::size_t i) { return isDefault(c.result(i).setting); });
+  const auto byDefault = std::ranges::find_if(own, [&](std::size_t i) { return isDefault(c.result(i).setting); });
   const std::size_t shown = byDefault != own.end() ? *byDefault : c.fastestOf(own);
   const bool byBase = c.base && c.beats(*c.base, shown) && (c.notablyFaster(*c.base, shown) || c.worse(shown, *c.base));
   const std::size_t better = byBase ? *c.base : *c.dominator(shown);
@@ -376,10 +374,9 @@ std::vector<Advice> advise(const Study& study) {
                              {{"limits", need.limits}, {"name", c.nameOf(c.measured[nearest])}, {"breaks", breaks}})});
       continue;
     }
-    const bool exactHolds = std::find(holding.begin(), holding.end(), c.mostExact) != holding.end();
+    const bool exactHolds = std::ranges::find(holding, c.mostExact) != holding.end();
     const std::size_t setting = noTrade && exactHolds ? c.mostExact : c.plainest(holding);
-    const auto same =
-        std::find_if(answers.begin(), answers.end(), [&](const Answer& a) { return a.setting == setting; });
+    const auto same = std::ranges::find_if(answers, [&](const Answer& a) { return a.setting == setting; });
     if (same != answers.end()) {
       same->needs.push_back(&need);
     } else {
@@ -395,13 +392,12 @@ std::vector<Advice> advise(const Study& study) {
   for (const std::string& method : methodsOf(study)) {
     const auto ofMethod = [&](std::size_t i) { return c.result(i).setting.method == method; };
     std::vector<std::size_t> own;
-    std::copy_if(c.measured.begin(), c.measured.end(), std::back_inserter(own), ofMethod);
-    const bool answering =
-        std::any_of(answers.begin(), answers.end(), [&](const Answer& a) { return ofMethod(a.setting); });
+    std::ranges::copy_if(c.measured, std::back_inserter(own), ofMethod);
+    const bool answering = std::ranges::any_of(answers, [&](const Answer& a) { return ofMethod(a.setting); });
     if (!own.empty() && !answering) advice.push_back(judge(c, method, own));
     for (const std::size_t i : own) {
       const std::optional<std::size_t> by = c.dominator(i);
-      const bool taken = std::any_of(answers.begin(), answers.end(), [&](const Answer& a) { return a.setting == i; });
+      const bool taken = std::ranges::any_of(answers, [&](const Answer& a) { return a.setting == i; });
       if (!answering || taken || !by || !c.notablyFaster(*by, i)) continue;
       slow.push_back(beatenFacts(c, i, *by));
       slow.back()["next"] = slow.size() > 1;

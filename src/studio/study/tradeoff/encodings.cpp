@@ -10,20 +10,10 @@ namespace scanmill {
 
 namespace {
 
-template <class Work>
-double leastSeconds(int repeats, const Work& work) {
+double leastSeconds(int repeats, const auto& work) {
   double least = secondsOf(work);
   for (int i = 1; i < repeats; ++i) least = std::min(least, secondsOf(work));
   return least;
-}
-
-// Returns a scan with only the positions of the returns, as decoded from a format that cannot store misses.
-Scan returnsOf(const Scan& scan) {
-  Scan dense;
-  for (const Vec3f& p : scan.position) {
-    if (isFinite(p)) dense.position.push_back(p);
-  }
-  return dense;
 }
 
 // Returns the largest distance (m) between corresponding points. Formats preserve the order of points.
@@ -63,7 +53,7 @@ EncodingResult measureEncoding(const StudyEncoding& encoding, std::span<const Sc
       encode += leastSeconds(repeats, [&] { text = format.encode(scan); });
       decode += leastSeconds(repeats, [&] { decoded = format.decode(text, encoding.name); });
       bytes += static_cast<double>(text.size());
-      const Scan returns = returnsOf(scan);
+      const Scan returns = withoutMisses(scan);  // all that a format decodes that cannot store misses
       points += static_cast<double>(returns.size());
       const bool misses = scan.organised && format.keepsMisses();
       result.largestError = std::max(result.largestError, largestError(misses ? scan : returns, decoded));

@@ -3,7 +3,6 @@
 // Measures the time, size and error of encoding scans.
 
 #include <span>
-#include <vector>
 
 #include "scan/scan.h"
 #include "study/tradeoff/settings.h"

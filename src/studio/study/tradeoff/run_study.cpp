@@ -8,7 +8,6 @@
 #include "base/short_text.h"
 #include "base/wall_timer.h"
 #include "config/version.h"
-#include "evaluate/intensity.h"
 #include "gpu/compute.h"
 #include "pipeline/run/progress.h"
 #include "pipeline/run/run_shot.h"
@@ -83,8 +82,8 @@ class StudyRun {
     study_.date = today();
     study_.machine.processor = processorName();
     study_.machine.threads = threadCount();
-    const bool graphics = std::any_of(choice_.settings.begin(), choice_.settings.end(),
-                                      [](const MethodSetting& s) { return s.choice.entry->can.openGl; });
+    const bool graphics =
+        std::ranges::any_of(choice_.settings, [](const MethodSetting& s) { return s.choice.entry->can.openGl; });
     if (graphics) study_.machine.renderer = graphicsName();
     study_.pipelineName = pipeline.name;
     study_.pipelineText = pipeline.text;
@@ -313,9 +312,8 @@ class StudyRun {
     }
     for (const auto& [method, results] : erring) {
       wanted.insert(results.front()->setting.name);
-      wanted.insert((*std::max_element(results.begin(), results.end(), [](const auto* a, const auto* b) {
-                      return a->measured.errors.all.range.p99 < b->measured.errors.all.range.p99;
-                    }))->setting.name);
+      const auto p99 = [](const SettingResult* s) { return s->measured.errors.all.range.p99; };
+      wanted.insert((*std::ranges::max_element(results, {}, p99))->setting.name);
     }
     for (const MethodSetting& s : choice_.settings) {
       if (!wanted.contains(s.setting.name)) continue;

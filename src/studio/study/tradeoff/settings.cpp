@@ -48,9 +48,8 @@ std::vector<StudyEncoding> readEncodings(const Value& list) {
       Fields fields(options, "format " + named.name);
       fields.alsoDescribed(entry.keys).finish();
       StudyEncoding encoding{settingName(named.name, options), flowText(options), {&entry, entry.make(fields)}};
-      const bool twice = std::any_of(encodings.begin(), encodings.end(),
-                                     [&](const StudyEncoding& e) { return e.name == encoding.name; });
-      if (twice) throw InputError(item.where, fmt::format("tradeoff.encodings: '{}' is listed twice", encoding.name));
+      if (std::ranges::find(encodings, encoding.name, &StudyEncoding::name) != encodings.end())
+        throw InputError(item.where, fmt::format("tradeoff.encodings: '{}' is listed twice", encoding.name));
       encodings.push_back(std::move(encoding));
     }
   }

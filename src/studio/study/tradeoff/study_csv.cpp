@@ -19,7 +19,7 @@ constexpr std::string_view kHeader =
     "hausdorff_m,group_kind,group,low,high,beams,both_hit,both_miss,false_negatives,false_positives,unresolved,"
     "class_agreed,instance_agreed,labels,range_mean_m,range_rms_m,range_median_m,range_p95_m,range_p99_m,range_p999_m,"
     "range_max_m,intensity_mean_error,group_nearest_to_mean_m,group_nearest_from_mean_m,group_hausdorff_m,failure";
-constexpr std::size_t kCells = 1 + static_cast<std::size_t>(std::count(kHeader.begin(), kHeader.end(), ','));
+constexpr std::size_t kCells = 1 + static_cast<std::size_t>(std::ranges::count(kHeader, ','));
 
 // Quotes a cell as RFC 4180 requires.
 std::string cell(const std::string& text) {

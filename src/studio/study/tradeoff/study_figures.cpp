@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <ranges>
 
 #include "base/append_new.h"
 #include "methods/method.h"
+#include "study/figure_text.h"
 
 namespace scanmill {
 
@@ -12,30 +14,6 @@ namespace {
 
 // Factor below which times count as equal, since repeated measurements differ by this much.
 constexpr double kFrontStep = 1.05;
-
-std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
-  const std::vector<std::size_t> measured = measuredSettings(study);
-  std::vector<double> seconds, errors;
-  for (const std::size_t i : measured) {
-    seconds.push_back(study.settings[i].measured.cost.scanSeconds);
-    errors.push_back(error(study.settings[i].measured.errors.all));
-  }
-  std::vector<std::size_t> whole = paretoFront(seconds, errors);
-  std::reverse(whole.begin(), whole.end());
-  std::vector<std::size_t> front;
-  double last = std::numeric_limits<double>::infinity();
-  for (const std::size_t i : whole) {
-    if (seconds[i] * kFrontStep >= last) continue;
-    last = seconds[i];
-    front.push_back(measured[i]);
-  }
-  std::reverse(front.begin(), front.end());
-  return front;
-}
-
-double share(std::uint64_t part, std::uint64_t whole) {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
-}
 
 }  // namespace
 
@@ -47,12 +25,12 @@ const GroupErrors* awayFromEdges(const BeamErrors& errors) {
 }
 
 double wrongShare(const GroupErrors& e) {
-  return share(e.bothHit - std::min(e.sameLabel, e.bothHit) + e.falseNegatives + e.falsePositives + e.unresolved,
-               e.beams);
+  return shareOf(e.bothHit - std::min(e.sameLabel, e.bothHit) + e.falseNegatives + e.falsePositives + e.unresolved,
+                 e.beams);
 }
 
 double falseNegativeShare(const GroupErrors& e) {
-  return share(e.falseNegatives, e.bothHit + e.falseNegatives);
+  return shareOf(e.falseNegatives, e.bothHit + e.falseNegatives);
 }
 
 double rangeP99(const GroupErrors& e) {
@@ -95,12 +73,21 @@ std::vector<std::string> methodsOf(const Study& study) {
   return methods;
 }
 
-std::vector<std::size_t> rangeFront(const Study& study) {
-  return frontOf(study, rangeP99);
-}
-
-std::vector<std::size_t> wrongFront(const Study& study) {
-  return frontOf(study, wrongShare);
+std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&)) {
+  const std::vector<std::size_t> measured = measuredSettings(study);
+  std::vector<double> seconds, errors;
+  for (const std::size_t i : measured) {
+    seconds.push_back(study.settings[i].measured.cost.scanSeconds);
+    errors.push_back(error(study.settings[i].measured.errors.all));
+  }
+  std::vector<std::size_t> front;
+  double last = std::numeric_limits<double>::infinity();
+  for (const std::size_t i : std::views::reverse(paretoFront(seconds, errors))) {
+    if (seconds[i] * kFrontStep >= last) continue;
+    last = seconds[i];
+    front.push_back(measured[i]);
+  }
+  return {front.rbegin(), front.rend()};
 }
 
 }  // namespace scanmill

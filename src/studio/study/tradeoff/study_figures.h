@@ -41,10 +41,10 @@ bool isDefault(const Setting& setting);
 // Returns the indices in Study::settings of the settings that were measured.
 std::vector<std::size_t> measuredSettings(const Study& study);
 
-// Return the Pareto front of time and an error as indices in Study::settings, the fastest first. If two settings on the
-// front differ in time by less than repeated measurements do, only the more exact one is returned.
-std::vector<std::size_t> rangeFront(const Study& study);  // the error is rangeP99()
-std::vector<std::size_t> wrongFront(const Study& study);  // the error is wrongShare()
+// Returns the Pareto front of time and an error, such as rangeP99(), as indices in Study::settings, the fastest first.
+// If two settings on the front differ in time by less than repeated measurements do, only the more exact one is
+// returned.
+std::vector<std::size_t> frontOf(const Study& study, double (*error)(const GroupErrors&));
 
 // Returns the index of ray tracing with default options; nothing if it was not measured.
 std::optional<std::size_t> tracingDefault(const Study& study);

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <type_traits>
@@ -16,106 +17,88 @@ namespace scanmill {
 
 namespace {
 
-template <class Archive>
-void describe(Archive& a, Spread& s) {
+void describe(auto& a, Spread& s) {
   a("count", s.count)("mean", s.mean)("rms", s.rms)("median", s.median)("p95", s.p95)("p99", s.p99)("p999", s.p999)(
       "max", s.max);
 }
 
-template <class Archive>
-void describe(Archive& a, GroupErrors& g) {
+void describe(auto& a, GroupErrors& g) {
   a("beams", g.beams)("both_hit", g.bothHit)("both_miss", g.bothMiss)("false_negatives", g.falseNegatives)(
       "false_positives", g.falsePositives)("unresolved", g.unresolved)("same_class", g.sameClass)(
       "same_instance", g.sameInstance)("same_label", g.sameLabel)("range_m", g.range)("intensity", g.intensity)(
       "nearest_to_m", g.nearestTo)("nearest_from_m", g.nearestFrom);
 }
 
-template <class Archive>
-void describe(Archive& a, ErrorGroup& g) {
+void describe(auto& a, ErrorGroup& g) {
   a("name", g.name)("low", g.low)("high", g.high)("errors", g.errors);
 }
 
-template <class Archive>
-void describe(Archive& a, SizeRecall& r) {
+void describe(auto& a, SizeRecall& r) {
   a("name", r.name)("low_m", r.low)("high_m", r.high)("things", r.things)("things_found", r.thingsFound)(
       "beams", r.beams)("beams_found", r.beamsFound);
 }
 
-template <class Archive>
-void describe(Archive& a, BeamErrors& e) {
+void describe(auto& a, BeamErrors& e) {
   a("all", e.all)("by_range", e.byRange)("by_incidence", e.byIncidence)("by_place", e.byPlace)("by_class", e.byClass)(
       "by_thickness", e.byThickness)("by_length", e.byLength);
 }
 
-template <class Archive>
-void describe(Archive& a, CloudErrors& c) {
+void describe(auto& a, CloudErrors& c) {
   a("to_m", c.to)("from_m", c.from)("hausdorff_m", c.hausdorff)("unmatched", c.unmatched);
 }
 
-template <class Archive>
-void describe(Archive& a, Cost& c) {
+void describe(auto& a, Cost& c) {
   a("setup_s", c.setupSeconds)("scan_s", c.scanSeconds)("fastest_s", c.fastest)("slowest_s", c.slowest)(
       "stages_s", c.stages)("memory_bytes", c.memoryBytes)("resident_bytes", c.residentBytes);
 }
 
-template <class Archive>
-void describe(Archive& a, Measurement& m) {
+void describe(auto& a, Measurement& m) {
   a("cost", m.cost)("errors", m.errors)("cloud", m.cloud)("warnings", m.warnings);
 }
 
-template <class Archive>
-void describe(Archive& a, Setting& s) {
+void describe(auto& a, Setting& s) {
   a("name", s.name)("method", s.method)("options", s.options);
 }
 
-template <class Archive>
-void describe(Archive& a, SettingResult& r) {
+void describe(auto& a, SettingResult& r) {
   a("setting", r.setting)("failure", r.failure)("measured", r.measured);
 }
 
-template <class Archive>
-void describe(Archive& a, RingTiming& t) {
+void describe(auto& a, RingTiming& t) {
   a("rings", t.rings)("scan_s", t.scanSeconds);
 }
 
-template <class Archive>
-void describe(Archive& a, RingFit& f) {
+void describe(auto& a, RingFit& f) {
   a("setting", f.setting)("timings", f.timings)("fixed_s", f.fixedSeconds)("per_ring_s", f.secondsPerRing)(
       "largest_residual", f.largestResidual);
 }
 
-template <class Archive>
-void describe(Archive& a, EncodingResult& e) {
+void describe(auto& a, EncodingResult& e) {
   a("name", e.name)("format", e.format)("options", e.options)("failure", e.failure)(
       "encode_points_per_s", e.encodePointsPerSecond)("decode_points_per_s", e.decodePointsPerSecond)(
       "bytes_per_point", e.bytesPerPoint)("largest_error_m", e.largestError)("stated_error_m", e.statedError);
 }
 
-template <class Archive>
-void describe(Archive& a, SensingResult& r) {
+void describe(auto& a, SensingResult& r) {
   a("name", r.name)("failure", r.failure)("trace_s", r.traceSeconds)("effects_s", r.effectsSeconds)("beams", r.beams)(
       "both", r.both)("missing", r.missing)("added", r.added)("same_class", r.sameClass)("distance_m", r.distance)(
       "intensity", r.intensity);
 }
 
-template <class Archive>
-void describe(Archive& a, StudyMachine& m) {
+void describe(auto& a, StudyMachine& m) {
   a("processor", m.processor)("threads", m.threads)("renderer", m.renderer);
 }
 
-template <class Archive>
-void describe(Archive& a, StudyScene& s) {
+void describe(auto& a, StudyScene& s) {
   a("key", s.key)("triangles", s.triangles)("frames", s.frames);
 }
 
 // The contents of the picture are not part of the JSON; they are stored in a file beside it.
-template <class Archive>
-void describe(Archive& a, ErrorPicture& p) {
+void describe(auto& a, ErrorPicture& p) {
   a("setting", p.setting)("title", p.title);
 }
 
-template <class Archive>
-void describe(Archive& a, Study& s) {
+void describe(auto& a, Study& s) {
   a("program_version", s.programVersion)("date", s.date)("machine", s.machine)("pipeline_name", s.pipelineName)(
       "pipeline_file", s.pipelineFile)("budget_given", s.budgetGiven)("pipeline_text", s.pipelineText)(
       "budget_s", s.budgetSeconds)("repeats", s.repeats)("seconds", s.seconds)("scene", s.scene)("sensors", s.sensors)(
@@ -126,8 +109,7 @@ void describe(Archive& a, Study& s) {
 
 class JsonWriter {
  public:
-  template <class T>
-  JsonWriter& operator()(const char* key, T& value) {
+  JsonWriter& operator()(const char* key, auto& value) {
     object[key] = json(value);
     return *this;
   }
@@ -140,9 +122,7 @@ class JsonWriter {
   }
   static OrderedJson json(std::string& value) { return value; }
   static OrderedJson json(Ontology& value) { return ontologyJson(value); }
-  template <class T>
-  requires std::is_integral_v<T>
-  static OrderedJson json(T value) { return value; }
+  static OrderedJson json(std::integral auto value) { return value; }
   template <class T>
   static OrderedJson json(std::vector<T>& list) {
     OrderedJson array = OrderedJson::array();
@@ -171,8 +151,7 @@ class JsonReader {
  public:
   explicit JsonReader(const JsonNode& node) : node_(node) {}
 
-  template <class T>
-  JsonReader& operator()(const char* key, T& value) {
+  JsonReader& operator()(const char* key, auto& value) {
     if (!node_.has(key)) node_.fail(fmt::format("key '{}' is missing", key));
     read(node_[key], value);
     return *this;

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <span>
@@ -157,5 +158,9 @@ class Canvas {
 std::unique_ptr<Canvas> openWindow(const std::string& title, int width, int height);
 // Creates a canvas without a window, which draws on the device that namedDevice() returns (gpu/device.h). Throws Error.
 std::unique_ptr<Canvas> openOffscreen(int width, int height);
+
+// Writes the picture that was drawn last to scanmill_view_000.png in the current folder, or to the file with the first
+// number that is not used yet. Returns the file. Throws Error.
+std::filesystem::path savePictureOf(Canvas& canvas);
 
 }  // namespace scanmill

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -57,8 +56,7 @@ class PointsOfBeams {
     return within ? first_[std::size_t{key.ring} * extent_.column + key.column] : kNone;
   }
   // Calls use(point) with the index of each point of a beam, up to kMostReturns.
-  template <class Use>
-  void each(const PointKey& key, const Use& use) const {
+  void each(const PointKey& key, const auto& use) const {
     std::uint32_t point = first(key);
     for (int count = 0; point != kNone && count < kMostReturns; ++count, point = next_[point]) use(point);
   }

@@ -18,16 +18,12 @@ namespace {
 
 constexpr std::int64_t kMostAhead = 64;  // maximum number of frames that are read ahead, which play in several seconds
 
-template <class T>
-std::uint64_t columnBytes(const std::vector<T>& column) {
-  return column.capacity() * sizeof(T);
-}
-
 std::uint64_t frameBytes(const ViewFrame& frame) {
+  const auto bytesOf = [](const auto& column) { return std::uint64_t{column.capacity()} * sizeof(column[0]); };
   std::uint64_t bytes = sizeof(ViewFrame);
   for (const ViewScan& s : frame.scans) {
-    bytes += sizeof(ViewScan) + columnBytes(s.scan.position) + columnBytes(s.error);
-    visitColumns(s.scan, [&](std::string_view, const auto& column) { bytes += columnBytes(column); });
+    bytes += sizeof(ViewScan) + bytesOf(s.scan.position) + bytesOf(s.error);
+    visitColumns(s.scan, [&](std::string_view, const auto& column) { bytes += bytesOf(column); });
   }
   return bytes;
 }

@@ -17,14 +17,14 @@ namespace {
 std::size_t findImage(const ImageList& list, const std::string& wanted) {
   if (wanted.empty()) return 0;
   const auto holds = [&](const std::string& name) { return name.find(wanted) != std::string::npos; };
-  if (const auto named = std::find(list.names.begin(), list.names.end(), wanted); named != list.names.end()) {
+  if (const auto named = std::ranges::find(list.names, wanted); named != list.names.end()) {
     return static_cast<std::size_t>(named - list.names.begin());
   }
   std::size_t index = 0;
   const char* const end = wanted.data() + wanted.size();
   const auto read = std::from_chars(wanted.data(), end, index);
   if (read.ec == std::errc() && read.ptr == end && index < list.names.size()) return index;
-  const auto found = std::find_if(list.names.begin(), list.names.end(), holds);
+  const auto found = std::ranges::find_if(list.names, holds);
   if (found != list.names.end()) return static_cast<std::size_t>(found - list.names.begin());
   throw InputError(fmt::format("{}: has {} images, and the name of none holds '{}'; the first is '{}', the last '{}'",
                                list.title, list.names.size(), wanted, list.names.front(), list.names.back()));
@@ -71,8 +71,9 @@ ImageList openImages(const fs::path& path, const std::string& wanted, std::optio
   }
   if (list.files.empty()) throw InputError({path.string()}, "holds no EXR image: is the recording whole?");
   // Sort by name such that "a.9.exr" comes before "a.10.exr".
-  std::sort(list.files.begin(), list.files.end(),
-            [](const fs::path& a, const fs::path& b) { return ::strverscmp(a.stem().c_str(), b.stem().c_str()) < 0; });
+  std::ranges::sort(list.files, [](const fs::path& a, const fs::path& b) {
+    return ::strverscmp(a.stem().c_str(), b.stem().c_str()) < 0;
+  });
   for (const fs::path& file : list.files) list.names.push_back(file.stem().string());
   list.first = findImage(list, wanted);
   return list;

@@ -1,7 +1,6 @@
 // Finds the nearest triangle of a mesh that a ray hits.
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "viewer/frames/view_mesh.h"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -21,8 +20,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kSuffix = ".yaml";
-
 Value pipelineOf(const std::string& pipelineText, const fs::path& datasetFolder) {
   Value root = parseYaml(pipelineText, "the pipeline in " + (datasetFolder / "manifest.json").string());
   for (const std::string& assignment : overridesIn(pipelineText)) setValue(root, assignment);
@@ -35,8 +32,7 @@ bool hasSeed(const Value& entry, std::uint64_t seed) {
   if (seeds->kind == Value::Kind::Scalar) return seeds->text == std::to_string(seed);
   constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   const std::vector<PlacedInteger> all = readIntegers(*seeds, "seeds", 0, kMost);
-  return std::any_of(all.begin(), all.end(),
-                     [&](const PlacedInteger& s) { return s.value == static_cast<std::int64_t>(seed); });
+  return std::ranges::any_of(all, [&](const PlacedInteger& s) { return s.value == static_cast<std::int64_t>(seed); });
 }
 
 // Returns the seed in a key that starts with the scene's name; nothing if the key does not have this form.
@@ -79,7 +75,7 @@ std::optional<Entry> entryOf(const Value& root, const std::string& key) {
 
 std::optional<fs::path> fileNamed(const std::string& name, const fs::path& datasetFolder) {
   for (const fs::path& folder : pipelineFolders(datasetFolder)) {
-    for (const std::string& written : {name, name + std::string(kSuffix)}) {
+    for (const std::string& written : {name, name + ".yaml"}) {
       const fs::path file = (folder / written).lexically_normal();
       std::error_code ignored;
       if (fs::is_regular_file(file, ignored)) return file;

@@ -95,7 +95,7 @@ StoredFrames::StoredFrames(const ViewInput& input) : input_(input) {
   if (first().manifest() == nullptr) return;
   for (const SampleRecord& s : first().manifest()->samples) sequences_[partsOfKey(s.key).sequence].push_back(&s);
   for (auto& [name, samples] : sequences_) {
-    std::stable_sort(samples.begin(), samples.end(), [](const SampleRecord* a, const SampleRecord* b) {
+    std::ranges::stable_sort(samples, [](const SampleRecord* a, const SampleRecord* b) {
       const std::string frameA = partsOfKey(a->key).frame;
       const std::string frameB = partsOfKey(b->key).frame;
       return std::tuple(frameA.size(), frameA) < std::tuple(frameB.size(), frameB);
@@ -127,8 +127,8 @@ void StoredFrames::checkJoins() const {
   }
   if (input_.sensor.empty()) return;
   const std::vector<std::string> sensors = first().sensors();
-  const bool known = std::any_of(sensors.begin(), sensors.end(),
-                                 [&](const std::string& name) { return lowerCase(name) == lowerCase(input_.sensor); });
+  const bool known = std::ranges::any_of(
+      sensors, [&](const std::string& name) { return lowerCase(name) == lowerCase(input_.sensor); });
   if (!known) {
     throw InputError({where},
                      fmt::format("has no sensor '{}'; it has {}", input_.sensor,
@@ -203,8 +203,8 @@ void StoredFrames::addReferenceError(ViewScan& scan, const std::string& key) con
   if (!sample)
     throw InputError({reference_->path().string()}, fmt::format("the noise-free reference has no sample '{}'", key));
   const std::vector<StoredScan> references = reference_->scans(*sample, scan.sensor);
-  const auto same = std::find_if(references.begin(), references.end(),
-                                 [&](const StoredScan& t) { return lowerCase(t.method) == lowerCase(scan.method); });
+  const auto same = std::ranges::find_if(
+      references, [&](const StoredScan& t) { return lowerCase(t.method) == lowerCase(scan.method); });
   std::string why;
   scan.error = referenceErrors(scan.scan,
                                reference_->decode(*sample, same == references.end() ? references.front() : *same), why);
@@ -251,9 +251,8 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
   view.key = keys().at(frame);
   std::vector<Loading> all = find(view.key, view.problems);
   nameScans(all);
-  const bool sensorsDiffer = std::any_of(all.begin(), all.end(), [&](const Loading& l) {
-    return lowerCase(l.stored.sensor) != lowerCase(all.front().stored.sensor);
-  });
+  const bool sensorsDiffer = std::ranges::any_of(
+      all, [&](const Loading& l) { return lowerCase(l.stored.sensor) != lowerCase(all.front().stored.sensor); });
   parallelFor(all.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) loadOne(all[i], view.key, sensorsDiffer);
   });
@@ -272,7 +271,7 @@ ViewFrame StoredFrames::load(std::size_t frame) const {
 std::shared_ptr<const SampleObjects> StoredFrames::objectsOf(const std::string& key) const {
   constexpr std::size_t kKept = 64;
   const std::scoped_lock lock(objectsMutex_);
-  const auto known = std::find_if(objects_.begin(), objects_.end(), [&](const auto& o) { return o->key == key; });
+  const auto known = std::ranges::find_if(objects_, [&](const auto& o) { return o->key == key; });
   if (known != objects_.end()) {
     objects_.splice(objects_.begin(), objects_, known);
     return objects_.front();
@@ -296,9 +295,9 @@ std::vector<ViewObject> StoredFrames::objectsAbout(std::size_t frame, std::vecto
     const std::shared_ptr<const SampleObjects> own = objectsOf(key);
     if (own == nullptr) return all;
     for (const ObjectRecord& object : own->objects) all.push_back({object, {}});
-    if (std::none_of(all.begin(), all.end(), [](const ViewObject& o) { return o.record.moves; })) return all;
+    if (std::ranges::none_of(all, [](const ViewObject& o) { return o.record.moves; })) return all;
     const std::vector<const SampleRecord*>& samples = sequence->second;
-    const auto at = std::find_if(samples.begin(), samples.end(), [&](const auto* s) { return s->key == key; });
+    const auto at = std::ranges::find_if(samples, [&](const auto* s) { return s->key == key; });
     const auto before = std::min(kNeighbours, at - samples.begin());
     const auto after = std::min(kNeighbours + 1, samples.end() - at);
     for (auto sample = at - before; sample != at + after; ++sample) {

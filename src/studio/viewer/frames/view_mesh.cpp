@@ -181,7 +181,7 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
         ++cell.corners;
       }
     }
-    return std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.corners > 0; });
+    return std::ranges::any_of(cells, [](const Cell& cell) { return cell.corners > 0; });
   };
   if (!count(kLarge * kCells / perMetre)) count(std::numeric_limits<double>::infinity());
   std::erase_if(cells, [](const Cell& cell) { return cell.corners == 0; });
@@ -193,7 +193,7 @@ Box coreOf(const std::vector<Vec3f>& corners, const Box& bounds) {
     for (const Cell& cell : cells) {
       ends.emplace_back(sign * (sign > 0 ? cell.box.low : cell.box.high).*axis, 1 + std::log2(cell.corners));
     }
-    std::sort(ends.begin(), ends.end());
+    std::ranges::sort(ends);
     double passed = 0;
     for (const auto& [end, weight] : ends) {
       passed += weight;
@@ -262,11 +262,7 @@ ViewMesh makeViewMesh(const Scene& scene) {
 ViewMesh loadViewMesh(const std::filesystem::path& file, std::uint64_t seed, double time,
                       const std::filesystem::path& ontology) {
   try {
-    SceneOptions options;
-    options.seed = seed;
-    options.ontology = ontology;
-    options.textures = false;
-    Scene scene = readSceneToShares(file, options);
+    Scene scene = readSceneToShares(file, {.seed = seed, .ontology = ontology, .textures = false});
     const bool moves = scene.moves();
     if (moves) {
       leaveOutWhoIsAway(scene, time);

@@ -61,11 +61,6 @@ std::string fitted(const std::string& text, float width) {
   return text.substr(0, kept) + "...";
 }
 
-void place(const PixelRect& rect) {
-  ImGui::SetNextWindowPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
-  ImGui::SetNextWindowSize({static_cast<float>(rect.width), static_cast<float>(rect.height)});
-}
-
 void swatch(const ImVec2& at, const Rgb& color, bool filled) {
   const float side = std::floor(letter() * 0.75F);
   const ImVec2 corner{std::floor(at.x), std::floor(at.y + (letter() - side) / 2)};
@@ -125,7 +120,8 @@ bool legendRow(int id, const LegendRow& row, bool clickable, float width) {
 
 void panelAt(const char* name, const PixelRect& rect, bool scrolls, const std::function<void()>& body) {
   if (rect.width < 1 || rect.height < 1) return;
-  place(rect);
+  ImGui::SetNextWindowPos({static_cast<float>(rect.left), static_cast<float>(rect.top)});
+  ImGui::SetNextWindowSize({static_cast<float>(rect.width), static_cast<float>(rect.height)});
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});

@@ -33,21 +33,19 @@ std::pair<int, int> part(int from, int length, int parts, int index, int gap) {
 
 }  // namespace
 
-double letterOfWindow(double scale) {
-  constexpr double kLetter = 15;
-  return std::clamp(std::round(kLetter * scale), 10.0, 60.0);
-}
-
 double letterOfPicture(int width, int height) {
   return std::clamp(std::round(std::min(width / 16.0 * 9, static_cast<double>(height)) / 56), 10.0, 90.0);
 }
 
+double letterOf(const Canvas& canvas, bool still) {
+  constexpr double kLetter = 15;
+  return still ? letterOfPicture(canvas.width(), canvas.height())
+               : std::clamp(std::round(kLetter * canvas.scale()), 10.0, 60.0);
+}
+
 PanelNeeds needsOfPicture(int width, int height, bool side) {
-  PanelNeeds needs{.letter = letterOfPicture(width, height)};
-  needs.row = std::round(1.5 * needs.letter);
-  needs.side = side;
-  needs.bar = false;
-  return needs;
+  const double letter = letterOfPicture(width, height);
+  return {.letter = letter, .row = std::round(1.5 * letter), .side = side, .bar = false};
 }
 
 PanelRooms roomsOf(int width, int height, const PanelNeeds& needs) {

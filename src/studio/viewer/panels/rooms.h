@@ -17,10 +17,10 @@ struct PanelNeeds {
   int stripHeight = 0;  // height of the range image without its caption (pixels); 0: no range image
 };
 
-// Return the letter height in pixels: for a window on a display with the scale factor `scale` (see Canvas), and for a
-// picture of the given size in pixels.
-double letterOfWindow(double scale);
+// Return the letter height in pixels: for a picture of the given size in pixels, and for the canvas, which is a picture
+// if `still` is true, otherwise a window.
 double letterOfPicture(int width, int height);
+double letterOf(const Canvas& canvas, bool still);
 
 // Returns the panels of a picture: a title and, if `side` is true, the legend.
 PanelNeeds needsOfPicture(int width, int height, bool side);

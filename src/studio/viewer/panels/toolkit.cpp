@@ -89,12 +89,17 @@ struct Toolkit::State {
   ImGuiContext* context;
   int clicks = 1;
   std::vector<ImGuiKey> pressed;  // keys to release after the next frame
+
+  // Makes the context current.
+  ImGuiIO& io() const {
+    ImGui::SetCurrentContext(context);
+    return ImGui::GetIO();
+  }
 };
 
 Toolkit::Toolkit(Canvas& canvas, double letter)
     : state_(std::make_unique<State>(State{canvas, ImGui::CreateContext(), 1, {}})) {
-  ImGui::SetCurrentContext(state_->context);
-  ImGuiIO& io = ImGui::GetIO();
+  ImGuiIO& io = state_->io();
   io.IniFilename = nullptr;
   io.LogFilename = nullptr;
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
@@ -124,8 +129,7 @@ Toolkit::~Toolkit() {
 }
 
 double Toolkit::letter() const {
-  ImGui::SetCurrentContext(state_->context);
-  return ImGui::GetIO().Fonts->Fonts.front()->FontSize;
+  return state_->io().Fonts->Fonts.front()->FontSize;
 }
 
 double Toolkit::row() const {
@@ -160,8 +164,7 @@ void Toolkit::suit(const Rgb& background) {
 
 void Toolkit::take(const CanvasEvent& event) {
   using Kind = CanvasEvent::Kind;
-  ImGui::SetCurrentContext(state_->context);
-  ImGuiIO& io = ImGui::GetIO();
+  ImGuiIO& io = state_->io();
   if (event.kind == Kind::Move || event.kind == Kind::Down || event.kind == Kind::Up || event.kind == Kind::Wheel) {
     io.MousePos = {static_cast<float>(event.x), static_cast<float>(event.y)};
     setModifiers(io, event.shift, event.control);
@@ -183,8 +186,7 @@ void Toolkit::take(const CanvasEvent& event) {
 }
 
 void Toolkit::frame(const std::function<void()>& panels) {
-  ImGui::SetCurrentContext(state_->context);
-  ImGuiIO& io = ImGui::GetIO();
+  ImGuiIO& io = state_->io();
   io.DisplaySize = {static_cast<float>(state_->canvas.width()), static_cast<float>(state_->canvas.height())};
   ImGui::NewFrame();
   panels();
@@ -227,13 +229,11 @@ void Toolkit::frame(const std::function<void()>& panels) {
 }
 
 bool Toolkit::hasPointer() const {
-  ImGui::SetCurrentContext(state_->context);
-  return ImGui::GetIO().WantCaptureMouse;
+  return state_->io().WantCaptureMouse;
 }
 
 bool Toolkit::hasKeys() const {
-  ImGui::SetCurrentContext(state_->context);
-  return ImGui::GetIO().WantTextInput;
+  return state_->io().WantTextInput;
 }
 
 bool Toolkit::closeMenus() {
@@ -248,8 +248,7 @@ int Toolkit::clicks() const {
 }
 
 bool Toolkit::shift() const {
-  ImGui::SetCurrentContext(state_->context);
-  return ImGui::GetIO().KeyShift;
+  return state_->io().KeyShift;
 }
 
 void setImage(Canvas& canvas, ImageId image, const Image& picture) {

@@ -74,13 +74,11 @@ void CanvasScene::setViews(std::span<const CanvasView> views) {
 void CanvasScene::placeViews() {
   drawn_ = false;
   // The black background is added first, so that the views are drawn on top of it.
-  if (window_->HasRenderer(uncovered_) == 0) window_->AddRenderer(uncovered_);
+  window_->AddRenderer(uncovered_);
   for (std::size_t k = 0; k < renderers_.size(); ++k) {
     const bool used = k < views_.size() && views_[k].rect.left < width_ && views_[k].rect.top < height_;
-    const bool there = window_->HasRenderer(renderers_[k]) != 0;
     if (used) renderers_[k]->setView(views_[k], width_, height_);
-    if (used && !there) window_->AddRenderer(renderers_[k]);
-    if (!used && there) window_->RemoveRenderer(renderers_[k]);
+    used ? window_->AddRenderer(renderers_[k]) : window_->RemoveRenderer(renderers_[k]);
   }
 }
 
@@ -146,23 +144,20 @@ void CanvasScene::drop(ItemId number) {
   items_.erase(found);
 }
 
-// Adds the item to the views that its look selects, and removes it from the other views.
+// Adds the item to the views that its look selects, and removes it from the other views. VTK does nothing for an actor
+// that is already there, or not there.
 void CanvasScene::place(Item& item) {
   for (std::uint32_t k = 0; k < kCanvasViews; ++k) {
     const bool wanted = (item.look().views >> k & 1u) != 0;
     for (vtkActor* actor : item.actors()) {
-      const bool there = renderers_[k]->HasViewProp(actor) != 0;
-      if (wanted && !there) renderers_[k]->AddActor(actor);
-      if (!wanted && there) renderers_[k]->RemoveActor(actor);
+      wanted ? renderers_[k]->AddActor(actor) : renderers_[k]->RemoveActor(actor);
     }
   }
 }
 
 void CanvasScene::remove(Item& item) {
   for (const auto& renderer : renderers_) {
-    for (vtkActor* actor : item.actors()) {
-      if (renderer->HasViewProp(actor) != 0) renderer->RemoveActor(actor);
-    }
+    for (vtkActor* actor : item.actors()) renderer->RemoveActor(actor);
   }
 }
 

@@ -112,11 +112,8 @@ void Item::setColors(std::span<const Rgb> colors) {
   std::uint8_t* to = colors_->GetPointer(0);
   for (const Rgb& color : colors) {
     for (std::uint32_t k = 0; k < corners(); ++k) {
-      to[0] = color[0];
-      to[1] = color[1];
-      to[2] = color[2];
-      to[3] = 255;
-      to += 4;
+      to = std::ranges::copy(color, to).out;
+      *to++ = 255;
     }
   }
   colors_->Modified();
@@ -208,17 +205,9 @@ void Item::fill(Part& part, const std::vector<std::uint32_t>* elements) {
   }
   vtkNew<vtkCellArray> array;
   array->SetData(offsets, connectivity);
-  switch (kind_) {
-    case ItemKind::Points:
-      part.data->SetVerts(array);
-      break;
-    case ItemKind::Segments:
-      part.data->SetLines(array);
-      break;
-    case ItemKind::Triangles:
-      part.data->SetPolys(array);
-      break;
-  }
+  if (kind_ == ItemKind::Points) part.data->SetVerts(array);
+  if (kind_ == ItemKind::Segments) part.data->SetLines(array);
+  if (kind_ == ItemKind::Triangles) part.data->SetPolys(array);
 }
 
 }  // namespace scanmill

@@ -4,13 +4,14 @@
 #include <fmt/format.h>
 #include <vtkAutoInit.h>
 
-#include <algorithm>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <new>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "gpu/device.h"
 #include "gpu/opengl_module/egl_context.h"
@@ -26,8 +27,7 @@ namespace scanmill {
 namespace {
 
 // Calls `work`, and converts its exceptions to those that Canvas documents.
-template <class Work>
-decltype(auto) told(const Work& work) {
+decltype(auto) told(const auto& work) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
@@ -68,68 +68,45 @@ class VtkCanvas final : public Canvas {
   double scale() const override { return window_ != nullptr ? window_->scale() : 1; }
 
   void resize(int width, int height) override {
-    change([&] {
-      scene_->resize(width, height);
+    change([&](CanvasScene& scene) {
+      scene.resize(width, height);
       if (window_ != nullptr) window_->resize(width, height);
     });
   }
-
-  void setViews(std::span<const CanvasView> views) override {
-    change([&] { scene_->setViews(views); });
-  }
-
+  void setViews(std::span<const CanvasView> views) override { change(&CanvasScene::setViews, views); }
   void setPoints(ItemId item, std::span<const Vec3f> positions, std::span<const Rgb> colors) override {
-    change([&] { scene_->set(item, ItemKind::Points, positions, colors); });
+    change(&CanvasScene::set, item, ItemKind::Points, positions, colors);
   }
-
   void setTriangles(ItemId item, std::span<const Vec3f> corners, std::span<const Rgb> colors) override {
-    change([&] { scene_->set(item, ItemKind::Triangles, corners, colors); });
+    change(&CanvasScene::set, item, ItemKind::Triangles, corners, colors);
   }
-
   void setLines(ItemId item, std::span<const Vec3f> ends, std::span<const Rgb> colors) override {
-    change([&] { scene_->set(item, ItemKind::Segments, ends, colors); });
+    change(&CanvasScene::set, item, ItemKind::Segments, ends, colors);
   }
-
-  void setColors(ItemId item, std::span<const Rgb> colors) override {
-    change([&] { scene_->setColors(item, colors); });
-  }
-
-  void showAll(ItemId item) override {
-    change([&] { scene_->show(item, std::nullopt); });
-  }
-
+  void setColors(ItemId item, std::span<const Rgb> colors) override { change(&CanvasScene::setColors, item, colors); }
+  void showAll(ItemId item) override { change(&CanvasScene::show, item, std::nullopt); }
   void showOnly(ItemId item, std::span<const std::uint32_t> indices) override {
-    change([&] { scene_->show(item, std::vector<std::uint32_t>(indices.begin(), indices.end())); });
+    change(&CanvasScene::show, item, std::vector<std::uint32_t>(indices.begin(), indices.end()));
   }
-
-  void setLook(ItemId item, const ItemLook& look) override {
-    change([&] { scene_->setLook(item, look); });
-  }
-
-  void drop(ItemId item) override {
-    change([&] { scene_->drop(item); });
-  }
-
+  void setLook(ItemId item, const ItemLook& look) override { change(&CanvasScene::setLook, item, look); }
+  void drop(ItemId item) override { change(&CanvasScene::drop, item); }
   void setImage(ImageId image, int width, int height, std::span<const Rgba> pixels) override {
-    change([&] { scene_->setImage(image, width, height, pixels); });
+    change(&CanvasScene::setImage, image, width, height, pixels);
   }
-
-  void setOverlay(Overlay overlay) override {
-    change([&] { scene_->setOverlay(std::move(overlay)); });
-  }
+  void setOverlay(Overlay overlay) override { change(&CanvasScene::setOverlay, std::move(overlay)); }
 
   void render(std::uint64_t mostPoints) override {
-    change([&] {
-      scene_->draw(mostPoints);
+    change([&](CanvasScene& scene) {
+      scene.draw(mostPoints);
       if (window_ == nullptr) return;
-      scene_->showPicture();
+      scene.showPicture();
       window_->present();
     });
   }
 
   Image read() override {
     Image image(width(), height(), Rgb{});
-    change([&] { scene_->read(image.pixels); });
+    change(&CanvasScene::read, image.pixels);
     return image;
   }
 
@@ -168,13 +145,13 @@ class VtkCanvas final : public Canvas {
     }
   }
 
-  // Calls `work`, which changes or reads the scene, with the context current and VTK's messages collected.
-  template <class Work>
-  void change(const Work& work) {
+  // Calls `work`, a function that changes or reads the scene, with the context current and VTK's messages collected.
+  template <class Work, class... Arguments>
+  void change(const Work& work, Arguments&&... arguments) {
     told([&] {
       Quiet quiet;
       makeCurrent();
-      work();
+      std::invoke(work, *scene_, std::forward<Arguments>(arguments)...);
       quiet.check();
       if (window_ != nullptr) window_->check();
     });
@@ -200,8 +177,7 @@ class VtkCanvasModule final : public CanvasModule {
   }
 
  private:
-  template <class Make>
-  static std::unique_ptr<Canvas> open(const Make& make) {
+  static std::unique_ptr<Canvas> open(const auto& make) {
     return told([&] {
       Quiet quiet;
       std::unique_ptr<Canvas> canvas = make();

@@ -13,11 +13,6 @@ namespace scanmill {
 
 namespace {
 
-// Returns colours by class, or by range if the scan has no classes.
-std::vector<Rgb> stripColors(const ViewScan& viewed, const ColorContext& context) {
-  return colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, context).colors;
-}
-
 ScaleRange changedScale(const Legend& legend, KeyAction change) {
   ScaleRange scale{legend.low, legend.high};
   const double span = scale.high > scale.low ? scale.high - scale.low : std::max(std::abs(scale.high), 1.0);
@@ -35,10 +30,6 @@ ScaleRange changedScale(const Legend& legend, KeyAction change) {
       scale.low += span / 4;
   }
   return scale;
-}
-
-bool anyFinite(const Vec3f& p) {
-  return isFinite(p);
 }
 
 void notePresent(const Scan& scan, std::set<std::uint16_t>& present) {
@@ -167,7 +158,7 @@ void Clouds::arrange() {
     } else {
       cloud.coloring = colored(cloud.scan, cloud.view);
     }
-    cloud.finite = static_cast<std::uint64_t>(std::count_if(scan.position.begin(), scan.position.end(), anyFinite));
+    cloud.finite = static_cast<std::uint64_t>(std::ranges::count_if(scan.position, isFinite<float>));
     if (!classesKnown_) notePresent(scan, presentClasses);
     context_.canvas.setPoints(cloudItem(k), scan.position, cloud.coloring.colors);
   }
@@ -217,9 +208,9 @@ void Clouds::applyFilter() {
   }
   instanceProblem.clear();
   for (const std::uint32_t id : filter.instances) {
-    const bool held = std::any_of(list.begin(), list.end(), [&](const ShownCloud& cloud) {
+    const bool held = std::ranges::any_of(list, [&](const ShownCloud& cloud) {
       const auto& instances = context_.frame->scans[cloud.scan].scan[kInstance];
-      return std::find(instances.begin(), instances.end(), id) != instances.end();
+      return std::ranges::find(instances, id) != instances.end();
     });
     if (!held && !list.empty()) instanceProblem += fmt::format("instance {} has no points here. ", id);
   }
@@ -261,7 +252,7 @@ void Clouds::chooseColor(const ColorBy& by) {
   commonScales_.clear();
   const bool common = context_.options.layout == ViewLayout::Split && context_.frame->scans.size() > 1;
   for (std::size_t view = 0; view < viewCount(); ++view) {
-    const bool changed = std::find(acted.begin(), acted.end(), view) != acted.end();
+    const bool changed = std::ranges::find(acted, view) != acted.end();
     if (changed || (common && isNumeric(colorOf(view)))) recolor(view);
   }
 }
@@ -292,11 +283,11 @@ void Clouds::cycleColor(int step) {
   const ShownCloud* const cloud = inView(view);
   const std::vector<ColorBy> all = colorsOf(context_.frame->scans[cloud == nullptr ? 0 : cloud->scan].scan);
   const auto count = static_cast<std::ptrdiff_t>(all.size());
-  std::ptrdiff_t place = std::find(all.begin(), all.end(), colorOf(view)) - all.begin();
+  std::ptrdiff_t place = std::ranges::find(all, colorOf(view)) - all.begin();
   for (std::ptrdiff_t tried = 0; tried < count; ++tried) {
     place = (place + step + count) % count;
     const ColorBy& candidate = all[static_cast<std::size_t>(place)];
-    const bool everywhere = std::all_of(list.begin(), list.end(), [&](const ShownCloud& other) {
+    const bool everywhere = std::ranges::all_of(list, [&](const ShownCloud& other) {
       return (activeView && other.view != *activeView) || hasColor(context_.frame->scans[other.scan], candidate);
     });
     if (everywhere) return chooseColor(candidate);
@@ -317,9 +308,11 @@ void Clouds::makeStrip() {
   const std::vector<bool> shown(cloud.shown.begin(), cloud.shown.end());
   try {
     const ViewScan& viewed = context_.frame->scans[cloud.scan];
-    // In the overlay, all points of a scan have the same colour, so the range image needs other colours.
-    const std::vector<Rgb> colored = overlaid() ? stripColors(viewed, contextOf(viewed)) : std::vector<Rgb>{};
-    strip = makeRangeStrip(viewed.scan, overlaid() ? colored : cloud.coloring.colors, shown, viewed.beams.get());
+    // In the overlay, all points of a scan have the same colour, so the range image shows classes or ranges.
+    std::vector<Rgb> own;
+    if (overlaid())
+      own = colorScan(viewed.scan, viewed.scan[kLabel].empty() ? kByRange : kByClass, contextOf(viewed)).colors;
+    strip = makeRangeStrip(viewed.scan, overlaid() ? own : cloud.coloring.colors, shown, viewed.beams.get());
     setImage(context_.canvas, kStripImage, strip->image);
   } catch (const InputError& e) {
     stripProblem = e.what();

@@ -6,6 +6,12 @@
 
 namespace scanmill {
 
+namespace {
+
+constexpr std::uint64_t kLeast = 150'000;  // least limit for the points of all items together; about one scan
+
+}  // namespace
+
 Drawing::Drawing(Canvas& canvas, std::function<double()> seconds) : canvas_(canvas), seconds_(std::move(seconds)) {
   if (!seconds_) seconds_ = [timer = WallTimer()] { return timer.seconds(); };
 }
@@ -19,17 +25,29 @@ void Drawing::setViews(std::vector<CanvasView> views) {
   changes.views = true;
 }
 
+// Returns how many points of each item to draw at most (0: all), for `items` items with `total` points together.
+std::uint64_t Drawing::mostOfEach(std::uint64_t total, std::size_t items) const {
+  constexpr double kWantedMs = 30;
+  const auto all = std::max(static_cast<std::uint64_t>(pointsPerMs_ * kWantedMs), kLeast);
+  return total <= all || items == 0 ? 0 : all / items;
+}
+
+void Drawing::measured(std::uint64_t points, double ms) {
+  if (points < kLeast / 2 || !(ms > 0)) return;
+  pointsPerMs_ += 0.5 * (std::clamp(static_cast<double>(points) / ms, 500.0, 1e6) - pointsPerMs_);
+}
+
 void Drawing::draw(bool whole, std::uint64_t points, std::size_t items, double began) {
   const bool sceneChanged = changes.views || changes.items;
   if (!sceneChanged && !changes.panels && !changes.light && !(whole && partial_)) return;
-  const std::uint64_t most = whole ? 0 : sceneChanged ? pace_.mostOfEach(points, items) : lastMost_;
+  const std::uint64_t most = whole ? 0 : sceneChanged ? mostOfEach(points, items) : lastMost_;
   const double before = now();
   canvas_.render(most);
   lastPicture_ = now();
   if (sceneChanged) lastChange_ = lastPicture_;
   if (sceneChanged || (whole && partial_)) {
     const double seconds = lastPicture_ - before;
-    pace_.measured(most == 0 ? points : std::min(points, most * items), seconds * 1e3);
+    measured(most == 0 ? points : std::min(points, most * items), seconds * 1e3);
     if (most == 0) wholeSeconds_ = seconds;
   }
   lastMost_ = most;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "viewer/canvas/canvas.h"
-#include "viewer/window/draw_pace.h"
 
 namespace scanmill {
 
@@ -48,16 +47,19 @@ class Drawing {
   Changes changes;
 
  private:
+  std::uint64_t mostOfEach(std::uint64_t total, std::size_t items) const;
+  void measured(std::uint64_t points, double ms);
+
   Canvas& canvas_;
   std::function<double()> seconds_;
-  DrawPace pace_;
   std::vector<CanvasView> views_;
-  bool partial_ = false;        // true: the last picture did not show all points
-  std::uint64_t lastMost_ = 0;  // maximum number of points per item in the last picture; 0: no limit
-  double lastChange_ = 0;       // time of the last change of cameras, views or items (s)
-  double wholeSeconds_ = 0;     // duration of drawing the last picture of all points (s)
-  double lastPicture_ = 0;      // time of the last picture (s)
-  double pictureSeconds_ = 0;   // duration of the last picture, including the work before drawing (s)
+  double pointsPerMs_ = 20'000;  // drawing speed, estimated from the time that previous pictures took
+  bool partial_ = false;         // true: the last picture did not show all points
+  std::uint64_t lastMost_ = 0;   // maximum number of points per item in the last picture; 0: no limit
+  double lastChange_ = 0;        // time of the last change of cameras, views or items (s)
+  double wholeSeconds_ = 0;      // duration of drawing the last picture of all points (s)
+  double lastPicture_ = 0;       // time of the last picture (s)
+  double pictureSeconds_ = 0;    // duration of the last picture, including the work before drawing (s)
 };
 
 }  // namespace scanmill

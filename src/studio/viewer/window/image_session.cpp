@@ -14,7 +14,6 @@
 #include "viewer/panels/toolkit.h"
 #include "viewer/pass_picture.h"
 #include "viewer/window/image_pane.h"
-#include "viewer/window/save_picture.h"
 
 namespace scanmill {
 
@@ -36,7 +35,7 @@ std::vector<std::pair<std::string, std::string>> imageKeys() {
 }
 
 bool isAmong(const std::string& name, std::initializer_list<const char*> names) {
-  return std::any_of(names.begin(), names.end(), [&](const char* n) { return name == n; });
+  return std::ranges::any_of(names, [&](const char* n) { return name == n; });
 }
 
 constexpr ImageId kImage = 2;
@@ -47,8 +46,7 @@ struct ImageSession::State {
   State(ImageList all, Canvas& drawnOn, const std::string& wanted, bool bareOne, bool stillOne)
       : images(std::move(all)),
         canvas(drawnOn),
-        toolkit(drawnOn,
-                stillOne ? letterOfPicture(drawnOn.width(), drawnOn.height()) : letterOfWindow(drawnOn.scale())),
+        toolkit(drawnOn, letterOf(drawnOn, stillOne)),
         bare(bareOne),
         still(stillOne),
         index(images.first) {
@@ -56,7 +54,7 @@ struct ImageSession::State {
     if (wanted.empty()) return;
     std::vector<std::string> names;
     for (const PassPlane& p : planes) names.push_back(p.name);
-    const auto found = std::find(names.begin(), names.end(), wanted);
+    const auto found = std::ranges::find(names, wanted);
     if (found == names.end()) {
       throw InputError({images.files[index].string()},
                        fmt::format("has no plane '{}'; it has {}", wanted, fmt::join(names, ", ")));
@@ -84,7 +82,7 @@ struct ImageSession::State {
       warn(e.what());
       planes = {PassPlane{name, Image(1, 1, kBackground), [](int, int) { return std::string(); }, "", {}}};
     }
-    const auto same = std::find_if(planes.begin(), planes.end(), [&](const PassPlane& p) { return p.name == name; });
+    const auto same = std::ranges::find_if(planes, [&](const PassPlane& p) { return p.name == name; });
     plane = same == planes.end() ? 0 : static_cast<std::size_t>(same - planes.begin());
     lastStep = clock.seconds();
     changed = pictureChanged = true;
@@ -186,15 +184,7 @@ struct ImageSession::State {
     if (!pixel) return {};
     std::vector<std::pair<std::string, std::string>> rows;
     rows.emplace_back("pixel", fmt::format("{}, {}", pixel->first, pixel->second));
-    for (const PassPlane& p : planes) {
-      const std::string text = p.value(pixel->first, pixel->second);
-      const std::size_t colon = text.find(": ");
-      if (colon == std::string::npos) {
-        rows.emplace_back(p.name, text);
-      } else {
-        rows.emplace_back(text.substr(0, colon), text.substr(colon + 2));
-      }
-    }
+    for (const PassPlane& p : planes) rows.emplace_back(p.name, p.value(pixel->first, pixel->second));
     return rows;
   }
 

@@ -14,8 +14,7 @@ double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c) {
 
 // Returns the corners of the places' convex hull, counterclockwise (A. M. Andrew, Inf. Proc. Letters 9, 1979).
 std::vector<Vec2d> hullOf(std::vector<Vec2d> places) {
-  std::sort(places.begin(), places.end(),
-            [](const Vec2d& a, const Vec2d& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
+  std::ranges::sort(places, {}, [](const Vec2d& p) { return std::pair(p.x, p.y); });
   places.erase(std::unique(places.begin(), places.end()), places.end());
   if (places.size() < 3) return places;
   std::vector<Vec2d> hull;
@@ -84,8 +83,7 @@ InstanceSummary summaryOf(const Scan& scan, std::uint32_t instance, std::vector<
   }
   summary.points = std::move(points);
   summary.classes.assign(classes.begin(), classes.end());
-  std::stable_sort(summary.classes.begin(), summary.classes.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(summary.classes, std::greater<>(), [](const auto& entry) { return entry.second; });
   const FlatBox flat = smallestRectangle(hullOf(std::move(places)));
   summary.size = {flat.sides.x, flat.sides.y, high - low};
   summary.levelFromBox = {toMatrix(fromYawPitchRoll(flat.heading, 0, 0)),

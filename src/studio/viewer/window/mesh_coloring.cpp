@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
+#include <ranges>
 #include <unordered_map>
 
 #include "base/grouped.h"
@@ -34,9 +36,7 @@ Legend instanceLegend(const ViewMesh& mesh) {
   triangles.erase(0);
   Legend legend;
   if (!triangles.empty()) {
-    const std::uint32_t first = std::min_element(triangles.begin(), triangles.end(), [](const auto& a, const auto& b) {
-                                  return a.first < b.first;
-                                })->first;
+    const std::uint32_t first = std::ranges::min(std::views::keys(triangles));
     legend.entries.push_back(
         {fmt::format("{} instance{}, a colour each", grouped(triangles.size()), triangles.size() == 1 ? "" : "s"),
          instanceColor(first), -1, mesh.size() - without});
@@ -66,8 +66,7 @@ Legend nameLegend(const ViewMesh& mesh, const std::vector<std::string>& names, s
     legend.entries.push_back({names[i], instanceColor(firstColor + static_cast<std::uint32_t>(i)), -1, triangles[i]});
   }
   if (which == &ViewSurface::rule) return legend;
-  std::stable_sort(legend.entries.begin(), legend.entries.end(),
-                   [](const LegendEntry& a, const LegendEntry& b) { return a.points > b.points; });
+  std::ranges::stable_sort(legend.entries, std::greater<>(), &LegendEntry::points);
   return legend;
 }
 

@@ -14,8 +14,7 @@ namespace scanmill {
 
 Panels::Panels(const SessionContext& context, const Playback& playback, const Clouds& clouds, const Scenery& scenery,
                const Pointer& pointer)
-    : toolkit(context.canvas, context.options.still ? letterOfPicture(context.canvas.width(), context.canvas.height())
-                                                    : letterOfWindow(context.canvas.scale())),
+    : toolkit(context.canvas, letterOf(context.canvas, context.options.still)),
       context_(context),
       playback_(playback),
       clouds_(clouds),
@@ -93,8 +92,7 @@ void Panels::addLabels() {
     std::vector<Vec3d> named;
     for (const ShownCloud& cloud : clouds_.list) {
       const Vec3d& stands = cloud.canvasFromScan.translation;
-      const bool near =
-          std::any_of(named.begin(), named.end(), [&](const Vec3d& n) { return length(n - stands) < 0.05; });
+      const bool near = std::ranges::any_of(named, [&](const Vec3d& n) { return length(n - stands) < 0.05; });
       if (near) continue;
       if (named.size() == 1) addLabel(named.front(), context_.frame->scans[clouds_.list.front().scan].sensor, false);
       named.push_back(stands);

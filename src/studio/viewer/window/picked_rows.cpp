@@ -23,10 +23,6 @@ std::optional<PointKey> keyIn(const Scan& scan, std::size_t point) {
   return knowsBeams(scan) ? std::optional(keyOf(scan, point)) : std::nullopt;
 }
 
-double elevationOf(const Vec3d& direction) {
-  return std::atan2(direction.z, std::hypot(direction.x, direction.y));
-}
-
 // Returns the title without its unit, such as "range error" for "range error (m)"; the value is shown with its unit.
 std::string withoutUnit(const std::string& title) {
   const std::size_t unit = title.rfind(" (");
@@ -34,7 +30,7 @@ std::string withoutUnit(const std::string& title) {
 }
 
 std::string valueIn(const Rows& rows, const std::string& name) {
-  const auto found = std::find_if(rows.begin(), rows.end(), [&](const auto& row) { return row.first == name; });
+  const auto found = std::ranges::find(rows, name, &Rows::value_type::first);
   return found == rows.end() ? "" : found->second;
 }
 
@@ -83,7 +79,7 @@ void addBeam(Rows& rows, const ViewScan& scan, std::size_t point) {
   }
   const std::string of = known ? "beam " : "";  // if the beam is unknown, the angles of the point are shown
   rows.emplace_back(of + "azimuth", angle(std::atan2(direction.y, direction.x)));
-  rows.emplace_back(of + "elevation", angle(elevationOf(direction)));
+  rows.emplace_back(of + "elevation", angle(std::atan2(direction.z, std::hypot(direction.x, direction.y))));
   if (known && beam < table->time.size()) {
     rows.emplace_back("beam fires at", displayText(kTime.row, double{table->time[beam]}));
   }
@@ -142,8 +138,8 @@ void addBrief(PickedThing& thing, const ColorBy& shown) {
     return [word](const auto& row) { return row.first.find(word) != std::string::npos; };
   };
   if (shown == kByError) {
-    auto error = std::find_if(rows.begin(), rows.end(), named("error"));
-    if (error == rows.end()) error = std::find_if(rows.begin(), rows.end(), named("reference"));
+    auto error = std::ranges::find_if(rows, named("error"));
+    if (error == rows.end()) error = std::ranges::find_if(rows, named("reference"));
     if (error != rows.end()) add(error->first, error->second);
     return;
   }
@@ -169,7 +165,7 @@ void addInstance(PickedThing& thing, const InstanceSummary& summary, const Ontol
     rows.emplace_back(thing.alarm, classes);
     thing.brief.emplace_back(thing.alarm, classes);
   }
-  auto after = std::find_if(thing.rows.begin(), thing.rows.end(), [](const auto& r) { return r.first == "instance"; });
+  auto after = std::ranges::find_if(thing.rows, [](const auto& r) { return r.first == "instance"; });
   if (after != thing.rows.end()) ++after;
   thing.rows.insert(after, rows.begin(), rows.end());
 }

@@ -44,18 +44,10 @@ bool Playback::stepBy(std::ptrdiff_t steps) {
   return true;
 }
 
-std::shared_ptr<const ViewFrame> Playback::take(double now) {
+std::shared_ptr<const ViewFrame> Playback::take(double now, bool wait) {
   while (!settled()) {
-    auto loaded = loader_->frame(requested_);
+    auto loaded = wait ? loader_->wait(requested_) : loader_->frame(requested_);
     if (!loaded || accept(loaded, now)) return loaded;
-  }
-  return nullptr;
-}
-
-std::shared_ptr<const ViewFrame> Playback::wait(double now) {
-  while (!settled()) {
-    auto loaded = loader_->wait(requested_);
-    if (accept(loaded, now)) return loaded;
   }
   return nullptr;
 }
@@ -144,11 +136,9 @@ void Playback::readAhead() {
 }
 
 std::vector<std::size_t> Playback::damaged() const {
-  std::vector<std::size_t> all = source_->damaged();
-  all.insert(all.end(), unreadable_.begin(), unreadable_.end());
-  std::ranges::sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
+  std::set<std::size_t> all = unreadable_;
+  for (const std::size_t frame : source_->damaged()) all.insert(frame);
+  return {all.begin(), all.end()};
 }
 
 }  // namespace scanmill

@@ -29,9 +29,8 @@ class Playback {
   bool stepBy(std::ptrdiff_t count);
 
   // Makes the requested frame the current frame and returns it; returns null if it is the current frame already. If it
-  // is not loaded yet, take() returns null and wait() waits.
-  std::shared_ptr<const ViewFrame> take(double now);
-  std::shared_ptr<const ViewFrame> wait(double now);
+  // is not loaded yet, waits if `wait` is true; otherwise returns null.
+  std::shared_ptr<const ViewFrame> take(double now, bool wait = false);
 
   // Stops playing if frames are played. Otherwise starts playing at the requested frame or, if that is the last frame,
   // at the first.

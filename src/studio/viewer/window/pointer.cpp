@@ -1,7 +1,5 @@
 #include "viewer/window/pointer.h"
 
-#include <algorithm>
-
 namespace scanmill {
 
 namespace {

@@ -55,7 +55,7 @@ bool Pointer::isShown(const PickedThing& thing) const {
     return scenery_.meshItem.there() && thing.point < scenery_.mesh->size() &&
            (scenery_.meshShown.empty() || scenery_.meshShown[thing.point] != 0);
   }
-  return std::any_of(clouds_.list.begin(), clouds_.list.end(), [&](const ShownCloud& cloud) {
+  return std::ranges::any_of(clouds_.list, [&](const ShownCloud& cloud) {
     return cloud.scan == thing.scan && (cloud.shown.empty() || cloud.shown[thing.point] != 0);
   });
 }

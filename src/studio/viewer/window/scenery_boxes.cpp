@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "config/text.h"
 #include "viewer/color_map.h"
@@ -48,7 +47,7 @@ void Scenery::placeBoxes() {
       if (!boxShown(object)) continue;
       const SemanticClass* const known =
           context_.source->ontology() == nullptr ? nullptr : context_.source->ontology()->find(object.semantic);
-      const Rgb color = known == nullptr ? kUnknownClass : Rgb{known->color[0], known->color[1], known->color[2]};
+      const Rgb color = known == nullptr ? kUnknownClass : known->color;
       const ObjectView* const view = shownView(object);
       const bool seen = view != nullptr && view->points > 0;
       const Affine place = canvasFromBox(object);
@@ -79,8 +78,8 @@ std::vector<std::pair<const ObjectRecord*, const ObjectView*>> Scenery::nearestS
 }
 
 void Scenery::addObjectRows(PickedThing& thing, std::uint32_t instance) const {
-  const auto found = std::find_if(context_.frame->objects.begin(), context_.frame->objects.end(),
-                                  [&](const ViewObject& o) { return o.record.id == instance; });
+  const auto found =
+      std::ranges::find_if(context_.frame->objects, [&](const ViewObject& o) { return o.record.id == instance; });
   if (found == context_.frame->objects.end()) return;
   const ObjectRecord& object = found->record;
   const auto add = [&](const char* what, const std::string& value) { thing.rows.emplace_back(what, value); };

@@ -2,8 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
 #include "viewer/color_map.h"
 #include "viewer/window/picked_rows.h"
 #include "viewer/window/scenery.h"

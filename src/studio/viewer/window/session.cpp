@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <limits>
 
 #include "viewer/window/session_state.h"
@@ -75,7 +74,7 @@ bool ViewSession::handle(const CanvasEvent& event) {
 
 void ViewSession::settle() {
   State& s = *state_;
-  if (auto loaded = s.playback.wait(s.context.drawing.now())) s.showFrame(std::move(loaded));
+  if (auto loaded = s.playback.take(s.context.drawing.now(), true)) s.showFrame(std::move(loaded));
   if (s.scenery.meshOn() && s.scenery.meshWanted) {
     auto loaded = s.playback.loader().waitMesh(*s.scenery.meshWanted);
     if (loaded != s.scenery.mesh) s.takeMesh(std::move(loaded));

@@ -5,7 +5,7 @@
 namespace scanmill {
 
 void SessionContext::say(const std::string& text, double seconds) {
-  // A notice that an action causes replaces older notices of the same action.
+  // A notice that a key causes replaces older notices of the same key.
   std::erase_if(notices, [&](const ViewNotice& n) { return n.text == text || (acting && n.cause == acting); });
   notices.push_back({text, drawing.now() + seconds, acting});
   changes.panels = true;

@@ -21,8 +21,8 @@ namespace scanmill {
 // A message that is shown for some seconds.
 struct ViewNotice {
   std::string text;
-  double until = 0;                // time of Drawing::now() at which the message disappears (s)
-  std::optional<KeyAction> cause;  // the action that caused the message
+  double until = 0;                 // time of Drawing::now() at which the message disappears (s)
+  std::optional<KeyMeaning> cause;  // the key that caused the message
 };
 
 // Selects the points and triangles that are shown.
@@ -62,7 +62,7 @@ struct SessionContext {
   ShownFilter filter;
   std::vector<ViewNotice> notices;
   std::vector<std::string> hints;
-  std::optional<KeyAction> acting;  // the action that is being executed
+  std::optional<KeyMeaning> acting;  // the key whose action is being executed
 };
 
 }  // namespace scanmill

@@ -1,10 +1,12 @@
-// Handles events, and executes the actions of keys.
+// Handles events, and executes the actions of keys, or says that a scene without scans has none of what they act on.
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
-#include "viewer/window/save_picture.h"
 #include "viewer/window/session_state.h"
 
 namespace scanmill {
@@ -91,32 +93,24 @@ void ViewSession::State::tick() {
 void ViewSession::State::key(const CanvasEvent& event) {
   const auto meaning = keyMeaning(event.key, event.shift);
   if (!meaning) return;
-  context.acting = meaning->action;
+  context.acting = meaning;
   act(*meaning);
   context.acting.reset();
 }
 
 // Returns the option that the action switches on and off, and the option's name; null if the action is not a switch.
 std::pair<bool*, const char*> ViewSession::State::switchOf(KeyAction action) {
-  switch (action) {
-    case KeyAction::ToggleAxes:
-      return {&context.options.axes, "axes"};
-    case KeyAction::ToggleRangeRings:
-      return {&context.options.rangeRings, "range rings"};
-    case KeyAction::ToggleBoxes:
-      if (context.frame && context.frame->objects.empty())
-        return {&scenery.instanceBoxes, "boxes about instances' points"};
-      return {&context.options.boxes, "boxes of objects"};
-    case KeyAction::ToggleTrajectory:
-      if (scenery.trajectory.size() < 2) return {};
-      return {&context.options.trajectory, "trajectory"};
-    case KeyAction::ToggleDepthEdges:
-      return {&context.options.depthEdges, "depth edges"};
-    case KeyAction::ToggleLegends:
-      return {&context.options.legends, "legends"};
-    default:
-      return {};
-  }
+  using enum KeyAction;
+  ViewOptions& options = context.options;
+  if (action == ToggleAxes) return {&options.axes, "axes"};
+  if (action == ToggleRangeRings) return {&options.rangeRings, "range rings"};
+  if (action == ToggleBoxes && context.frame && context.frame->objects.empty())
+    return {&scenery.instanceBoxes, "boxes about instances' points"};
+  if (action == ToggleBoxes) return {&options.boxes, "boxes of objects"};
+  if (action == ToggleTrajectory && scenery.trajectory.size() > 1) return {&options.trajectory, "trajectory"};
+  if (action == ToggleDepthEdges) return {&options.depthEdges, "depth edges"};
+  if (action == ToggleLegends) return {&options.legends, "legends"};
+  return {};
 }
 
 void ViewSession::State::act(const KeyMeaning& meaning) {
@@ -128,46 +122,44 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     pointer.hover.reset();
     arrange();
   };
-  const auto resizePoints = [&](double by) {
-    context.options.pointSize = std::clamp(scenery.pointSize() + by, 1.0, 20.0);
-    scenery.placeClouds();
-    context.say(fmt::format("points of {:.0f} px", context.options.pointSize));
-  };
   if (context.source->isScene()) {
     if (const std::string why = sceneLacks(meaning); !why.empty()) return context.say(why);
   }
-  if (const auto [option, name] = switchOf(meaning.action); option != nullptr) {
-    *option = !*option;
-    scenery.placeGuides();
-    context.changes.views = true;
-    return context.say(fmt::format("{} {}", name, *option ? "on" : "off"));
-  }
   switch (meaning.action) {
-    case KeyAction::NextColor:
-      return cycleColor(1);
-    case KeyAction::PreviousColor:
-      return cycleColor(-1);
+    case KeyAction::StepColor:
+      return cycleColor(meaning.number);
     case KeyAction::ColorByNumber:
-      return chooseColor(ColorBy(colorNames()[meaning.number]));
+      return chooseColor(colorOf(meaning));
     case KeyAction::LowerHighEnd:
     case KeyAction::RaiseHighEnd:
     case KeyAction::LowerLowEnd:
     case KeyAction::RaiseLowEnd:
     case KeyAction::AutomaticScale:
       return clouds.changeScale(meaning.action);
-    case KeyAction::LargerPoints:
-      return resizePoints(1);
-    case KeyAction::SmallerPoints:
-      return resizePoints(-1);
+    case KeyAction::ResizePoints:
+      context.options.pointSize = std::clamp(scenery.pointSize() + meaning.number, 1.0, 20.0);
+      scenery.placeClouds();
+      return context.say(fmt::format("points of {:.0f} px", context.options.pointSize));
     case KeyAction::NextBackground: {
-      const auto is = std::find(kBackgrounds.begin(), kBackgrounds.end(), context.options.background);
+      const auto is = std::ranges::find(kBackgrounds, context.options.background);
       context.options.background =
           is == kBackgrounds.end() || is + 1 == kBackgrounds.end() ? kBackgrounds.front() : is[1];
       context.changes.views = context.changes.panels = true;
       return;
     }
+    case KeyAction::ToggleAxes:
+    case KeyAction::ToggleRangeRings:
+    case KeyAction::ToggleBoxes:
     case KeyAction::ToggleTrajectory:
-      return context.say("there is no trajectory");
+    case KeyAction::ToggleDepthEdges:
+    case KeyAction::ToggleLegends: {
+      const auto [option, name] = switchOf(meaning.action);
+      if (option == nullptr) return context.say("there is no trajectory");
+      *option = !*option;
+      scenery.placeGuides();
+      context.changes.views = true;
+      return context.say(fmt::format("{} {}", name, *option ? "on" : "off"));
+    }
     case KeyAction::ToggleMesh:
       context.options.mesh = !context.options.mesh;
       scenery.meshProblem.clear();
@@ -180,14 +172,12 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       scenery.setCamera(other);
       return context.say(other.orthographic ? "orthographic" : "perspective");
     }
-    case KeyAction::ChaseView:
-      return scenery.setCamera(scenery.preset(View::Chase));
-    case KeyAction::DriverView:
-      return scenery.setCamera(scenery.preset(View::Driver));
-    case KeyAction::AboveView:
-      scenery.setCamera(scenery.preset(View::Above));
-      if (context.source->isScene()) scenery.tellWhatEncloses();
+    case KeyAction::PresetView: {
+      const auto view = static_cast<View>(meaning.number);
+      scenery.setCamera(scenery.preset(view));
+      if (view == View::Above && context.source->isScene()) scenery.tellWhatEncloses();
       return;
+    }
     case KeyAction::NextPreset:
       if (scenery.camera == scenery.preset(View::Chase)) return scenery.setCamera(scenery.preset(View::Driver));
       return scenery.setCamera(
@@ -196,24 +186,16 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
       return pointer.turnAbout();
     case KeyAction::ResetView:
       return scenery.setCamera(scenery.firstCamera());
-    case KeyAction::NextFrame:
-      return stepBy(1);
-    case KeyAction::PreviousFrame:
-      return stepBy(-1);
-    case KeyAction::TenFramesOn:
-      return stepBy(10);
-    case KeyAction::TenFramesBack:
-      return stepBy(-10);
+    case KeyAction::StepFrames:
+      return stepBy(meaning.number);
     case KeyAction::FirstFrame:
       return goTo(0, 1);
     case KeyAction::LastFrame:
       return goTo(playback.count() - 1, -1);
     case KeyAction::Play:
       return togglePlaying();
-    case KeyAction::Slower:
-      return changeSpeed(-1);
-    case KeyAction::Faster:
-      return changeSpeed(1);
+    case KeyAction::ChangeSpeed:
+      return changeSpeed(meaning.number);
     case KeyAction::GoTo:
       if (context.options.bare) return;  // there is no panel to type into
       panels.help = false;               // closes the help, which would otherwise receive the keys
@@ -237,7 +219,7 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::NextScan:
       if (!context.frame || context.frame->scans.size() < 2) return context.say("the sample has no other scan");
       clouds.scanName = context.frame->scans[(clouds.shownScan() + 1) % context.frame->scans.size()].name;
-      if (context.options.layout != ViewLayout::One) context.options.layout = ViewLayout::One;
+      context.options.layout = ViewLayout::One;
       return arrange();
     case KeyAction::ToggleWorld:
       return toggleWorld();
@@ -266,12 +248,6 @@ void ViewSession::State::act(const KeyMeaning& meaning) {
     case KeyAction::Quit:
       quit = true;
       return;
-    case KeyAction::ToggleAxes:
-    case KeyAction::ToggleRangeRings:
-    case KeyAction::ToggleBoxes:
-    case KeyAction::ToggleDepthEdges:
-    case KeyAction::ToggleLegends:
-      return;  // handled by switchOf() above
   }
 }
 
@@ -340,6 +316,31 @@ void ViewSession::State::savePicture() {
     context.say(e.what());
     warn(e.what());
   }
+}
+
+std::string ViewSession::State::sceneLacks(const ColorBy& by) const {
+  if (std::ranges::find(kMeshColorNames, by.name()) != kMeshColorNames.end()) return {};
+  return fmt::format("a scene has no {}: it is coloured by {}", by.name(), fmt::join(kMeshColorNames, ", "));
+}
+
+// States which keys do nothing if a scene is shown without scans: it has triangles, but neither points nor frames.
+std::string ViewSession::State::sceneLacks(const KeyMeaning& meaning) const {
+  using enum KeyAction;
+  static const std::vector<std::pair<std::vector<KeyAction>, const char*>> kLacks{
+      {{ResizePoints}, "a scene has no points"},
+      {{ToggleRangeRings}, "a scene has no sensor to draw range rings about"},
+      {{ToggleTrajectory}, "a scene has no trajectory: a dataset of it has"},
+      {{ToggleBoxes}, "a scene has no list of objects: a dataset of it may have"},
+      {{ToggleMesh}, "the scene's mesh is all that there is"},
+      {{StepFrames, FirstFrame, LastFrame, Play, GoTo}, "a scene has no frames: a dataset of it has"},
+      {{ToggleOverlay, ToggleSplit, NextView, NextScan}, "a scene has no scans: a dataset of it has"},
+      {{ToggleWorld}, "a scene has no sensor to follow"},
+      {{ToggleRangeImage}, "a scene has no range image: a dataset of it has"}};
+  if (meaning.action == ColorByNumber) return sceneLacks(colorOf(meaning));
+  for (const auto& [actions, lack] : kLacks) {
+    if (std::ranges::find(actions, meaning.action) != actions.end()) return lack;
+  }
+  return {};
 }
 
 }  // namespace scanmill

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 
 #include "base/grouped.h"
 #include "viewer/color_map.h"
@@ -28,16 +29,9 @@ void ViewSession::State::drawInstances() {
   for (const InstanceSummary& instance : scenery.instances()) rows.push_back(&instance);
   if (const ImGuiTableSortSpecs* const sort = ImGui::TableGetSortSpecs(); sort != nullptr && sort->SpecsCount > 0) {
     const auto value = [&](const InstanceSummary* instance) {
-      switch (sort->Specs->ColumnIndex) {
-        case 0:
-          return static_cast<double>(classOf(*instance));
-        case 1:
-          return static_cast<double>(instance->id);
-        case 2:
-          return static_cast<double>(instance->points.size());
-        default:
-          return instance->size.x;
-      }
+      const std::array<double, 4> columns{static_cast<double>(classOf(*instance)), static_cast<double>(instance->id),
+                                          static_cast<double>(instance->points.size()), instance->size.x};
+      return columns.at(static_cast<std::size_t>(sort->Specs->ColumnIndex));
     };
     const bool down = sort->Specs->SortDirection == ImGuiSortDirection_Descending;
     std::ranges::stable_sort(

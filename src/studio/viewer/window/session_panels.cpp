@@ -68,22 +68,12 @@ void ViewSession::State::drawPanels() {
 // True if the option that the action switches is on.
 bool ViewSession::State::isOn(KeyAction action) {
   if (const bool* const option = switchOf(action).first) return *option;
-  switch (action) {
-    case KeyAction::ToggleMesh:
-      return scenery.meshOn();
-    case KeyAction::ToggleRangeImage:
-      return context.options.rangeImage;
-    case KeyAction::ToggleOverlay:
-      return clouds.overlaid();
-    case KeyAction::ToggleSplit:
-      return context.options.layout == ViewLayout::Split;
-    case KeyAction::ToggleWorld:
-      return scenery.world;
-    case KeyAction::InstanceAlone:
-      return !context.filter.instances.empty();
-    default:
-      return false;
-  }
+  return (action == KeyAction::ToggleMesh && scenery.meshOn()) ||
+         (action == KeyAction::ToggleRangeImage && context.options.rangeImage) ||
+         (action == KeyAction::ToggleOverlay && clouds.overlaid()) ||
+         (action == KeyAction::ToggleSplit && context.options.layout == ViewLayout::Split) ||
+         (action == KeyAction::ToggleWorld && scenery.world) ||
+         (action == KeyAction::InstanceAlone && !context.filter.instances.empty());
 }
 
 void ViewSession::State::drawMenus() {

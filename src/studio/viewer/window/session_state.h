@@ -18,6 +18,11 @@ struct ViewSession::State {
   State(std::shared_ptr<const FrameSource> frames, std::unique_ptr<FrameLoader> loader, Canvas& canvas,
         const ViewOptions& chosen);
 
+  // Returns the quantity that the action ColorByNumber chooses.
+  static ColorBy colorOf(const KeyMeaning& meaning) {
+    return ColorBy(colorNames()[static_cast<std::size_t>(meaning.number)]);
+  }
+
   // Functions in session_events.cpp:
   bool handle(const CanvasEvent& event);
   void tick();
@@ -30,12 +35,11 @@ struct ViewSession::State {
   void toggleWorld();
   void toggleAlone();
   void savePicture();
-
-  // Functions in session_scene_keys.cpp, which return why a key or quantity cannot be used for a scene; empty: it can.
+  // Return why a key or quantity cannot be used for a scene; empty: it can.
   std::string sceneLacks(const KeyMeaning& meaning) const;
   std::string sceneLacks(const ColorBy& by) const;
 
-  // Functions in session_frames.cpp, which request, load and show frames and scenes:
+  // Functions in session_frames.cpp, which request, load and show frames and scenes, and draw the picture:
   void goTo(std::size_t frame, int step);
   void stepBy(std::ptrdiff_t count);
   void togglePlaying();
@@ -49,8 +53,6 @@ struct ViewSession::State {
   void takeMesh(std::shared_ptr<const ViewMesh> loaded);
   void placeMesh();
   std::vector<std::string> problems() const;
-
-  // Functions in session_draw.cpp:
   void refresh();  // updates the panels and the views
   void updateHover();
   void flush(bool whole);

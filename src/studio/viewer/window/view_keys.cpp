@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <array>
 
 #include "viewer/coloring.h"
 #include "viewer/window/session.h"
@@ -16,15 +15,15 @@ namespace {
 std::vector<ViewCommand> listCommands() {
   using A = KeyAction;
   std::vector<ViewCommand> all{
-      {"Frames", {A::NextFrame}, "next", {"Right", "."}},
-      {"Frames", {A::PreviousFrame}, "previous", {"Left", ","}},
-      {"Frames", {A::TenFramesOn}, "ten on", {"Page_Down"}},
-      {"Frames", {A::TenFramesBack}, "ten back", {"Page_Up"}},
+      {"Frames", {A::StepFrames, 1}, "next", {"Right", "."}},
+      {"Frames", {A::StepFrames, -1}, "previous", {"Left", ","}},
+      {"Frames", {A::StepFrames, 10}, "ten on", {"Page_Down"}},
+      {"Frames", {A::StepFrames, -10}, "ten back", {"Page_Up"}},
       {"Frames", {A::FirstFrame}, "first", {"<", "shift + Left"}},
       {"Frames", {A::LastFrame}, "last", {">", "shift + Right", "End"}},
       {"Frames", {A::Play}, "play, pause", {" "}},
-      {"Frames", {A::Slower}, "play slower", {"("}},
-      {"Frames", {A::Faster}, "play faster", {")"}},
+      {"Frames", {A::ChangeSpeed, -1}, "play slower", {"("}},
+      {"Frames", {A::ChangeSpeed, 1}, "play faster", {")"}},
       {"Frames", {A::GoTo}, "go to a key or index", {"g"}},
       {"Scans", {A::NextScan}, "next of the sample", {"n"}},
       {"Scans", {A::ToggleOverlay}, "all over one another, each in a colour", {"l"}},
@@ -32,13 +31,13 @@ std::vector<ViewCommand> listCommands() {
       {"Scans", {A::NextView}, "next view that colours are chosen for", {"Tab"}},
       {"Scans", {A::ToggleRangeImage}, "range image", {"i"}},
   };
-  constexpr std::array<const char*, 10> kDigits{"1", "2", "3", "4", "5", "6", "7", "8", "9", "0"};
-  for (std::size_t i = 0; i < kDigits.size(); ++i) {
-    all.push_back({"Colours", {A::ColorByNumber, i}, "by " + colorNames()[i], {kDigits[i]}});
+  for (int i = 0; i < 10; ++i) {  // the keys 1 to 9, then 0
+    const std::string& name = colorNames()[static_cast<std::size_t>(i)];
+    all.push_back({"Colours", {A::ColorByNumber, i}, "by " + name, {std::to_string((i + 1) % 10)}});
   }
   const std::vector<ViewCommand> more{
-      {"Colours", {A::NextColor}, "by the next column", {"c"}},
-      {"Colours", {A::PreviousColor}, "by the previous column", {"C"}},
+      {"Colours", {A::StepColor, 1}, "by the next column", {"c"}},
+      {"Colours", {A::StepColor, -1}, "by the previous column", {"C"}},
       {"Colours", {A::LowerHighEnd}, "halve the scale's upper end", {"["}},
       {"Colours", {A::RaiseHighEnd}, "double the scale's upper end", {"]"}},
       {"Colours", {A::LowerLowEnd}, "lower the scale's lower end", {"{"}},
@@ -53,12 +52,12 @@ std::vector<ViewCommand> listCommands() {
       {"Show", {A::ToggleAxes}, "axes of the sensors: x red, y green, z blue", {"a"}},
       {"Show", {A::ToggleRangeRings}, "range rings on the ground", {"r"}},
       {"Show", {A::ToggleDepthEdges}, "dark depth edges", {"e"}},
-      {"Show", {A::LargerPoints}, "larger points", {"+", "="}},
-      {"Show", {A::SmallerPoints}, "smaller points", {"-"}},
+      {"Show", {A::ResizePoints, 1}, "larger points", {"+", "="}},
+      {"Show", {A::ResizePoints, -1}, "smaller points", {"-"}},
       {"Show", {A::NextBackground}, "background dark, grey, white", {"b"}},
-      {"Camera", {A::ChaseView}, "chase", {"F1"}},
-      {"Camera", {A::DriverView}, "driver's", {"F2"}},
-      {"Camera", {A::AboveView}, "from above", {"F3"}},
+      {"Camera", {A::PresetView, static_cast<int>(View::Chase)}, "chase", {"F1"}},
+      {"Camera", {A::PresetView, static_cast<int>(View::Driver)}, "driver's", {"F2"}},
+      {"Camera", {A::PresetView, static_cast<int>(View::Above)}, "from above", {"F3"}},
       {"Camera", {A::NextPreset}, "the next of these", {"v"}},
       {"Camera", {A::ResetView}, "the first view again", {"Home"}},
       {"Camera", {A::TurnAbout}, "turn about what is pointed at", {"f"}},
@@ -82,15 +81,14 @@ const std::vector<ViewCommand>& viewCommands() {
 }
 
 std::optional<KeyMeaning> keyMeaning(std::string_view key, bool shift) {
-  const std::string shifted = "shift + " + std::string(key);
-  for (const bool exact : {true, false}) {
+  const auto meaningOf = [](const std::string& wanted) -> std::optional<KeyMeaning> {
     for (const ViewCommand& command : viewCommands()) {
-      for (const std::string& own : command.keys) {
-        if (exact ? shift && own == shifted : own == key) return command.meaning;
-      }
+      if (std::ranges::find(command.keys, wanted) != command.keys.end()) return command.meaning;
     }
-  }
-  return {};
+    return {};
+  };
+  const auto shifted = shift ? meaningOf("shift + " + std::string(key)) : std::nullopt;
+  return shifted ? shifted : meaningOf(std::string(key));
 }
 
 std::string keysText(const ViewCommand& command) {

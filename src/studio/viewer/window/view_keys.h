@@ -2,7 +2,6 @@
 
 // The viewer's commands: its menus, its keys and its help.
 
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,16 +10,14 @@
 namespace scanmill {
 
 enum class KeyAction {
-  NextColor,
-  PreviousColor,
-  ColorByNumber,
+  StepColor,      // number: 1 or -1
+  ColorByNumber,  // number: index in colorNames()
   LowerHighEnd,
   RaiseHighEnd,
   LowerLowEnd,
   RaiseLowEnd,
   AutomaticScale,
-  LargerPoints,
-  SmallerPoints,
+  ResizePoints,  // number: pixels
   NextBackground,
   ToggleAxes,
   ToggleRangeRings,
@@ -30,21 +27,15 @@ enum class KeyAction {
   ToggleDepthEdges,
   ToggleLegends,
   ToggleProjection,
-  ChaseView,
-  DriverView,
-  AboveView,
+  PresetView,  // number: a value of View
   NextPreset,
   TurnAbout,
   ResetView,
-  NextFrame,
-  PreviousFrame,
-  TenFramesOn,
-  TenFramesBack,
+  StepFrames,  // number: how many
   FirstFrame,
   LastFrame,
   Play,
-  Slower,
-  Faster,
+  ChangeSpeed,  // number: 1 or -1
   GoTo,
   ToggleOverlay,
   ToggleSplit,
@@ -63,7 +54,8 @@ enum class KeyAction {
 
 struct KeyMeaning {
   KeyAction action = KeyAction::Quit;
-  std::size_t number = 0;  // index in colorNames(), only for the action ColorByNumber
+  int number = 0;
+  bool operator==(const KeyMeaning&) const = default;
 };
 
 // A command. If `menu` is empty, the command is in no menu and has only keys.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "base/random.h"
@@ -168,17 +167,10 @@ TEST_F(CalibrateYard, EveryWrongTextHasItsPlaceAndAWayOut) {
   expectRefusedMethod("    max_error: {p99: 2cm}\n    max_errors: {p95: 1cm}",
                       {"auto.yaml:4:5", "unknown key 'max_errors'", "did you mean 'max_error'"});
   expectRefusedMethod("    max_error: {p98: 2cm}", {"auto.yaml:3:17", "unknown key 'p98'"});
-  expectRefusedMethod("    max_error: {p99: 2}", {"auto.yaml:3:22", "p99", "unit"});
-  expectRefusedMethod("    max_error: {labels: 995%}", {"auto.yaml:3:25", "labels", "100 %"});
-  expectRefusedMethod("    max_error: 2cm", {"auto.yaml:3:16", "must be a map"});
   expectRefusedMethod("    max_error: {}", {"auto.yaml:3", "limits are missing"});
   expectRefusedMethod("    min_rate: fast", {"auto.yaml:3:15", "min_rate", "'fast'"});
-  expectRefusedMethod("    min_rate: 0", {"auto.yaml:3:15", "min_rate"});
   expectRefusedMethod("    min_rate: 1\n    shots: 0", {"auto.yaml:4:12", "shots"});
-  expectRefusedMethod("    min_rate: 1\n    settings: []", {"auto.yaml:4:15", "at least one item"});
   expectRefusedMethod("    min_rate: 1\n    settings: [rays]", {"auto.yaml:4:16", "unknown method 'rays'"});
-  expectRefusedMethod("    min_rate: 1\n    settings:\n      - {ray_tracing: {packet: 2}}",
-                      {"auto.yaml:5:32", "packet may not be '2'"});
   expectRefusedMethod("    max_error: {intensity: 0.1}", {"auto.yaml:3:28", "no effect sets the intensity"});
 }
 
@@ -230,15 +222,6 @@ TEST_F(CalibrateYard, WhatCannotRunHereIsPassedOver) {
                    {"none of the 1 settings can run", "voxel_m"});
 }
 
-TEST_F(CalibrateYard, TheSameErrorsEveryTime) {
-  const auto errors = [&] {
-    const Calibration c = calibrated(fmt::format("{}, {}", kAnything, kTwo));
-    const GroupErrors& e = c.settings[1].candidate.errors;
-    return std::vector<double>{e.range.mean, e.range.p99, e.range.max, e.labels(), e.missRate()};
-  };
-  EXPECT_EQ(errors(), errors());
-}
-
 TEST_F(CalibrateYard, IntensitiesAreComparedWhereAnEffectMakesThem) {
   const Calibration c = calibrated(fmt::format("max_error: {{intensity: 1e-6}}, {}", kTwo), {"effects=[intensity]"});
   EXPECT_EQ(c.chosen, 0u);
@@ -247,9 +230,7 @@ TEST_F(CalibrateYard, IntensitiesAreComparedWhereAnEffectMakesThem) {
 }
 
 TEST_F(CalibrateYard, IntensitiesOfSensorsOwnEffectsAreComparedToo) {
-  const std::string sensors =
-      "sensors=[{name: a, columns: 64, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 8}, range_m: [0.5, "
-      "100], mount: {position: [0, 0, 1.8]}, effects: [intensity]}]";
+  const std::string sensors = "sensors=[" + std::string(kTop).insert(1, "effects: [intensity], ") + "]";
   const Calibration c =
       calibrated(fmt::format("max_error: {{intensity: 1e-6}}, {}", kTwo), {sensors, "effects=sensor"});
   EXPECT_GT(c.settings[0].candidate.errors.intensity.count, 0u);
@@ -308,12 +289,9 @@ TEST_F(CalibrateYard, TheWorstOfTheScenesBoundsAllOfThem) {
   constexpr double kRounding = 1e-6;  // of errors to float
   const Spread pooled = spreadOf(errors);
   EXPECT_EQ(worst.range.count, pooled.count);
-  EXPECT_GE(worst.range.mean, pooled.mean * (1 - kRounding));
-  EXPECT_GE(worst.range.rms, pooled.rms * (1 - kRounding));
-  EXPECT_GE(worst.range.median, pooled.median * (1 - kRounding));
-  EXPECT_GE(worst.range.p95, pooled.p95 * (1 - kRounding));
-  EXPECT_GE(worst.range.p99, pooled.p99 * (1 - kRounding));
-  EXPECT_GE(worst.range.p999, pooled.p999 * (1 - kRounding));
+  for (const auto figure : {&Spread::mean, &Spread::rms, &Spread::median, &Spread::p95, &Spread::p99, &Spread::p999}) {
+    EXPECT_GE(worst.range.*figure, pooled.*figure * (1 - kRounding));
+  }
   EXPECT_NEAR(worst.range.max, pooled.max, kRounding * pooled.max);
 }
 
@@ -337,10 +315,7 @@ TEST_F(CalibrateYard, TheChoiceMakesTheDatasetOfItsAssignment) {
   const Calibration c = calibrate(open, true);
   const Plan plan = settled(open, c.settings[c.chosen].setting.choice, c.record());
   EXPECT_FALSE(plan.pipeline.method.automatic);
-  GenerateOptions options;
-  options.folder = out("auto");
-  options.quiet = true;
-  generate(plan, options);
+  generate(plan, {.folder = out("auto"), .quiet = true});
   const Manifest manifest = readManifest(out("auto"));
   ASSERT_TRUE(manifest.chosen.has_value());
   EXPECT_EQ(manifest.chosen->setting, c.settings[c.chosen].setting.setting.name);
@@ -351,18 +326,11 @@ TEST_F(CalibrateYard, TheChoiceMakesTheDatasetOfItsAssignment) {
 
 // A recording leaves nothing to choose.
 TEST_F(CalibrateYard, RecordedHitsNeedNoChoice) {
-  GenerateOptions keeping;
-  keeping.folder = out("traced");
-  keeping.keepHits = out("hits");
-  keeping.quiet = true;
-  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()), keeping);
-  const auto recording = std::make_shared<const Recording>(readRecording(out("hits"), RecordingKind::Hits));
-  const Plan plan = makePlan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}, recording));
+  generate(makePlan(readPipeline(pipeline_, {}), recordedChannels()),
+           {.folder = out("traced"), .keepHits = out("hits"), .quiet = true});
+  const Plan plan = makePlan(readPipeline(pipeline_, {"method={auto: {min_rate: 1}}"}, recordingIn(out("hits"))));
   EXPECT_FALSE(plan.pipeline.method.automatic);
-  GenerateOptions options;
-  options.folder = out("again");
-  options.quiet = true;
-  generate(plan, options);
+  generate(plan, {.folder = out("again"), .quiet = true});
   EXPECT_EQ(shards("again"), shards("traced"));
 }
 

@@ -216,7 +216,7 @@ TEST(Exact, RandomBeamsStayInsideToo) {
   for (std::uint32_t shot = 0; shot < shots; ++shot) {
     const Pose pose{fromYawPitchRoll(0.31 * shot, 0.17 * shot, 0.05 * shot), {0.3 * shot, -0.2 * shot, 0.1 * shot}};
     const ExactHits hits = exactly(tracer, shotAt(beamsOf(randomDirections(50'000, shot)), pose), Channel::Range);
-    EXPECT_EQ(std::count(hits.range.begin(), hits.range.end(), INFINITY), 0) << shot;
+    EXPECT_EQ(std::ranges::count(hits.range, INFINITY), 0) << shot;
   }
 }
 
@@ -272,9 +272,8 @@ TEST(Exact, EmptySceneIsAllMisses) {
   const auto beams = spinning(3, 37, -20, 10);
   const ExactHits hits = exactly(scene, shotAt(beams, {{}, {5e5, 5e6, 3}}));
   ASSERT_EQ(hits.range.size(), beams->size());
-  EXPECT_EQ(std::count(hits.range.begin(), hits.range.end(), INFINITY), static_cast<std::ptrdiff_t>(beams->size()));
-  EXPECT_EQ(std::count(hits.hits.range.begin(), hits.hits.range.end(), kMiss),
-            static_cast<std::ptrdiff_t>(beams->size()));
+  EXPECT_EQ(std::ranges::count(hits.range, INFINITY), static_cast<std::ptrdiff_t>(beams->size()));
+  EXPECT_EQ(std::ranges::count(hits.hits.range, kMiss), static_cast<std::ptrdiff_t>(beams->size()));
 }
 
 TEST(Exact, OnlyAskedChannelsAreFilled) {
@@ -308,7 +307,7 @@ TEST(Exact, TiesAreAskedOfTheNearest) {
     for (const int place : order) distances.push_back(1 + step * place);
     const ExactHits hits = exactly(wallsAhead(distances), shotAt(beamsOf({{1, 0.01, 0.02}})));
     // Ids count from 1 in the order of placement: the winner is the earlier of walls 0 and 1.
-    const auto first = std::find_if(order.begin(), order.end(), [](int place) { return place < 2; });
+    const auto first = std::ranges::find_if(order, [](int place) { return place < 2; });
     EXPECT_EQ(hits.hits.instance[0], static_cast<std::uint32_t>(first - order.begin()) + 1);
     EXPECT_NEAR(hits.range[0], (1 + step * *first) * std::sqrt(1 + 1e-4 + 4e-4), 1e-12);
   }

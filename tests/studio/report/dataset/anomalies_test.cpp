@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <set>
 
 #include "evaluate/measure.h"
 #include "report/dataset/dataset_warnings.h"
@@ -173,7 +172,7 @@ TEST_F(AnomaliesInStreets, WarningsNameTheThingAndShowIt) {
   std::erase_if(cars, [](const ThingSummary& t) { return t.size->height > 1.6 || t.size->length > 5; });  // vans
   ASSERT_FALSE(cars.empty());
   const ThingSummary& car =
-      *std::max_element(cars.begin(), cars.end(), [](const auto& a, const auto& b) { return a.points < b.points; });
+      *std::ranges::max_element(cars, [](const auto& a, const auto& b) { return a.points < b.points; });
   const auto warningFor = [&](std::uint16_t wrong) {
     const DatasetSummary summary = mistaken(car, wrong);
     for (const DatasetWarning& w : warningsOf(summary, {}, "my data")) {

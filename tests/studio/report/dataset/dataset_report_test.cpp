@@ -35,6 +35,10 @@ std::vector<std::string> warningTexts(const DatasetReport& report) {
 class MadeDataset : public testing::Test {
  protected:
   std::filesystem::path at() const { return folder_.path() / "made"; }
+  DatasetReport made(const Manifest& manifest = madeManifest()) {
+    writeMadeDataset(at(), samples_, manifest);
+    return examined(at());
+  }
   std::vector<std::string> warningsFor(const std::vector<MadeSample>& samples, Manifest manifest = madeManifest()) {
     writeMadeDataset(at(), samples, std::move(manifest));
     return warningTexts(examined(at()));
@@ -63,8 +67,7 @@ const ClassSummary& classNamed(const DatasetReport& report, const std::string& n
 }
 
 TEST_F(MadeDataset, FiguresAreThoseOfTheScans) {
-  writeMadeDataset(at(), samples_);
-  const DatasetReport report = examined(at());
+  const DatasetReport report = made();
   const DatasetSummary& s = report.summary;
   EXPECT_EQ(s.samples, 6u);
   EXPECT_EQ(s.points, 150u);
@@ -95,8 +98,7 @@ TEST_F(MadeDataset, FiguresAreThoseOfTheScans) {
 
 // Of ranges, classes and sensors alike: every point is in one place.
 TEST_F(MadeDataset, HistogramsHoldEveryPoint) {
-  writeMadeDataset(at(), samples_);
-  const DatasetReport report = examined(at());
+  const DatasetReport report = made();
   std::uint64_t byClass = 0, bySensor = 0, intensities = 0;
   for (const ClassSummary& c : report.summary.classes) {
     for (const std::uint64_t n : c.ranges) byClass += n;
@@ -131,9 +133,9 @@ TEST_F(MadeDataset, WarnsOfAnIdOfWhatHasNone) {
   for (MadeSample& s : samples_) {
     if (s.split == "train") s.points.push_back({{9, 2, -1}, 7, 5, 1});
   }
-  const std::vector<std::string> warnings = warningsFor(samples_);
-  EXPECT_THAT(warnings, testing::ElementsAre("road: instance 5 of street-s1-lane (4 scans, 4 points) has an instance "
-                                             "id, which no other road has: is it an object with the wrong class?"));
+  EXPECT_THAT(warningsFor(samples_),
+              testing::ElementsAre("road: instance 5 of street-s1-lane (4 scans, 4 points) has an instance "
+                                   "id, which no other road has: is it an object with the wrong class?"));
   const DatasetReport report = examined(at());
   EXPECT_THAT(report.warnings[0].command,
               HasSubstr("scanmill view " + at().string() + " --sample street-s1-lane-0000"));
@@ -153,8 +155,7 @@ TEST_F(MadeDataset, ThingsThatAreFoundForOneReasonAreOneWarning) {
 }
 
 TEST_F(MadeDataset, TheTitleTellsTheFolder) {
-  writeMadeDataset(at(), samples_);
-  EXPECT_TRUE(has(datasetPage(examined(at())), "<h1>Dataset small (made)</h1>"));
+  EXPECT_TRUE(has(datasetPage(made()), "<h1>Dataset small (made)</h1>"));
   EXPECT_TRUE(has(datasetPage(examined(at() / ".." / "made" / "")), "<h1>Dataset small (made)</h1>"));
   std::filesystem::rename(at(), folder_.path() / "small");
   EXPECT_TRUE(has(datasetPage(examined(folder_.path() / "small")), "<h1>Dataset small</h1>"));
@@ -163,16 +164,14 @@ TEST_F(MadeDataset, TheTitleTellsTheFolder) {
 TEST_F(MadeDataset, WhatWasModelledOfManyScenesIsOneLine) {
   Manifest manifest = madeManifest();
   manifest.modelled = {"geometry: exact", "instancing: 277 objects", "instancing: 94 objects"};
-  writeMadeDataset(at(), samples_, manifest);
-  const std::string page = datasetPage(examined(at()));
+  const std::string page = datasetPage(made(manifest));
   EXPECT_TRUE(has(page, "<li>instancing: 94 to 277 objects (2 times)</li>"));
   EXPECT_TRUE(has(page, "<li>geometry: exact</li>"));
   EXPECT_TRUE(has(page, "<li>street, seed 1: instancing: 277 objects</li>"));
   EXPECT_TRUE(has(page, "<li>street, seed 2: instancing: 94 objects</li>"));
   std::filesystem::remove_all(at());
   manifest.modelled.push_back("instancing: 300 objects");  // of nobody knows which
-  writeMadeDataset(at(), samples_, manifest);
-  EXPECT_FALSE(has(datasetPage(examined(at())), "street, seed"));
+  EXPECT_FALSE(has(datasetPage(made(manifest)), "street, seed"));
 }
 
 // What is to be done follows from what the dataset lacks.
@@ -201,7 +200,7 @@ TEST_F(MadeDataset, SaysWhatToDoNext) {
 }
 
 TEST_F(MadeDataset, ScansAreInTheOrderOfTheirKeys) {
-  std::reverse(samples_.begin(), samples_.end());
+  std::ranges::reverse(samples_);
   writeMadeDataset(at(), samples_);
   const DatasetReport report = examined(at(), 6);
   ASSERT_EQ(report.pictured.size(), 6u);
@@ -210,9 +209,8 @@ TEST_F(MadeDataset, ScansAreInTheOrderOfTheirKeys) {
 
 // Shares of classes add up to 1 but for rounding: no axis goes on to 120 %.
 TEST_F(MadeDataset, SharesEndAtAHundredPerCent) {
-  writeMadeDataset(at(), samples_);
+  DatasetSummary summary = made().summary;
   for (std::uint64_t whole : {3, 7, 9, 49, 1234567}) {
-    DatasetSummary summary = examined(at()).summary;
     for (ClassSummary& c : summary.classes) c.ranges.assign(summary.steps.count, c.id == 7 ? whole : whole / 2);
     for (SensorSummary& s : summary.sensors) s.ranges.assign(summary.steps.count, whole + 2 * (whole / 2));
     for (const Chart& chart : datasetCharts(madeManifest(), summary)) {

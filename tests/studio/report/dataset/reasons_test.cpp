@@ -27,9 +27,7 @@ TEST_F(ReasonsReport, HasATableAndAnImage) {
 
 // What comes from nothing has no class, and is no mistake of the scene's rules.
 TEST_F(ReasonsReport, WhatComesFromNothingIsNoWarning) {
-  const std::string sensor =
-      "sensors=[{name: top, columns: 64, rate_hz: 10, elevation_deg: {top: 5, bottom: -25, rings: 8}, range_m: [0.5, "
-      "100], mount: {position: [0, 0, 1.8]}, divergence_mrad: 3, pulse_ns: 5}]";
+  const std::string sensor = "sensors=[" + std::string(kTop).insert(1, "divergence_mrad: 3, pulse_ns: 5, ") + "]";
   const std::string snow = "effects=[intensity, weather: {kind: snow, severity: heavy}]";
   const DatasetReportOptions options{.samples = 0, .quiet = true};
   for (const bool told : {true, false}) {

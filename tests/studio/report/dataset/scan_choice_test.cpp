@@ -33,7 +33,7 @@ TEST(ScanChoice, AllScansOrAnEvenSpread) {
   for (const std::size_t most : {1u, 7u, 10u, 99u}) {
     const std::vector<ScanPlace> spread = spreadScans(manifest, most);
     ASSERT_EQ(spread.size(), most);
-    EXPECT_TRUE(std::is_sorted(spread.begin(), spread.end()));
+    EXPECT_TRUE(std::ranges::is_sorted(spread));
     EXPECT_EQ(std::set<ScanPlace>(spread.begin(), spread.end()).size(), most);
     const double step = 100.0 / double(most);
     for (std::size_t k = 0; k < most; ++k) {
@@ -65,8 +65,8 @@ TEST(ScanChoice, TheSeedChooses) {
       if (p.sample < 300) ++hits[p.sample];
     }
   }
-  EXPECT_LT(*std::max_element(hits.begin(), hits.end()), 20);  // a mean of 4; of Poisson's law below 1e-8
-  EXPECT_LT(std::count(hits.begin(), hits.end(), 0), 25);      // 5.5 are expected
+  EXPECT_LT(*std::ranges::max_element(hits), 20);  // a mean of 4; of Poisson's law below 1e-8
+  EXPECT_LT(std::ranges::count(hits, 0), 25);      // 5.5 are expected
 }
 
 TEST(ScanChoice, EmptyScansAndBadShardsArePassedOver) {

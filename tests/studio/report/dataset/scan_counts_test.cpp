@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 
 #include "sense/echoes.h"
 #include "tests/studio/report/dataset/made_dataset.h"

@@ -24,7 +24,7 @@ Scan groundScan(std::size_t count) {
 }
 
 std::size_t countBetween(const Scan& scan, const std::vector<std::size_t>& points, double from, double to) {
-  return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](std::size_t i) {
+  return static_cast<std::size_t>(std::ranges::count_if(points, [&](std::size_t i) {
     const double away = length(Vec3d(scan.position[i]));
     return away >= from && away < to;
   }));
@@ -50,7 +50,7 @@ TEST(ScanThinning, FarPointsStayAndNearOnesAreThinnedByTheSquare) {
   const std::vector<std::size_t> kept = pointsToView(scan, 15'000), all = everyPoint(scan);
   EXPECT_NEAR(double(kept.size()), 15'000, 1);
   EXPECT_LE(kept.size(), 15'000u);
-  EXPECT_TRUE(std::is_sorted(kept.begin(), kept.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(kept));
   EXPECT_EQ(std::set<std::size_t>(kept.begin(), kept.end()).size(), kept.size());
   EXPECT_EQ(countBetween(scan, kept, 40, 100), countBetween(scan, all, 40, 100));
   const auto share = [&](double from, double to) {

@@ -1,11 +1,11 @@
 #include "report/dataset/scan_view.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/base64.h"
 #include "base/file.h"
 #include "report/dataset/dataset_report.h"
 #include "tests/studio/report/dataset/made_dataset.h"
@@ -17,19 +17,13 @@ namespace {
 using Json = nlohmann::json;
 
 std::vector<std::uint32_t> numbersIn(const Json& column) {
-  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<std::uint8_t> bytes;
-  std::uint32_t bits = 0;
-  int count = 0;
-  for (const char c : column.at("data").get<std::string>()) {
-    if (c == '=') break;
-    bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c));
-    if ((count += 6) >= 8) bytes.push_back(static_cast<std::uint8_t>(bits >> (count -= 8)));
-  }
+  const std::string bytes = fromBase64(column.at("data").get<std::string>()).value();
   const std::string type = column.at("type");
   const std::size_t size = type == "u8" ? 1 : type == "u16" ? 2 : 4;
   std::vector<std::uint32_t> numbers(bytes.size() / size, 0);
-  for (std::size_t i = 0; i < bytes.size(); ++i) numbers[i / size] |= std::uint32_t{bytes[i]} << (8 * (i % size));
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    numbers[i / size] |= std::uint32_t{static_cast<std::uint8_t>(bytes[i])} << (8 * (i % size));
+  }
   return numbers;
 }
 
@@ -120,7 +114,7 @@ TEST(ScanView, NamesCannotEndTheData) {
 class InBrowser : public testing::Test {
  protected:
   void SetUp() override {
-    if (findProgram("chromium").empty()) GTEST_SKIP() << "Chromium is not installed";
+    if (!hasBrowser()) GTEST_SKIP() << "Chromium is not installed";
     writeMadeDataset(folder_.path() / "made", soundSamples());
     report_ = examineDataset(folder_.path() / "made", {.samples = 2, .quiet = true});
     page_ = datasetPage(report_);

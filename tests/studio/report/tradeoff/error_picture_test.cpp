@@ -1,6 +1,5 @@
 #include "report/tradeoff/error_picture.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,10 +26,10 @@ TrueShot cylinder() {
   truth.shot.sample = "yard-s1-drive-000002";
   Hits& hits = truth.truth.hits;
   hits.reset(32, 180, kErrorChannels);
-  std::fill(hits.range.begin(), hits.range.end(), 10.0f);
-  std::fill(hits.instance.begin(), hits.instance.end(), 3u);
-  std::fill(hits.semantic.begin(), hits.semantic.end(), std::uint16_t{2});
-  std::fill(hits.incidence.begin(), hits.incidence.end(), 0.0f);
+  std::ranges::fill(hits.range, 10.0f);
+  std::ranges::fill(hits.instance, 3u);
+  std::ranges::fill(hits.semantic, std::uint16_t{2});
+  std::ranges::fill(hits.incidence, 0.0f);
   truth.truth.range.assign(hits.size(), 10.0);
   return truth;
 }
@@ -65,18 +64,18 @@ TEST(ErrorPicture, EveryKindOfErrorHasItsColor) {
   Drawn exact = drawn(truth, real);
 
   Hits unhit = real;
-  std::fill(unhit.range.begin(), unhit.range.end(), kMiss);
+  std::ranges::fill(unhit.range, kMiss);
   Hits relabelled = real;
-  std::fill(relabelled.semantic.begin(), relabelled.semantic.end(), std::uint16_t{1});
+  std::ranges::fill(relabelled.semantic, std::uint16_t{1});
   Hits othered = real;
-  std::fill(othered.instance.begin(), othered.instance.end(), 4u);
+  std::ranges::fill(othered.instance, 4u);
   Hits off = real;
   for (float& range : off.range) range += 2;  // more than the scale holds
   Hits slightly = real;
   for (float& range : slightly.range) range += 0.03162f;  // 10^-1.5 m: in the middle of the scale
   TrueShot nothing = truth;
-  std::fill(nothing.truth.hits.range.begin(), nothing.truth.hits.range.end(), kMiss);
-  std::fill(nothing.truth.range.begin(), nothing.truth.range.end(), std::numeric_limits<double>::infinity());
+  std::ranges::fill(nothing.truth.hits.range, kMiss);
+  std::ranges::fill(nothing.truth.range, std::numeric_limits<double>::infinity());
 
   const auto filled = [&](Drawn picture, const Rgb& color) {
     return static_cast<double>(picture.pixels[color]) - static_cast<double>(exact.pixels[color]);
@@ -94,8 +93,8 @@ TEST(ErrorPicture, EveryKindOfErrorHasItsColor) {
 
 TEST(ErrorPicture, ScansWithoutAnyHitAreDrawnToo) {
   TrueShot nothing = cylinder();
-  std::fill(nothing.truth.hits.range.begin(), nothing.truth.hits.range.end(), kMiss);
-  std::fill(nothing.truth.range.begin(), nothing.truth.range.end(), std::numeric_limits<double>::infinity());
+  std::ranges::fill(nothing.truth.hits.range, kMiss);
+  std::ranges::fill(nothing.truth.range, std::numeric_limits<double>::infinity());
   EXPECT_EQ(drawn(nothing, nothing.truth.hits).width, 1200u);
 }
 

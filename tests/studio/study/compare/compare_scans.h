@@ -10,6 +10,7 @@
 
 #include "scan/scan.h"
 #include "scene/ontology.h"
+#include "study/compare/compare.h"
 
 namespace scanmill {
 
@@ -98,6 +99,10 @@ inline Ontology testClasses() {
                       {2, "wall", {}, false, {}, {}},
                       {3, "post", {}, false, {}, {}}};
   return ontology;
+}
+
+inline ScanSet setOf(const Flaws& flaws, unsigned firstSeed, bool labelled = true) {
+  return measureScans("set", flawedScans(flaws, firstSeed), labelled ? std::optional(testClasses()) : std::nullopt, {});
 }
 
 }  // namespace scanmill

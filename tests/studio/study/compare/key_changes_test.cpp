@@ -17,10 +17,7 @@ std::vector<Value> items(const std::string& list) {
 }
 
 SetComparison compared(const Flaws& real, const Flaws& simulated) {
-  const auto set = [](const Flaws& flaws, unsigned seed) {
-    return measureScans("set", flawedScans(flaws, seed, 2), testClasses(), {});
-  };
-  return compareSets(set(real, 1), set(simulated, 11));
+  return compareSets(setOf(real, 1), setOf(simulated, 11));
 }
 
 const std::string kOwn =
@@ -34,7 +31,7 @@ TEST(CompareAdvice, LeadsToTheValueThatMadeTheOtherSet) {
   const std::vector<KeyChange> advice = adviceFor(compared(real, simulated), items(kOwn));
   for (const auto& [key, right] : std::map<std::string_view, double>{
            {"sigma_m", 0.005}, {"range_sigma_m", 0.02}, {"gain_sigma", 0.075}, {"looks", 30.0 / 16}}) {
-    const auto found = std::find_if(advice.begin(), advice.end(), [&](const KeyChange& a) { return a.key == key; });
+    const auto found = std::ranges::find_if(advice, [&](const KeyChange& a) { return a.key == key; });
     ASSERT_NE(found, advice.end()) << key;
     EXPECT_LT(std::fabs(std::log(found->next / right)), std::fabs(std::log(found->now / right)) / 2) << key;
   }

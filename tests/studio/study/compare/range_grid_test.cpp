@@ -41,7 +41,7 @@ TEST(RangeGrid, RingsFromBelowAndStaggeredColumnsChangeNothing) {
   }
   const RangeGrid grid = rangeGrid(scan), same = rangeGrid(other);
   const std::vector<std::uint32_t> first = rowOf(grid, 0), shifted = rowOf(same, 0);
-  const auto shift = static_cast<std::size_t>(std::find(shifted.begin(), shifted.end(), first[0]) - shifted.begin());
+  const auto shift = static_cast<std::size_t>(std::ranges::find(shifted, first[0]) - shifted.begin());
   ASSERT_LT(shift, shifted.size());
   for (std::uint32_t r = 0; r < kTestRings; ++r) {
     const std::vector<std::uint32_t> own = rowOf(grid, r), others = rowOf(same, r);
@@ -123,7 +123,7 @@ TEST(RangeGrid, TheStaggerOfARealSensorIsTakenOut) {
       apart.push_back(std::fabs(std::remainder(std::atan2(p.y, p.x) - std::atan2(q.y, q.x), 2 * M_PI)));
     }
   }
-  std::sort(apart.begin(), apart.end());
+  std::ranges::sort(apart);
   EXPECT_LT(apart[apart.size() * 9 / 10], 2 * kPi / 1024);
 }
 

@@ -2,6 +2,9 @@
 
 // Scans whose noise is known, as recordings.
 
+#include <gtest/gtest.h>
+
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,5 +36,17 @@ struct FittedWalls {
   std::string effects = effectsYaml(fit, "today");
   std::vector<ResidualComparison> comparison = compareNoise(*beams, scans, patches, fit, effects);
 };
+
+// Both have the same beams with the same ranges (m).
+inline void expectSameRanges(const RecordedScan& found, const RecordedScan& expected, double within) {
+  EXPECT_EQ(found.returns, expected.returns);
+  ASSERT_EQ(found.range.size(), expected.range.size());
+  for (std::size_t beam = 0; beam < found.range.size(); ++beam) {
+    ASSERT_EQ(std::isnan(found.range[beam]), std::isnan(expected.range[beam])) << beam;
+    if (!std::isnan(expected.range[beam])) {
+      ASSERT_NEAR(found.range[beam], expected.range[beam], within) << beam;
+    }
+  }
+}
 
 }  // namespace scanmill

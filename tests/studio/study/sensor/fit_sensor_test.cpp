@@ -1,6 +1,5 @@
 #include "study/sensor/fit_sensor.h"
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -9,13 +9,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-Study studyOf(const std::vector<ExampleSetting>& settings) {
-  Study study = exampleStudy();
-  study.settings.clear();
-  for (const ExampleSetting& s : settings) study.settings.push_back(exampleResult(s));
-  return study;
-}
-
 // The advice whose need holds these words.
 Advice adviceFor(const Study& study, const std::string& need) {
   for (const Advice& a : advise(study)) {
@@ -50,12 +43,10 @@ TEST(Advice, SaysWhatThePipelineRefuses) {
 }
 
 TEST(Advice, WithinTheNoiseOfTimeDefaultsAreTaken) {
-  EXPECT_EQ(
-      adviceFor(studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"ray_tracing", "bvh=low", 9.8, 0, 1, 0}}), "every").setting,
-      "ray_tracing");
-  EXPECT_EQ(
-      adviceFor(studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"ray_tracing", "bvh=low", 9.0, 0, 1, 0}}), "every").setting,
-      "ray_tracing bvh=low");
+  for (const auto& [milliseconds, taken] : {std::pair(9.8, "ray_tracing"), {9.0, "ray_tracing bvh=low"}}) {
+    const Study study = studyOf({{"ray_tracing", "", 10, 0, 1, 0}, {"ray_tracing", "bvh=low", milliseconds, 0, 1, 0}});
+    EXPECT_EQ(adviceFor(study, "every").setting, taken);
+  }
 }
 
 // The fastest is within the noise of the exact one's time: nothing is to be had for its error.
@@ -102,17 +93,14 @@ TEST(Advice, HeadingsReadAsSentences) {
   EXPECT_EQ(advice[0].need, "For exact ranges and labels, and for centimetres");
   EXPECT_EQ(advice[1].need, "For a decimetre for 95 % of the beams, and for speed at any price");
   EXPECT_EQ(advice[2].need, "Whether to take particle");
-  for (const Advice& a : advice) {
-    EXPECT_THAT(a.text, Not(HasSubstr("  ")));
-    EXPECT_THAT(a.text, Not(HasSubstr("invented")));
-  }
+  for (const Advice& a : advice) EXPECT_THAT(a.text, Not(HasSubstr("  ")));
 }
 
 TEST(Advice, OneWinnerOfAllNeedsIsSaidOnce) {
-  const Study study = studyOf({{"ray_tracing", "", 5, 0, 1, 0},
-                               {"depth_camera", "", 10.5, 0.04, 0.98, 1e-3},
-                               {"depth_camera", "resolution=512", 8, 0.2, 0.95, 2e-3},
-                               {"particle", "", 20, 0, 1, 0}});
+  Study study = studyOf({{"ray_tracing", "", 5, 0, 1, 0},
+                         {"depth_camera", "", 10.5, 0.04, 0.98, 1e-3},
+                         {"depth_camera", "resolution=512", 8, 0.2, 0.95, 2e-3},
+                         {"particle", "", 20, 0, 1, 0}});
   const std::vector<Advice> advice = advise(study);
   ASSERT_EQ(advice.size(), 3u);
   EXPECT_EQ(advice[0].need, "For every need");
@@ -125,12 +113,8 @@ TEST(Advice, OneWinnerOfAllNeedsIsSaidOnce) {
   EXPECT_THAT(advice[1].text, HasSubstr(". OpenGL ran on"));
   EXPECT_THAT(advice[2].text, HasSubstr("particle is 4.0 x slower than ray tracing with defaults and no more exact"));
   for (const Advice& a : {advice[1], advice[2]}) EXPECT_EQ(a.setting, "");
-}
-
-TEST(Advice, AGraphicsCardNeedsNoRemark) {
-  Study study = studyOf({{"ray_tracing", "", 5, 0, 1, 0}, {"depth_camera", "", 10, 0.04, 0.98, 1e-3}});
   study.machine.renderer = "NVIDIA H200/PCIe/SSE2";
-  EXPECT_THAT(adviceFor(study, "depth_camera").text, Not(HasSubstr("graphics card")));
+  EXPECT_THAT(adviceFor(study, "depth_camera").text, Not(HasSubstr("OpenGL ran on"))) << "a card needs no remark";
 }
 
 TEST(Advice, DominatedSettingsAreCalledSo) {
@@ -168,21 +152,16 @@ TEST(Advice, AMethodThatIsUndominatedIsNotCondemned) {
 
 TEST(Advice, EmptyFailedAndSingleStudies) {
   EXPECT_TRUE(advise(Study{}).empty());
-  Study failed = studyOf({{"ray_tracing", "", 5, 0, 1, 0}});
-  failed.settings[0].failure = "it could not run";
+  Study failed = studyOf({{"depth_camera", "renderer=blender", 1, 0, 1, 0}, {"ray_tracing", "", 5, 0, 1, 0}});
+  failed.settings[0].failure = "no Blender";
   failed.settings[0].measured = {};
+  EXPECT_EQ(adviceFor(failed, "every need").setting, "ray_tracing") << "failures do not shift the others";
+  failed.settings.pop_back();
   EXPECT_TRUE(advise(failed).empty());
   const std::vector<Advice> one = advise(studyOf({{"ray_tracing", "", 5, 0, 1, 0}}));
   ASSERT_EQ(one.size(), 1u);
   EXPECT_THAT(one[0].text, HasSubstr("Only this setting was measured"));
   EXPECT_EQ(one[0].setting, "ray_tracing");
-}
-
-TEST(Advice, FailuresDoNotShiftTheOthers) {
-  Study study = studyOf({{"depth_camera", "renderer=blender", 1, 0, 1, 0}, {"ray_tracing", "", 5, 0, 1, 0}});
-  study.settings[0].failure = "no Blender";
-  study.settings[0].measured = {};
-  EXPECT_EQ(adviceFor(study, "every need").setting, "ray_tracing");
 }
 
 TEST(Advice, WithoutRayTracingNothingIsComparedWithIt) {

@@ -30,19 +30,16 @@ inline Spread exampleSpread(std::size_t count, double p99) {
 inline GroupErrors exampleErrors(std::uint64_t beams, double p99, double labels, double missed) {
   GroupErrors e;
   e.beams = beams;
-  const auto part = [&](double share) {
-    return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(beams)));
+  const auto part = [](double share, std::uint64_t whole) {
+    return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(whole)));
   };
-  e.falseNegatives = part(missed * 0.4);
-  e.falsePositives = part(missed * 0.6);
-  e.bothMiss = part(0.1);
+  e.falseNegatives = part(missed * 0.4, beams);
+  e.falsePositives = part(missed * 0.6, beams);
+  e.bothMiss = part(0.1, beams);
   e.bothHit = beams - e.bothMiss - e.falseNegatives - e.falsePositives;
-  const auto agreed = [&](double share) {
-    return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(e.bothHit)));
-  };
-  e.sameLabel = agreed(labels);
-  e.sameClass = agreed(1 - (1 - labels) * 0.7);
-  e.sameInstance = agreed(1 - (1 - labels) * 0.8);
+  e.sameLabel = part(labels, e.bothHit);
+  e.sameClass = part(1 - (1 - labels) * 0.7, e.bothHit);
+  e.sameInstance = part(1 - (1 - labels) * 0.8, e.bothHit);
   e.range = exampleSpread(e.bothHit, p99);
   e.intensity = exampleSpread(e.bothHit, p99 / 10);
   e.nearestTo = exampleSpread(e.bothHit + e.falseNegatives, p99 / 3);
@@ -178,6 +175,14 @@ inline Study exampleStudy() {
                  exampleRings("particle", 3e-3, 2.6e-4)};
   study.showing = exampleRings("", 0.04, 3e-5);
   study.left = {"depth_camera resolution=4096: the budget of 5 min was used up"};
+  return study;
+}
+
+// That study with other settings.
+inline Study studyOf(const std::vector<ExampleSetting>& settings) {
+  Study study = exampleStudy();
+  study.settings.clear();
+  for (const ExampleSetting& s : settings) study.settings.push_back(exampleResult(s));
   return study;
 }
 

@@ -14,11 +14,11 @@ const std::string kWide =
 
 class SensingStudyTest : public Yard {
  protected:
-  std::vector<SensingResult> measured(const std::string& effects) const {
+  std::vector<SensingResult> measured(const std::string& effects, const std::function<bool()>& stop = {}) const {
     const Plan plan = makePlan(readPipeline(pipeline_, {kWide, "effects=" + effects}));
     ShotSource source(plan);
     const Scene scene = source.load(0);
-    return measureSensing(plan, scene, source.frame(0, 1).shots, {}, {});
+    return measureSensing(plan, scene, source.frame(0, 1).shots, {}, stop);
   }
 
   static const SensingResult& named(const std::vector<SensingResult>& results, const std::string& name) {
@@ -85,10 +85,7 @@ TEST_F(SensingStudyTest, KnowsTheSensorsOwnEffects) {
 }
 
 TEST_F(SensingStudyTest, IsStopped) {
-  const Plan plan = makePlan(readPipeline(pipeline_, {kWide, "effects=[intensity, footprint: {rays: 7}]"}));
-  ShotSource source(plan);
-  const Scene scene = source.load(0);
-  EXPECT_THROW(measureSensing(plan, scene, source.frame(0, 0).shots, {}, [] { return true; }), Error);
+  EXPECT_THROW(measured("[intensity, footprint: {rays: 7}]", [] { return true; }), Error);
 }
 
 }  // namespace

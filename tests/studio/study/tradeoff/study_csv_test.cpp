@@ -45,7 +45,7 @@ std::vector<std::vector<std::string>> parseCsv(const std::string& text) {
 
 // A row by the names of the columns.
 std::string at(const std::vector<std::vector<std::string>>& rows, std::size_t row, const std::string& column) {
-  const auto found = std::find(rows[0].begin(), rows[0].end(), column);
+  const auto found = std::ranges::find(rows[0], column);
   EXPECT_NE(found, rows[0].end()) << column;
   return rows[row].at(static_cast<std::size_t>(found - rows[0].begin()));
 }
@@ -71,8 +71,8 @@ TEST(StudyCsv, EveryRowHasTheSameCells) {
   for (std::size_t r = 0; r < rows.size(); ++r) EXPECT_EQ(rows[r].size(), rows[0].size()) << r;
   EXPECT_EQ(rows[0].back(), "failure");
   auto names = rows[0];
-  std::sort(names.begin(), names.end());
-  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end()) << "no column stands twice";
+  std::ranges::sort(names);
+  EXPECT_EQ(std::ranges::adjacent_find(names), names.end()) << "no column stands twice";
   std::size_t failures = 0;
   for (std::size_t r = 1; r < rows.size(); ++r) {
     if (rows[r].back().empty()) continue;
@@ -103,28 +103,29 @@ TEST(StudyCsv, HoldsTheFiguresOfTheStudy) {
       EXPECT_EQ(at(rows, row, "false_negatives"), std::to_string(e.falseNegatives));
       EXPECT_EQ(at(rows, row, "false_positives"), std::to_string(e.falsePositives));
       EXPECT_EQ(at(rows, row, "unresolved"), std::to_string(e.unresolved));
-      const auto near = [&](const std::string& column, double value) {
+      const double seconds = s.measured.cost.scanSeconds;
+      const CloudErrors& cloud = s.measured.cloud;
+      for (const auto& [column, value] : {std::pair("scan_s", seconds),
+                                          {"beams_per_s", static_cast<double>(study.beamsPerShot) / seconds},
+                                          {"class_agreed", e.classAgreed()},
+                                          {"instance_agreed", e.instanceAgreed()},
+                                          {"labels", e.labels()},
+                                          {"range_mean_m", e.range.mean},
+                                          {"range_rms_m", e.range.rms},
+                                          {"range_median_m", e.range.median},
+                                          {"range_p95_m", e.range.p95},
+                                          {"range_p99_m", e.range.p99},
+                                          {"range_p999_m", e.range.p999},
+                                          {"range_max_m", e.range.max},
+                                          {"intensity_mean_error", e.intensity.mean},
+                                          {"group_nearest_to_mean_m", e.nearestTo.mean},
+                                          {"group_nearest_from_mean_m", e.nearestFrom.mean},
+                                          {"group_hausdorff_m", e.hausdorff()},
+                                          {"nearest_to_mean_m", cloud.to.mean},
+                                          {"nearest_from_mean_m", cloud.from.mean},
+                                          {"hausdorff_m", cloud.hausdorff}}) {
         EXPECT_NEAR(std::stod(at(rows, row, column)), value, 1e-8 * std::abs(value)) << column;
-      };
-      near("scan_s", s.measured.cost.scanSeconds);
-      near("beams_per_s", static_cast<double>(study.beamsPerShot) / s.measured.cost.scanSeconds);
-      near("class_agreed", e.classAgreed());
-      near("instance_agreed", e.instanceAgreed());
-      near("labels", e.labels());
-      near("range_mean_m", e.range.mean);
-      near("range_rms_m", e.range.rms);
-      near("range_median_m", e.range.median);
-      near("range_p95_m", e.range.p95);
-      near("range_p99_m", e.range.p99);
-      near("range_p999_m", e.range.p999);
-      near("range_max_m", e.range.max);
-      near("intensity_mean_error", e.intensity.mean);
-      near("group_nearest_to_mean_m", e.nearestTo.mean);
-      near("group_nearest_from_mean_m", e.nearestFrom.mean);
-      near("group_hausdorff_m", e.hausdorff());
-      near("nearest_to_mean_m", s.measured.cloud.to.mean);
-      near("nearest_from_mean_m", s.measured.cloud.from.mean);
-      near("hausdorff_m", s.measured.cloud.hausdorff);
+      }
     };
     if (!s.failure.empty()) {
       ++row;
@@ -150,7 +151,7 @@ TEST(StudyCsv, StagesStandInOneCell) {
   study.settings[1].measured.errors.all.nearestTo = {};
   study.settings[1].measured.errors.all.nearestFrom = {};
   const auto rows = parseCsv(toCsv(study));
-  const auto first = std::find_if(rows.begin(), rows.end(), [](const auto& row) { return row[0] == "depth_camera"; });
+  const auto first = std::ranges::find_if(rows, [](const auto& row) { return row[0] == "depth_camera"; });
   const auto row = static_cast<std::size_t>(first - rows.begin());
   EXPECT_EQ(at(rows, 1, "stages_s"), "") << "ray tracing keeps no account";
   EXPECT_EQ(at(rows, row, "stages_s"), "read_back=0.0027;render=0.0063");

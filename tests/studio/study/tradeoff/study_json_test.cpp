@@ -75,11 +75,6 @@ TEST(StudyJson, ComesBackToTheByte) {
 TEST(StudyJson, HoldsWhatTheReportIsMadeOf) {
   const Study study = wholeStudy();
   const Study read = parseStudy(toJson(study), "t.json");
-  EXPECT_EQ(read.programVersion, study.programVersion);
-  EXPECT_EQ(read.pipelineText, study.pipelineText);
-  EXPECT_EQ(read.machine.renderer, study.machine.renderer);
-  EXPECT_EQ(read.commonStages, study.commonStages);
-  EXPECT_EQ(read.left, study.left);
   ASSERT_EQ(read.settings.size(), study.settings.size());
   EXPECT_EQ(read.settings[1].failure, study.settings[1].failure);
   const Measurement& m = read.settings[0].measured;
@@ -173,7 +168,7 @@ TEST(StudyJson, SaysWhereATruncatedFileEnds) {
   const std::string text = toJson(wholeStudy());
   for (std::size_t i = 0; i < 50; ++i) {
     const std::string cut = text.substr(0, i * (text.size() - 2) / 50);
-    const auto lines = std::count(cut.begin(), cut.end(), '\n');
+    const auto lines = std::ranges::count(cut, '\n');
     const std::string message = messageOf<InputError>([&] { parseStudy(cut, "t.json"); });
     EXPECT_THAT(message, HasSubstr("is not complete JSON")) << cut.size();
     EXPECT_THAT(message, HasSubstr("t.json:" + std::to_string(lines + 1) + ":")) << cut.size();

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "sense/gather.h"
 #include "tests/core/dataset/fixture.h"
+#include "tests/core/sense/several_returns.h"
 
 namespace scanmill {
 
@@ -52,9 +54,9 @@ TEST(ReferenceErrors, AnyOrderAndLayoutGivesTheSame) {
   const Scan scan = noisy(clean);
   const std::vector<float> expected = joined(scan, clean);
   Scan turned = clean;
-  std::reverse(turned.position.begin(), turned.position.end());
-  std::reverse(turned[kRing].begin(), turned[kRing].end());
-  std::reverse(turned[kColumn].begin(), turned[kColumn].end());
+  std::ranges::reverse(turned.position);
+  std::ranges::reverse(turned[kRing]);
+  std::ranges::reverse(turned[kColumn]);
   EXPECT_EQ(joined(scan, turned), expected);
   Scan image = organised(clean);
   image[kRing].clear();
@@ -65,7 +67,7 @@ TEST(ReferenceErrors, AnyOrderAndLayoutGivesTheSame) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     EXPECT_EQ(ofImage[std::size_t{scan[kRing][i]} * scan.columns + scan[kColumn][i]], expected[i]);
   }
-  EXPECT_EQ(std::count_if(ofImage.begin(), ofImage.end(), [](float e) { return std::isnan(e); }),
+  EXPECT_EQ(std::ranges::count_if(ofImage, [](float e) { return std::isnan(e); }),
             static_cast<std::ptrdiff_t>(image.size() - scan.size()));
 }
 
@@ -126,6 +128,61 @@ TEST(RangeErrors, NeedTheColumn) {
   EXPECT_TRUE(std::isnan(rangeErrors(scan, &beams)[0]));
   scan[kRangeTrue].clear();
   EXPECT_TRUE(rangeErrors(scan, &beams).empty());
+}
+
+// Two surfaces that are nearer to each other than the noise is large: the numbers tell them apart, as long as none is
+// missing.
+TEST(ReturnErrorsOfOneBeam, NumbersDecideWhereNoneIsMissing) {
+  Scan clean;
+  clean.rings = clean.columns = 1;
+  clean.position = {{10, 0, 0}, {11, 0, 0}};
+  clean[kRing] = clean[kColumn] = {0, 0};
+  clean[kReturn] = {1, 2};
+  Scan noisy = clean;
+  noisy.position = {{10.75f, 0, 0}, {11.5f, 0, 0}};
+  EXPECT_EQ(joined(noisy, clean), (std::vector<float>{0.75f, 0.5f}));
+  noisy.position.pop_back();
+  for (auto* column : {&noisy[kRing], &noisy[kColumn]}) column->pop_back();
+  noisy[kReturn].pop_back();
+  EXPECT_EQ(joined(noisy, clean), std::vector<float>{0.25f}) << "which one was lost is not known: the nearest";
+}
+
+// Damage: all points are of one beam. It must not take time that grows with their square.
+TEST(ReturnErrorsOfOneBeam, AreSoonThereForMillionsOfPoints) {
+  Scan scan;
+  scan.rings = scan.columns = 1;
+  scan.position.assign(1'000'000, {10, 0, 0});
+  scan[kRing].assign(scan.size(), 0);
+  scan[kColumn].assign(scan.size(), 0);
+  for (const float error : joined(scan, scan)) ASSERT_EQ(error, 0);
+}
+
+// They move the numbers of the surface's returns, and have no partner themselves.
+TEST(ReturnErrorsOfOneBeam, FalsePositivesHaveNone) {
+  const World world = makeSeveralReturns(4, 9);
+  const Scan clean = senseOnce(world, {}, ScanLayout{ColumnSet::all(), false});
+  Returns returns;
+  returns.start(world.hits);
+  for (std::uint32_t beam = 0; beam < world.hits.size(); ++beam) {
+    returns.add({.beam = beam, .range = 3, .cause = Cause::FalsePositive}, world.hits);
+  }
+  for (std::size_t row = 0; row < returns.size(); ++row) {  // as many returns as there were
+    if (returns.returned(row) && returns.cause(row) == Cause::Surface && returns.number(row) == 1) returns.remove(row);
+  }
+  Scan noisy;
+  gather(world.hits, world.shot, returns, ScanLayout{ColumnSet::all(), false}, nullptr, noisy);
+  const std::vector<float> errors = joined(noisy, clean);
+  ASSERT_EQ(errors.size(), noisy.size());
+  std::size_t surfaces = 0;
+  for (std::size_t i = 0; i < noisy.size(); ++i) {
+    const bool surface = noisy[kCause][i] == static_cast<std::uint8_t>(Cause::Surface);
+    surfaces += surface ? 1 : 0;
+    EXPECT_EQ(std::isnan(errors[i]), !surface);
+    if (surface) {
+      EXPECT_EQ(errors[i], 0);
+    }
+  }
+  EXPECT_EQ(surfaces, 24u);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/temporary_folder.h"
 
 namespace scanmill {
@@ -20,62 +21,46 @@ using testing::HasSubstr;
 constexpr std::size_t kPoints = 1000;
 constexpr std::uint64_t kFrameBytes = kPoints * sizeof(Vec3f) + sizeof(ViewFrame) + sizeof(ViewScan);
 
-// Frames of kPoints points at x = number. While the gate is shut, loading waits.
-class CountedFrames : public FrameSource {
+// Frames of kPoints points at x = number, which note what is loaded of them.
+class CountedFrames : public FakeFrames {
  public:
-  explicit CountedFrames(std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) keys_.push_back("f-" + std::to_string(i));
+  explicit CountedFrames(std::size_t count) : FakeFrames(count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      ViewScan scan;
+      scan.scan.position.assign(kPoints, {float(i), 0, 0});
+      frames[i].scans = {scan};
+    }
   }
 
-  std::string title() const override { return "counted"; }
-  const std::vector<std::string>& keys() const override { return keys_; }
-  const Ontology* ontology() const override { return nullptr; }
-  bool isScene() const override { return false; }
-  std::vector<Pose> trajectory(std::size_t) const override { return {}; }
-  std::optional<SceneChoice> scene(std::size_t, std::string&) const override { return {}; }
-
   ViewFrame load(std::size_t frame) const override {
-    std::unique_lock lock(mutex_);
-    loaded_.push_back(frame);
+    {
+      const std::lock_guard lock(noting_);
+      loaded_.push_back(frame);
+    }
     begun_.notify_all();
-    open_.wait(lock, [&] { return passing_; });
+    ViewFrame view = FakeFrames::load(frame);
     if (frame == 13) throw std::runtime_error("no memory");
-    ViewFrame view;
-    view.key = keys_[frame];
-    view.scans.emplace_back();
-    view.scans[0].scan.position.assign(kPoints, {float(frame), 0, 0});
     return view;
   }
 
-  void shut() const { pass(false); }
-  void open() const { pass(true); }
   void waitUntilBegun(std::size_t count) const {
-    std::unique_lock lock(mutex_);
+    std::unique_lock lock(noting_);
     begun_.wait(lock, [&] { return loaded_.size() >= count; });
   }
   std::vector<std::size_t> loaded() const {
-    const std::lock_guard lock(mutex_);
+    const std::lock_guard lock(noting_);
     return loaded_;
   }
 
  private:
-  void pass(bool passing) const {
-    const std::lock_guard lock(mutex_);
-    passing_ = passing;
-    open_.notify_all();
-  }
-
-  std::vector<std::string> keys_;
-  mutable std::mutex mutex_;
+  mutable std::mutex noting_;
   mutable std::condition_variable begun_;
-  mutable std::condition_variable open_;
-  mutable bool passing_ = true;
   mutable std::vector<std::size_t> loaded_;
 };
 
 class Loader : public testing::Test {
  protected:
-  std::shared_ptr<const CountedFrames> source = std::make_shared<CountedFrames>(40);
+  std::shared_ptr<CountedFrames> source = std::make_shared<CountedFrames>(40);
 };
 
 TEST_F(Loader, GivesEveryFrame) {
@@ -89,6 +74,7 @@ TEST_F(Loader, GivesEveryFrame) {
   }
   EXPECT_EQ(source->loaded().size(), 4u);
   EXPECT_EQ(loader.frame(8), nullptr);
+  loader.want(40);  // beyond the end: no wish
   EXPECT_EQ(loader.busy(), "");
   EXPECT_THROW(loader.wait(40), std::out_of_range);
 }
@@ -160,17 +146,17 @@ TEST_F(Loader, TheWantedFrameStaysHoweverLarge) {
 }
 
 TEST_F(Loader, TheNewestWishGoesFirst) {
-  source->shut();
+  source->setOpen(false);
   FrameLoader loader(source, 1);
   loader.want(0);
   source->waitUntilBegun(1);
-  EXPECT_EQ(loader.busy(), "f-0");
+  EXPECT_EQ(loader.busy(), "sample-100");
   loader.want(1);
   loader.want(2);
   loader.want(30);
-  EXPECT_EQ(loader.busy(), "f-30");
+  EXPECT_EQ(loader.busy(), "sample-130");
   EXPECT_EQ(loader.frame(30), nullptr);
-  source->open();
+  source->setOpen(true);
   loader.wait(30);
   EXPECT_THAT(source->loaded(), ElementsAre(0, 30));
 }
@@ -178,14 +164,8 @@ TEST_F(Loader, TheNewestWishGoesFirst) {
 TEST_F(Loader, AFailureIsAProblemOfTheFrame) {
   FrameLoader loader(source);
   const auto frame = loader.wait(13);
-  EXPECT_EQ(frame->key, "f-13");
+  EXPECT_EQ(frame->key, "sample-113");
   EXPECT_THAT(frame->problems, ElementsAre("no memory"));
-}
-
-TEST_F(Loader, WishesBeyondTheEndAreNone) {
-  FrameLoader loader(source);
-  loader.want(40);
-  EXPECT_EQ(loader.busy(), "");
 }
 
 TEST_F(Loader, EndsAtAnyMoment) {
@@ -194,12 +174,12 @@ TEST_F(Loader, EndsAtAnyMoment) {
     if (i % 2) loader.want(static_cast<std::size_t>(i % 40), i % 3 ? 1 : -1);
     if (i % 5 == 0) loader.wait(static_cast<std::size_t>(i % 40));
   }
-  source->shut();
+  source->setOpen(false);
   auto loader = std::make_unique<FrameLoader>(source);
   const std::size_t before = source->loaded().size();
   loader->want(0);
   source->waitUntilBegun(before + 1);
-  std::thread opener([&] { source->open(); });
+  std::thread opener([&] { source->setOpen(true); });
   loader.reset();
   opener.join();
 }
@@ -223,8 +203,7 @@ TEST_F(Loader, ManyThreadsAskAtOnce) {
 class MeshLoader : public Loader {
  protected:
   SceneChoice sceneOfBoxes(int boxes) const {
-    std::string text = "ontology: " SCANMILL_SOURCE_DIR "/labels/scanmill.yaml\nmaterials: " SCANMILL_SOURCE_DIR
-                       "/labels/materials.yaml\nobjects:\n";
+    std::string text = kSceneHead;
     for (int i = 0; i < boxes; ++i) {
       text += "  - {primitive: box, size: [1, 1, 1], class: wall, material: brick, position: [" +
               std::to_string(2 * i) + ", 0, 0]}\n";
@@ -254,13 +233,13 @@ TEST_F(MeshLoader, LoadsOneScene) {
 
 TEST_F(MeshLoader, FramesGoFirst) {
   const SceneChoice two = sceneOfBoxes(2);
-  source->shut();
+  source->setOpen(false);
   FrameLoader loader(source, 1);
   loader.wantMesh(two);
   loader.want(3);
   source->waitUntilBegun(1);
-  EXPECT_EQ(loader.busy(), "f-3");
-  source->open();
+  EXPECT_EQ(loader.busy(), "sample-103");
+  source->setOpen(true);
   loader.wait(3);
   EXPECT_EQ(loader.waitMesh(two)->size(), 24u);
 }

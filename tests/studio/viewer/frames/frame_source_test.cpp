@@ -36,6 +36,10 @@ class Frames : public testing::Test {
   Frames() : data(folder.path() / "data"), manifest(writeTestDataset(data)) {}
 
   ViewInput input() const { return {.path = data}; }
+  std::filesystem::path changed(const std::string& name, const DatasetChanges& changes = {}) const {
+    writeChangedDataset(folder.path() / name, changes);
+    return folder.path() / name;
+  }
 
   TemporaryFolder folder;
   std::filesystem::path data;
@@ -136,18 +140,14 @@ TEST_F(Frames, AnEmptyScanIsShown) {
 }
 
 TEST_F(Frames, SeveralMethodsOfASample) {
-  const auto both = folder.path() / "both";
-  writeChangedDataset(both, {.methods = {"ray_tracing", "particle"}});
-  const auto source = openFrames({.path = both});
+  const auto source = openFrames({.path = changed("both", {.methods = {"ray_tracing", "particle"}})});
   EXPECT_THAT(namesOf(source->load(1)),
               ElementsAre("top, ray_tracing", "top, particle", "Rear, ray_tracing", "Rear, particle"));
 }
 
 TEST_F(Frames, LieOverOneAnother) {
-  const auto a = folder.path() / "a/out";
-  const auto b = folder.path() / "b/out";
-  writeChangedDataset(a, {.frames = 3});
-  writeChangedDataset(b, {.frames = 2});
+  const auto a = changed("a/out", {.frames = 3});
+  const auto b = changed("b/out", {.frames = 2});
   const auto file = folder.write("one.pcd", encode("pcd", testScan(manifest.sensors[0].beams, 4)));
   const auto source = openFrames({.path = a, .over = {b, file}});
   EXPECT_EQ(source->title(), "a/out");
@@ -162,13 +162,11 @@ TEST_F(Frames, LieOverOneAnother) {
 }
 
 TEST_F(Frames, OtherClassesAreNoted) {
-  const auto a = folder.path() / "a";
-  const auto b = folder.path() / "b";
-  writeChangedDataset(a, {});
-  writeChangedDataset(b, {.manifest = [](Manifest& m) {
-                        m.ontology.name = "theirs";
-                        m.ontology.classes[1].name = "lawn";
-                      }});
+  const auto a = changed("a");
+  const auto b = changed("b", {.manifest = [](Manifest& m) {
+                           m.ontology.name = "theirs";
+                           m.ontology.classes[1].name = "lawn";
+                         }});
   const ViewInput both{.path = a, .over = {b}};
   EXPECT_THAT(openFrames(both)->load(0).problems,
               ElementsAre(AllOf(HasSubstr("b has other classes"), HasSubstr("class 7 is road in 'ours' and lawn in"))));
@@ -184,15 +182,13 @@ TEST_F(Frames, TheReferenceShowsTheNoise) {
   const auto shift = [](std::size_t point, std::size_t sample) {
     return 0.01 * double(point % 5) + 0.001 * double(sample);
   };
-  const auto clean = folder.path() / "clean";
-  const auto noisy = folder.path() / "noisy";
-  writeChangedDataset(clean, {});
-  writeChangedDataset(noisy, {.scan = [&](Scan& scan, std::size_t sample, std::size_t) {
-                        for (std::size_t i = 0; i < scan.size(); ++i) {
-                          const Vec3d p(scan.position[i]);
-                          scan.position[i] = Vec3f(p + normalized(p) * shift(i, sample));
-                        }
-                      }});
+  const auto clean = changed("clean");
+  const auto noisy = changed("noisy", {.scan = [&](Scan& scan, std::size_t sample, std::size_t) {
+                               for (std::size_t i = 0; i < scan.size(); ++i) {
+                                 const Vec3d p(scan.position[i]);
+                                 scan.position[i] = Vec3f(p + normalized(p) * shift(i, sample));
+                               }
+                             }});
   const auto source = openFrames({.path = noisy, .reference = clean});
   for (std::size_t f = 0; f < source->keys().size(); ++f) {
     const ViewFrame frame = source->load(f);
@@ -207,14 +203,10 @@ TEST_F(Frames, TheReferenceShowsTheNoise) {
 }
 
 TEST_F(Frames, AReferenceThatLacksSamplesOrColumnsIsAProblem) {
-  const auto scan = folder.path() / "scan";
-  const auto reference = folder.path() / "reference";
-  const auto bare = folder.path() / "bare";
-  const auto other = folder.path() / "other";
-  writeChangedDataset(scan, {});
-  writeChangedDataset(reference, {.frames = 2});
-  writeChangedDataset(bare, {.scan = [](Scan& s, std::size_t, std::size_t) { s[kColumn].clear(); }});
-  writeChangedDataset(other, {.manifest = [](Manifest& m) { m.sensors.pop_back(); }});
+  const auto scan = changed("scan");
+  const auto reference = changed("reference", {.frames = 2});
+  const auto bare = changed("bare", {.scan = [](Scan& s, std::size_t, std::size_t) { s[kColumn].clear(); }});
+  const auto other = changed("other", {.manifest = [](Manifest& m) { m.sensors.pop_back(); }});
   const ViewFrame third = openFrames({.path = scan, .reference = reference})->load(2);
   EXPECT_EQ(third.scans.size(), 2u);
   EXPECT_TRUE(third.scans[0].error.empty());
@@ -234,8 +226,7 @@ TEST_F(Frames, AReferenceThatLacksSamplesOrColumnsIsAProblem) {
 }
 
 TEST_F(Frames, PointsMovedToTheStartOfTheTurnHaveNoRangeError) {
-  const auto moved = folder.path() / "moved";
-  writeChangedDataset(moved, {.manifest = [](Manifest& m) { m.deskewed = true; }});
+  const auto moved = changed("moved", {.manifest = [](Manifest& m) { m.deskewed = true; }});
   EXPECT_TRUE(openFrames({.path = moved})->load(0).scans[0].error.empty());
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/parallel.h"
 #include "base/random.h"
+#include "tests/studio/viewer/window/fake_frames.h"
 #include "tests/support/street.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_scene.h"
@@ -204,13 +205,11 @@ TEST(MakeViewMesh, ASceneThatIsTooLargeIsAProblem) {
 
 TEST(LoadViewMesh, ShowsWhatMovesWhereItIsUnlessThatIsFarAway) {
   const TemporaryFolder folder;
-  const auto file = folder.write("moving.yaml", std::string("ontology: ") + SCANMILL_SOURCE_DIR +
-                                                    "/labels/scanmill.yaml\nmaterials: " + SCANMILL_SOURCE_DIR +
-                                                    "/labels/materials.yaml\nobjects:\n"
-                                                    "  - {primitive: plane, size: [20, 20], class: road, material: "
-                                                    "asphalt}\n"
-                                                    "  - {primitive: box, size: [1, 1, 1], class: car, material: "
-                                                    "car_paint, moving: {velocity: [10, 0, 0]}}\n");
+  const auto file =
+      folder.write("moving.yaml", kSceneHead +
+                                      "  - {primitive: plane, size: [20, 20], class: road, material: asphalt}\n"
+                                      "  - {primitive: box, size: [1, 1, 1], class: car, material: car_paint, "
+                                      "moving: {velocity: [10, 0, 0]}}\n");
   const ViewMesh start = loadViewMesh(file, 1);
   EXPECT_TRUE(start.moves);
   EXPECT_EQ(start.size(), 14u) << "two of the plane, twelve of the box";

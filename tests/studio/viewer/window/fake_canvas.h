@@ -60,7 +60,7 @@ class FakeCanvas : public Canvas {
   void showAll(ItemId item) override { itemOf(item).shown.reset(); }
   void showOnly(ItemId item, std::span<const std::uint32_t> indices) override {
     Item& i = itemOf(item);
-    require(std::is_sorted(indices.begin(), indices.end()), "indices ascend");
+    require(std::ranges::is_sorted(indices), "indices ascend");
     require(indices.empty() || indices.back() < i.colors.size(), "indices are within the item");
     i.shown.emplace(indices.begin(), indices.end());
   }
@@ -123,10 +123,21 @@ class FakeCanvas : public Canvas {
     }
     return painted_;
   }
+  const Rgba& overlayAt(int x, int y) const { return overlay()[static_cast<std::size_t>(y * width_ + x)]; }
   bool isOverlay(int x, int y, const Rgb& color) const {
-    const Rgba& o =
-        overlay()[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)];
+    const Rgba& o = overlayAt(x, y);
     return o[3] == 255 && Rgb{o[0], o[1], o[2]} == color;
+  }
+
+  // A pixel of the overlay that has exactly this colour, as have its neighbours: a legend's sample of it.
+  std::optional<std::pair<int, int>> inOverlay(const Rgb& color) const {
+    for (int y = 1; y + 1 < height_; ++y) {
+      for (int x = 1; x + 1 < width_; ++x) {
+        const auto is = [&](int right, int down) { return isOverlay(x + right, y + down, color); };
+        if (is(0, 0) && is(1, 0) && is(-1, 0) && is(0, 1) && is(0, -1)) return std::pair(x, y);
+      }
+    }
+    return {};
   }
 
   std::map<ItemId, Item> items;

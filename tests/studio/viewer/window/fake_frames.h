@@ -23,10 +23,12 @@ constexpr Rgb kFakeRoadColor{128, 64, 128};
 constexpr Rgb kFakeTreeColor{20, 200, 60};
 constexpr Rgb kFakeCarColor{250, 90, 10};
 
-// Of a file: two boxes about the sensors.
-constexpr const char* kWallScene =
+// A scene file up to its objects, and one with two boxes about the sensors.
+inline const std::string kSceneHead =
     "ontology: " SCANMILL_SOURCE_DIR "/labels/scanmill.yaml\nmaterials: " SCANMILL_SOURCE_DIR
-    "/labels/materials.yaml\nobjects:\n"
+    "/labels/materials.yaml\nobjects:\n";
+inline const std::string kWallScene =
+    kSceneHead +
     "  - {primitive: box, size: [60, 60, 0.1], class: road, material: asphalt, position: [5, 100, 0]}\n"
     "  - {primitive: box, size: [4, 2, 1.5], class: car, material: asphalt, position: [15, 100, 1]}\n";
 

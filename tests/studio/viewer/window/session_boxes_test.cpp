@@ -1,6 +1,5 @@
 // The objects that a sample lists: boxes, tracks, names.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,8 +48,8 @@ TEST(SessionBoxes, AreDrawnInTheColoursOfTheirClasses) {
   SessionWorld world(listedFrames(), {.sample = "0"});
   const auto& colors = boxes(world).colors;
   ASSERT_EQ(colors.size(), kEdges + 1 + 2 + kEdges) << "two boxes, a front, a track of three places";
-  EXPECT_EQ(std::count(colors.begin(), colors.end(), kFakeCarColor), static_cast<long>(kEdges + 3));
-  EXPECT_EQ(std::count(colors.begin(), colors.end(), kFakeTreeColor), 0) << "nothing is seen of it: it is faint";
+  EXPECT_EQ(std::ranges::count(colors, kFakeCarColor), static_cast<long>(kEdges + 3));
+  EXPECT_EQ(std::ranges::count(colors, kFakeTreeColor), 0) << "nothing is seen of it: it is faint";
   // As the points of its sensor lie: 10 m ahead and 10 m to the right of it.
   Box car;
   for (std::size_t i = 0; i < 2 * kEdges; ++i) car.add(Vec3d(boxes(world).places[i]));
@@ -66,8 +65,7 @@ TEST(SessionBoxes, FollowKeysAndFilters) {
   EXPECT_EQ(drawn(), 0u);
   world.key("O");
   EXPECT_EQ(drawn(), all);
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_EQ(drawn(), 0u) << "the next sample lists nothing";
   const SessionWorld cars(listedFrames(), {.sample = "0", .hidden = {"tree"}});
   EXPECT_EQ(boxes(cars).colors.size(), kEdges + 3);
@@ -81,15 +79,10 @@ TEST(SessionBoxes, PickingTellsTheObject) {
   world.click(x, y);
   const std::optional<PickedThing> thing = world.session->pick(x, y);
   ASSERT_TRUE(thing.has_value());
-  const auto row = [&](const char* name) {
-    const auto found =
-        std::find_if(thing->rows.begin(), thing->rows.end(), [&](const auto& r) { return r.first == name; });
-    return found == thing->rows.end() ? std::string() : found->second;
-  };
-  EXPECT_EQ(row("object"), "estate");
-  EXPECT_EQ(row("box"), "4.00 x 2.00 x 1.50 m");
-  EXPECT_EQ(row("speed"), "5.00 m/s");
-  EXPECT_EQ(row("visible"), "50 % (30 of 60 beams)");
+  EXPECT_EQ(rowOf(*thing, "object"), "estate");
+  EXPECT_EQ(rowOf(*thing, "box"), "4.00 x 2.00 x 1.50 m");
+  EXPECT_EQ(rowOf(*thing, "speed"), "5.00 m/s");
+  EXPECT_EQ(rowOf(*thing, "visible"), "50 % (30 of 60 beams)");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // One instance among the points: shown alone, edged, measured, in a box; and the returns of one beam.
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
@@ -31,8 +30,7 @@ TEST(SessionInstances, OneAloneInAllFrames) {
   world.pointer(Kind::Move, x, y);
   world.key("x");
   EXPECT_EQ(shownInstances(world, 1), one);
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_EQ(shownInstances(world, 2), one);
   EXPECT_TRUE(world.session->problems().empty());
   world.key("x");

@@ -46,8 +46,7 @@ TEST(SessionFilter, AClickInTheLegendHidesAClass) {
   // Whatever the colours and the frame.
   world.key("4");
   EXPECT_EQ(shownClasses(world, 1), (std::set<std::uint16_t>{kFakeRoad, kFakeTree}));
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_EQ(shownClasses(world, 2), (std::set<std::uint16_t>{kFakeRoad, kFakeTree}));
   world.key("1");
   world.click(at->first, at->second);
@@ -65,7 +64,6 @@ TEST(SessionFilter, OptionsHideOrShowAlone) {
   EXPECT_EQ(shownClasses(alone, 0), (std::set<std::uint16_t>{kFakeRoad, kFakeCar}));
 }
 
-// The tip's values are the scan's, for points all over the picture and from random places.
 // A close-up shows the points in its ball alone, from the direction that was chosen, until all points are asked for.
 TEST(SessionCloseUp, ShowsTheBallAndFillsThePictureWithIt) {
   const Scan scan = fakeScan(8, 72, 1.001);
@@ -91,8 +89,7 @@ TEST(SessionCloseUp, ShowsTheBallAndFillsThePictureWithIt) {
       EXPECT_EQ(world.session->camera().yaw, parseCamera(view).camera.yaw);
       EXPECT_EQ(world.session->camera().pitch, parseCamera(view).camera.pitch);
       EXPECT_NO_THROW(world.session->check());
-      world.key("Right");
-      world.session->settle();
+      world.press("Right");
       EXPECT_LT(world.canvas.shownOf(firstCloud(world)).size(), scan.size()) << "it stays in other frames";
       world.key("A");
       EXPECT_EQ(world.canvas.shownOf(firstCloud(world)).size(), scan.size());
@@ -107,6 +104,7 @@ TEST(SessionCloseUp, OfNothingSaysWhereThePointsAre) {
                              testing::HasSubstr("--within")));
 }
 
+// The tip's values are the scan's, for points all over the picture and from random places.
 TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
   SessionWorld world(3);
   std::mt19937 random(1);
@@ -133,22 +131,23 @@ TEST(SessionPicking, ATipHoldsTheColumnsOfItsPoint) {
       EXPECT_LE(found.depth, own.depth + 1e-3);
       EXPECT_EQ(thing->scan, 0u);
       EXPECT_NEAR(length(thing->place - Vec3d(scan.position[p])), 0, 1e-9);
-      EXPECT_NEAR(numberOf(*thing, "x"), scan.position[p].x, 6e-4);
-      EXPECT_NEAR(numberOf(*thing, "y"), scan.position[p].y, 6e-4);
-      EXPECT_NEAR(numberOf(*thing, "z"), scan.position[p].z, 6e-4);
-      EXPECT_NEAR(numberOf(*thing, "range"), length(Vec3d(scan.position[p])), 6e-4);
-      EXPECT_NEAR(numberOf(*thing, "intensity"), scan[kIntensity][p], 1e-4);
-      EXPECT_NEAR(numberOf(*thing, "range_true"), scan[kRangeTrue][p], 1e-4);
-      EXPECT_NEAR(numberOf(*thing, "time"), scan[kTime][p] * 1e3, 1e-3);
-      EXPECT_NEAR(numberOf(*thing, "incidence"), degrees(0.5), 1e-2);
-      EXPECT_NEAR(numberOf(*thing, "range error"), 0.01, 1e-4);
-      EXPECT_EQ(numberOf(*thing, "ring"), scan[kRing][p]);
-      EXPECT_EQ(numberOf(*thing, "column"), scan[kColumn][p]);
-      EXPECT_NEAR(
-          std::remainder(radians(numberOf(*thing, "azimuth")) - std::atan2(scan.position[p].y, scan.position[p].x),
-                         2 * kPi),
-          0, 1e-4);
-      EXPECT_EQ(numberOf(*thing, "point"), static_cast<double>(p));
+      const Vec3d at(scan.position[p]);
+      for (const auto& [row, value, within] :
+           std::initializer_list<std::tuple<const char*, double, double>>{{"x", at.x, 6e-4},
+                                                                          {"y", at.y, 6e-4},
+                                                                          {"z", at.z, 6e-4},
+                                                                          {"range", length(at), 6e-4},
+                                                                          {"intensity", scan[kIntensity][p], 1e-4},
+                                                                          {"range_true", scan[kRangeTrue][p], 1e-4},
+                                                                          {"time", scan[kTime][p] * 1e3, 1e-3},
+                                                                          {"incidence", degrees(0.5), 1e-2},
+                                                                          {"range error", 0.01, 1e-4},
+                                                                          {"ring", scan[kRing][p], 0},
+                                                                          {"column", scan[kColumn][p], 0},
+                                                                          {"point", p, 0}}) {
+        EXPECT_NEAR(numberOf(*thing, row), value, within) << row;
+      }
+      EXPECT_NEAR(std::remainder(radians(numberOf(*thing, "azimuth")) - std::atan2(at.y, at.x), 2 * kPi), 0, 1e-4);
       EXPECT_EQ(rowOf(*thing, "sensor"), "top");
       EXPECT_EQ(rowOf(*thing, "method"), "ray_tracing");
       const bool car = scan[kLabel][p] == kFakeCar;
@@ -338,8 +337,7 @@ TEST(SessionViews, TheNextScanIsChosenByName) {
   EXPECT_EQ(scanOn(1), 0);
   world.key("n");
   EXPECT_EQ(scanOn(1), 1);
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_EQ(scanOn(2), 1);
   world.key("n");
   EXPECT_EQ(scanOn(2), 0);

@@ -42,16 +42,14 @@ TEST(SessionScale, StaysOverFramesUntilTheColoursChange) {
   SessionWorld world(3, {"ray_tracing"}, {.colors = {ColorBy("range")}, .scale = ScaleRange{2, 10}});
   const auto& frames = world.frames->frames;
   EXPECT_EQ(colorsOn(world), rangeColors(frames[1].scans[0].scan, 2, 10));
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 10));
   world.key("[");
   EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 5));
   world.key("]");
   world.key("]");
   EXPECT_EQ(colorsOn(world), rangeColors(frames[2].scans[0].scan, 2, 20));
-  world.key("Left");
-  world.session->settle();
+  world.press("Left");
   EXPECT_EQ(colorsOn(world), rangeColors(frames[1].scans[0].scan, 2, 20));
   const auto held = colorsOn(world);
   world.key("\\");
@@ -68,8 +66,8 @@ TEST(SessionScale, IsCommonToScansSideBySide) {
   SessionWorld world(1, kThree,
                      {.colors = {ColorBy("range"), ColorBy("range"), ColorBy("range")}, .layout = ViewLayout::Split});
   const auto& scans = world.frames->frames[0].scans;
-  const auto low = colorScan(scans[0].scan, ColorBy("range"), nullptr).legend.low;
-  const auto high = colorScan(scans[2].scan, ColorBy("range"), nullptr).legend.high;
+  const auto low = colorScan(scans[0].scan, ColorBy("range"), {}).legend.low;
+  const auto high = colorScan(scans[2].scan, ColorBy("range"), {}).legend.high;
   for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(colorsOn(world, k), rangeColors(scans[k].scan, low, high));
 }
 
@@ -97,8 +95,7 @@ TEST(SessionLegend, KeepsTheClassesOfOtherFrames) {
   SessionWorld world(frames, {.sample = "0"});
   const auto car = world.inOverlay(kFakeCarColor);
   ASSERT_TRUE(world.inOverlay(kFakeTreeColor));
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_EQ(world.inOverlay(kFakeCarColor), car);
   EXPECT_TRUE(world.inOverlay(kFakeTreeColor));
 }
@@ -152,8 +149,7 @@ TEST(SessionDamage, WhereNoFrameCanBeReadTheReasonIsSaid) {
   const PixelRect rect = world.canvas.views().front().rect;
   int written = 0;
   for (int x = rect.left + 100; x < rect.left + rect.width - 100; ++x) {
-    const int y = rect.top + rect.height / 2;
-    written += world.canvas.overlay()[static_cast<std::size_t>(y * SessionWorld::kWidth + x)][3] > 0 ? 1 : 0;
+    written += world.canvas.overlayAt(x, rect.top + rect.height / 2)[3] > 0 ? 1 : 0;
   }
   EXPECT_GT(written, 100) << "in the middle";
 }
@@ -163,8 +159,7 @@ TEST(SessionDamage, AFilterThatHidesAllSaysSo) {
   EXPECT_TRUE(world.canvas.shownOf(firstCloud(world)).empty());
   const auto middle = [&] {
     const PixelRect rect = world.canvas.views().front().rect;
-    return world.canvas.overlay()[static_cast<std::size_t>((rect.top + rect.height / 2) * SessionWorld::kWidth +
-                                                           rect.left + rect.width / 2)][3];
+    return world.canvas.overlayAt(rect.left + rect.width / 2, rect.top + rect.height / 2)[3];
   };
   EXPECT_GT(middle(), 0);
   world.key("A");
@@ -175,8 +170,7 @@ TEST(SessionHints, ClassesWithoutNamesAreSaidOnce) {
   auto frames = std::make_shared<FakeFrames>(3);
   frames->named = false;
   SessionWorld world(frames);
-  world.key("Right");
-  world.session->settle();
+  world.press("Right");
   EXPECT_THAT(world.session->hints(), ElementsAre(HasSubstr("--ontology")));
 }
 

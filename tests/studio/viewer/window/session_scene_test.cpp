@@ -1,5 +1,6 @@
 // A scene shown by itself, help that does not fit, and the range image of an overlay.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,20 +76,19 @@ TEST_F(SceneViewer, APickNamesTextureAndRule) {
                 "mtllib own.mtl\nv 0 -4 0\nv 0 4 0\nv 0 4 4\nv 0 -4 4\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
                 "o left\nusemtl plaster\nf 1/1 2/2 3/3\no right\nusemtl steel\nf 1 3 4\n");
   const std::filesystem::path file = folder_.write(
-      "own.yaml", "name: own\nontology: " SCANMILL_SOURCE_DIR "/labels/scanmill.yaml\nmaterials: " SCANMILL_SOURCE_DIR
-                  "/labels/materials.yaml\nobjects:\n  - file: own.obj\n    up: z\n    rules:\n"
-                  "      - {match: {texture: wall*}, class: building}\n"
-                  "      - {match: {node: right}, class: fence}\n"
-                  "  - {primitive: box, size: [1, 1, 1], class: car, material: metal_bare, position: [-3, 0, 0]}\n");
+      "own.yaml",
+      "name: own\n" + kSceneHead +
+          "  - file: own.obj\n    up: z\n    rules:\n"
+          "      - {match: {texture: wall*}, class: building}\n"
+          "      - {match: {node: right}, class: fence}\n"
+          "  - {primitive: box, size: [1, 1, 1], class: car, material: metal_bare, position: [-3, 0, 0]}\n");
   const ViewMesh mesh = loadViewMesh(file, 1);
   ASSERT_EQ(mesh.problem, "");
   std::set<std::string> texturesAndRules;
   for (std::size_t t = 0; t < mesh.size(); ++t) {
     const PickedThing thing = describeTriangle(mesh, t, {});
-    const auto row = [&](const std::string& name) {
-      return std::ranges::find(thing.rows, name, [](const auto& r) { return r.first; })->second;
-    };
-    texturesAndRules.insert(row("object") + " | " + row("texture") + " | " + row("class by"));
+    texturesAndRules.insert(rowOf(thing, "object") + " | " + rowOf(thing, "texture") + " | " +
+                            rowOf(thing, "class by"));
   }
   EXPECT_THAT(texturesAndRules,
               testing::UnorderedElementsAre("own: left | wall.png | line 8: building (texture: wall*)",
@@ -107,7 +107,7 @@ TEST_F(SceneViewer, APickNamesTextureAndRule) {
 
 TEST_F(SceneViewer, WarnsOfRulesThatGiveNothing) {
   folder_.write("own.obj", "v 0 -4 0\nv 0 4 0\nv 0 4 4\no left\nf 1 2 3\n");
-  const std::filesystem::path file = folder_.write("own.yaml", std::string(kWallScene) +
+  const std::filesystem::path file = folder_.write("own.yaml", kWallScene +
                                                                    "  - file: own.obj\n    up: z\n    rules:\n"
                                                                    "      - {match: {node: l*}, class: building}\n"
                                                                    "      - {match: {node: left}, class: fence}\n"
@@ -122,7 +122,7 @@ TEST_F(SceneViewer, WarnsOfRulesThatGiveNothing) {
 // hidden, does not.
 TEST_F(SceneViewer, SaysThatASkyBoxHidesAllTheRest) {
   const std::filesystem::path file = folder_.write(
-      "sky.yaml", std::string(kWallScene) +
+      "sky.yaml", kWallScene +
                       "  - {primitive: box, size: [4000, 4000, 4000], class: structure, material: asphalt, "
                       "position: [5, 100, 0], name: dome}\n");
   const auto hintsOf = [&](const std::filesystem::path& scene, const ViewOptions& options) {
@@ -168,6 +168,31 @@ TEST_F(SceneViewer, FromAboveItIsSeenWhole) {
   }
 }
 
+// A place along a diagonal, whose bounding box is mostly empty: all of it is in the picture, which it nearly fills.
+TEST_F(SceneViewer, FromBehindAPlaceIsSeenWhole) {
+  std::string scene = kWallScene;
+  for (int i = 0; i < 40; ++i) {
+    scene += fmt::format(
+        "  - {{primitive: box, size: [9, 12, 7], class: building, material: brick, position: [{}, {}, 3]}}\n", 31 * i,
+        100 + 20 * i);
+  }
+  const std::filesystem::path file = folder_.write("houses.yaml", scene);
+  ViewSession session(openFrames({.path = file}), canvas_, {});
+  session.settle();
+  const ViewCamera& camera = canvas_.views().at(0).camera;
+  const PixelRect& rect = canvas_.views().at(0).rect;
+  Box shown;
+  for (const Vec3f& corner : loadViewMesh(file, 1, 0).corners) {
+    const Projected p = camera.project(Vec3d(corner));
+    ASSERT_GT(p.depth, camera.nearest);
+    shown.add(Vec3d{p.x, p.y, 0});
+  }
+  EXPECT_GE(std::min(shown.low.x, shown.low.y), 0);
+  EXPECT_LE(shown.high.x, rect.width);
+  EXPECT_LE(shown.high.y, rect.height);
+  EXPECT_GT(std::max((shown.high.x - shown.low.x) / rect.width, (shown.high.y - shown.low.y) / rect.height), 0.7);
+}
+
 // What a pick says of a place, a camera takes: that place is in the middle then.
 TEST_F(SceneViewer, CamerasAimAtThePlacesOfPicks) {
   const auto session = open({.camera = parseCamera("10,40,15,15,100,1.75")});  // the middle of the car's roof
@@ -179,9 +204,7 @@ TEST_F(SceneViewer, CamerasAimAtThePlacesOfPicks) {
   const double middle = rect.width / 2 + 0.5;  // of the pixel
   EXPECT_NEAR(camera.project(picked->place).x, middle, 0.1);
   for (const auto& [row, expected] : {std::pair("world x", 15.0), {"world y", 100.0}, {"world z", 1.75}}) {
-    const auto found = std::ranges::find(picked->rows, row, [](const auto& r) { return r.first; });
-    ASSERT_NE(found, picked->rows.end()) << row;
-    EXPECT_NEAR(std::stod(found->second), expected, 0.03) << row;  // half a pixel
+    EXPECT_NEAR(std::stod(rowOf(*picked, row)), expected, 0.03) << row;  // half a pixel
   }
   key(*session, "F1");
   EXPECT_GT(std::abs(canvas_.views().at(0).camera.project(picked->place).y - rect.height / 2), 1);

@@ -32,6 +32,11 @@ struct SessionWorld {
         .kind = CanvasEvent::Kind::Key, .key = name, .text = name.size() == 1 ? name : "", .shift = shift};
     return send(event);
   }
+  // A key, and all that it has loaded in the background.
+  void press(const std::string& name, bool shift = false) {
+    key(name, shift);
+    session->settle();
+  }
   void type(const std::string& text) {
     for (const char c : text) key(std::string(1, c));
   }
@@ -70,16 +75,7 @@ struct SessionWorld {
     return {view.rect.left + static_cast<int>(std::floor(p.x)), view.rect.top + static_cast<int>(std::floor(p.y))};
   }
 
-  // A pixel of the overlay that has exactly this colour, as have its neighbours: a legend's sample of it.
-  std::optional<std::pair<int, int>> inOverlay(const Rgb& color) const {
-    for (int y = 1; y + 1 < canvas.height(); ++y) {
-      for (int x = 1; x + 1 < canvas.width(); ++x) {
-        const auto is = [&](int right, int down) { return canvas.isOverlay(x + right, y + down, color); };
-        if (is(0, 0) && is(1, 0) && is(-1, 0) && is(0, 1) && is(0, -1)) return std::pair(x, y);
-      }
-    }
-    return {};
-  }
+  std::optional<std::pair<int, int>> inOverlay(const Rgb& color) const { return canvas.inOverlay(color); }
 
   // All that is drawn.
   std::string drawn() const {

@@ -2,7 +2,6 @@
 
 #include "tests/core/sense/several_returns.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <set>
