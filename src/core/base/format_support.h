@@ -43,6 +43,7 @@ class LeftOut {
   void addKeyword(const FormatSupport& format, std::string_view keyword);
   void add(const LeftOut& other);
   bool empty() const { return counts_.empty(); }
+  const std::map<std::string, std::uint64_t>& counts() const { return counts_; }
   // Returns, for example, "2 polylines, 1 heightmaps".
   std::string text() const;
   // Warns "FILE: left out: 2 polylines, 1 heightmaps", if anything was added.

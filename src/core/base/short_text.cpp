@@ -31,6 +31,12 @@ std::string shortTime(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
+std::string shortLength(double metres) {
+  const double length = std::abs(metres);
+  if (length < 1e3) return fmt::format("{:.4g} m", metres);
+  return length < 1e6 ? fmt::format("{:.3g} km", metres / 1e3) : fmt::format("{:.0f} km", metres / 1e3);
+}
+
 std::string shortPlace(const Vec3d& place) {
   return fmt::format("[{:.2f}, {:.2f}, {:.2f}]", place.x, place.y, place.z);
 }

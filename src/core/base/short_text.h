@@ -17,6 +17,9 @@ std::string shortBytes(double bytes);
 // Returns a duration: "1 h 2 min", "4 min 5 s", "6.0 s".
 std::string shortTime(double seconds);
 
+// Returns a length with its unit: "12.3 m", "89.2 km".
+std::string shortLength(double metres);
+
 // Returns a position to the centimetre: "[1.00, -2.50, 0.12]".
 std::string shortPlace(const Vec3d& place);
 

@@ -137,6 +137,9 @@ class TreeBuilder : public YAML::EventHandler {
                 const std::string& text) override {
     if (text.find('\0') != std::string::npos) throw InputError(place(mark), "a text has a NUL character");
     if (awaitsKey()) {
+      if (text == "<<" && tag != "!") {
+        throw InputError(place(mark), "merge keys (<<) are not supported: write the keys out");
+      }
       openKey(mark, text);
       return;
     }

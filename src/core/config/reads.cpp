@@ -38,9 +38,11 @@ std::string found(const Value& value) {
                     "`objects` can (docs/keys.md); `--sweep` makes a dataset for each of several values",
                     what));
   }
-  const bool misquoted = !isText && value.kind == Value::Kind::Scalar && value.quoted;
+  const bool scalar = !isText && value.kind == Value::Kind::Scalar;
   throw InputError(value.where, fmt::format("{} must be {}, not {}{}", what, expected, found(value),
-                                            misquoted ? " in quotes, which is text" : ""));
+                                            !scalar        ? ""
+                                            : value.quoted ? " in quotes, which is text"
+                                                           : numberAdvice(value.text)));
 }
 
 template <class T>

@@ -76,7 +76,8 @@ std::string advice(const fs::path& path, const std::vector<fs::path>& folders, c
   if (!near.empty()) {
     const bool own =
         std::any_of(folders.begin(), folders.end() - 1, [&](const fs::path& f) { return isThere(f / near); });
-    return fmt::format(" (did you mean '{}'{}?)", near, own ? "" : ", which comes with the program");
+    return own ? fmt::format(" (did you mean '{}'?)", near)
+               : fmt::format(" (did you mean '{}', which comes with the program?)", fs::path(near).stem().string());
   }
   std::vector<std::string> stems;
   for (const std::string& name : yamlNames(builtInFolder)) stems.push_back(fs::path(name).stem().string());
@@ -84,6 +85,10 @@ std::string advice(const fs::path& path, const std::vector<fs::path>& folders, c
 }
 
 }  // namespace
+
+bool isPlainName(const std::string& name) {
+  return name.find('/') == std::string::npos && !fs::path(name).has_extension();
+}
 
 fs::path resourceFolder() {
   if (const char* folder = std::getenv("SCANMILL_RESOURCES")) return folder;
@@ -100,12 +105,31 @@ fs::path resolvePath(const Value& value, const std::string& name) {
 
 fs::path resolveResource(const Value& value, const std::string& name, const std::string& subfolder) {
   const fs::path own = ownPath(value, name);
-  if (const auto file = fileAt(own)) return *file;
   const bool elsewhere = !value.folder.empty() && own != name;
-  if (elsewhere) {
-    if (const auto file = fileAt(name)) return *file;
+  const auto ownFile = [&](const std::string& path) {
+    const auto file = fileAt(ownPath(value, path));
+    return !file && elsewhere ? fileAt(path) : file;
+  };
+  const auto programs = builtIn(name, subfolder);
+  if (isPlainName(name)) {
+    const auto file = ownFile(name + kSuffix);
+    std::error_code ignored;
+    if (programs && file && !fs::equivalent(*file, *programs, ignored)) {
+      warn(
+          fmt::format("{0}'{1}' is taken from the files that come with the program, not from {2}: to take that, write "
+                      "{1}{3}",
+                      value.where.file.empty() ? "" : value.where.text() + ": ", name, file->string(), kSuffix));
+    }
+    if (programs || file) return programs ? *programs : *file;
+    if (const auto bare = ownFile(name)) {
+      throw InputError(value.where, fmt::format("'{0}' is not among the files that come with the program; to take the "
+                                                "file {1}, write ./{0}",
+                                                name, bare->string()));
+    }
+  } else {
+    if (const auto file = ownFile(name)) return *file;
+    if (programs) return *programs;
   }
-  if (const auto file = builtIn(name, subfolder)) return *file;
   std::vector<fs::path> folders{own.parent_path()};
   std::string places = "there is no file " + fmt::format("'{}'", own.string());
   if (elsewhere) {
@@ -121,6 +145,14 @@ fs::path namedResource(const std::string& name, const std::string& subfolder) {
   value.kind = Value::Kind::Scalar;
   value.text = name;
   return resolveResource(value, name, subfolder);
+}
+
+std::string nearestResource(const std::string& name, const std::string& subfolder) {
+  const fs::path path = name;
+  if (path.has_parent_path() || (path.has_extension() && path.extension() != kSuffix)) return {};
+  std::vector<std::string> names;
+  for (const std::string& known : yamlNames(resourceFolder() / subfolder)) names.push_back(fs::path(known).stem());
+  return nearest(path.stem().string(), names);
 }
 
 }  // namespace scanmill

@@ -14,9 +14,16 @@ namespace scanmill {
 // in a program that is not installed, the source tree that it was built from.
 std::filesystem::path resourceFolder();
 
+// True if a name has neither a slash nor a suffix: it then means one of the program's own files before any other.
+bool isPlainName(const std::string& name);
+
 // Returns the file that an option of the command line names: by the path of a YAML file, or by the name (without
 // suffix) of a file in a subfolder of resourceFolder(), such as "semantic_kitti" in "labels". Throws an InputError that
 // names existing files. For names within YAML files see resolveResource().
 std::filesystem::path namedResource(const std::string& name, const std::string& subfolder);
+
+// Returns the name of the program's file in a subfolder whose name is nearest to a wrong one; empty if none is near,
+// or if the wrong name is a path or has another suffix than .yaml.
+std::string nearestResource(const std::string& name, const std::string& subfolder);
 
 }  // namespace scanmill

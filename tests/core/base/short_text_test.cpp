@@ -18,6 +18,13 @@ TEST(ShortText, SizesHaveBinaryPrefixes) {
   EXPECT_EQ(shortBytes(1.25 * 1024 * 1024 * 1024), "1.2 GiB");
 }
 
+TEST(ShortText, LengthsAreMetresAndKilometres) {
+  EXPECT_EQ(shortLength(881.83), "881.8 m");
+  EXPECT_EQ(shortLength(-0.0012), "-0.0012 m");
+  EXPECT_EQ(shortLength(89240), "89.2 km");
+  EXPECT_EQ(shortLength(12345678), "12346 km");
+}
+
 TEST(ShortText, TimesAreSecondsMinutesAndHours) {
   EXPECT_EQ(shortTime(6), "6.0 s");
   EXPECT_EQ(shortTime(245), "4 min 5 s");

@@ -45,6 +45,25 @@ TEST(ReadNumber, RefusesWhatOnlySomeReadAsANumber) {
   EXPECT_THAT(messageOf([] { number("'1'"); }), HasSubstr("not '1' in quotes"));
 }
 
+TEST(ReadNumber, MessagesSayWhatToWrite) {
+  for (const auto& [bad, says] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"1,5", "write a point in place of the comma"},
+                                                                  {"-1_000", "without _"},
+                                                                  {"0x10", "a decimal number"},
+                                                                  {"-010", "without the leading 0"},
+                                                                  {"12:30", "without colons"},
+                                                                  {"\xE2\x88\x92"
+                                                                   "5",
+                                                                   "the minus sign -"},
+                                                                  {"5 m", "without a unit"},
+                                                                  {"1.0f", "without a unit"}}) {
+    EXPECT_THAT(messageOf([&] { number(bad); }), HasSubstr(says)) << bad;
+  }
+  for (const char* bad : {"inf", "", "x", "1e999", "-"}) {
+    EXPECT_THAT(messageOf([&] { number(bad); }), testing::Not(HasSubstr("write"))) << bad;
+  }
+}
+
 TEST(ReadNumber, MessagesTellRangeAndFinding) {
   const Value root = yaml("sensor:\n  name: x\n  rate_hz: abc\n");
   Fields fields(*root.find("sensor"), "sensor");
@@ -139,6 +158,8 @@ TEST(Suggestion, ListsAllWhereNothingIsNear) {
   EXPECT_EQ(suggestion("rat_hz", {"rings", "rate_hz"}), " (did you mean 'rate_hz'?)");
   EXPECT_EQ(suggestion("weather", {"rings", "rate_hz"}), " (known: rings, rate_hz)");
   EXPECT_EQ(suggestion("weather", {}), "");
+  EXPECT_EQ(suggestion("drwa", {"draft", "view"}), " (did you mean 'draft'? known: draft, view)");
+  EXPECT_EQ(suggestion("drwa", {"draft", "draw_on", "view"}), " (known: draft, draw_on, view)");
   EXPECT_EQ(suggestion("buss", {"bush", "bus", "buses"}), " (did you mean 'bus'?)");
 }
 

@@ -76,9 +76,32 @@ TEST_F(Resources, NamesOfTheProgramsFilesAreKnownEverywhere) {
   EXPECT_THAT(messageOf([&] { found("../../../secret", "scenes"); }), HasSubstr("there is no file"));
 }
 
+// A name without slash and suffix means a file of the program, so that a binary or a folder of that name does no harm.
+TEST_F(Resources, PlainNamesMeanTheProgramsFiles) {
+  folder_.write("project/street", "\x7F");
+  folder_.write("current/street", "\x7F");
+  for (const char* name : {"street", "street.yaml"}) {
+    EXPECT_EQ(found(name, "scenes"), "share/scenes/street.yaml");
+    EXPECT_EQ(foundBySet(name, "scenes"), "share/scenes/street.yaml");
+  }
+  EXPECT_EQ(relative(namedResource("street", "scenes")), "share/scenes/street.yaml");
+  EXPECT_EQ(found("./street", "scenes"), "project/./street");
+  folder_.write("project/yard", "objects: []\n");
+  EXPECT_THAT(messageOf([&] { found("yard", "scenes"); }),
+              AllOf(StartsWith((folder_.path() / "project/p.yaml:2:7: 'yard' is not among").string()),
+                    HasSubstr("write ./yard")));
+  folder_.write("project/street.yaml", "objects: []\n");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(found("street", "scenes"), "share/scenes/street.yaml");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("p.yaml:2:7: 'street' is taken from the files "), HasSubstr("write street.yaml")));
+}
+
 TEST_F(Resources, OnesOwnFilesComeFirst) {
   folder_.write("project/street.yaml", "objects: []\n");
-  EXPECT_EQ(found("street", "scenes"), "project/street.yaml");
+  folder_.write("project/meadow.yaml", "objects: []\n");
+  EXPECT_EQ(found("street.yaml", "scenes"), "project/street.yaml");
+  EXPECT_EQ(found("meadow", "scenes"), "project/meadow.yaml");
   EXPECT_EQ(found("own/yard.yaml", "scenes"), "project/own/yard.yaml");
   EXPECT_EQ(found("own/yard", "scenes"), "project/own/yard.yaml");
 }
@@ -103,12 +126,12 @@ TEST_F(Resources, WhatIsAbsentIsNamedWithPlaceAndTheNearestName) {
               AllOf(HasSubstr("project/p.yaml:2:7: there is no file '"), HasSubstr("project/own/yrad.yaml'"),
                     HasSubstr("did you mean 'yard.yaml'?")));
   EXPECT_THAT(messageOf([&] { found("stret", "scenes"); }),
-              HasSubstr("did you mean 'street.yaml', which comes with the program?"));
+              HasSubstr("did you mean 'street', which comes with the program?"));
   // The nearest of all places, not of the first that has one which is near.
   folder_.write("project/lot.yaml", "");
   folder_.write("share/scenes/town.yaml", "");
   EXPECT_THAT(messageOf([&] { found("twon", "scenes"); }),
-              HasSubstr("did you mean 'town.yaml', which comes with the program?"));
+              HasSubstr("did you mean 'town', which comes with the program?"));
   EXPECT_THAT(messageOf([&] { found("zzz", "labels"); }),
               HasSubstr("the program comes with materials, semantic_kitti"));
   EXPECT_THAT(messageOf([&] { found("own", "labels"); }), HasSubstr("project/own'"));

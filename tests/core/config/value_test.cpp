@@ -80,6 +80,8 @@ TEST(ParseYaml, RefusesWithThePlace) {
               StartsWith("x.yaml:2:3: a key must be text, but this key is a list"));
   EXPECT_THAT(parseError("a: 1\n~: 2\n"), StartsWith("x.yaml:2:1: a key must be text"));
   EXPECT_THAT(parseError("a: &k b\n*k : 2\n"), StartsWith("x.yaml:2:1: a key must be text, but this key is an alias"));
+  EXPECT_THAT(parseError("a: &k {b: 1}\nc: {<<: *k}\n"), StartsWith("x.yaml:2:5: merge keys (<<) are not supported"));
+  EXPECT_EQ(parseError("a: {'<<': 1}"), "accepted");
   EXPECT_THAT(parseError("a: 1\n---\nb: 2\n"), StartsWith("x.yaml:2:1: a second YAML document"));
   EXPECT_THAT(parseError("- a\nb: 1\n"), AllOf(StartsWith("x.yaml:2:1: "), HasSubstr("indentation")));
   EXPECT_THAT(parseError("a:\n\tb: 1\n"), StartsWith("x.yaml:2:1: the indentation has a tab"));
