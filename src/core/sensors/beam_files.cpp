@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "base/format_support.h"
 #include "config/fields.h"
 #include "config/text.h"
 #include "sensors/text_table.h"
@@ -17,11 +18,12 @@ namespace scanmill {
 namespace {
 
 // Returns a name in lower case, reduced to letters, digits and underscores: "Laser id" gives "laserid", "fire time(us)"
-// gives "firetimeus".
+// gives "firetimeus". The letter mu (U+03BC or U+00B5) becomes u.
 std::string plainName(std::string_view name) {
   std::string plain;
   for (const char c : lowerCase(name)) {
     if (('a' <= c && c <= 'z') || ('0' <= c && c <= '9') || c == '_') plain += c;
+    if (c == '\xBC' || c == '\xB5') plain += 'u';
   }
   return plain;
 }
@@ -54,7 +56,11 @@ class BeamTableFile {
   std::optional<std::size_t> column(std::initializer_list<const char*> names) const {
     for (const char* name : names) {
       const auto found = std::find(names_.begin(), names_.end(), name);
-      if (found != names_.end()) return static_cast<std::size_t>(found - names_.begin());
+      if (found == names_.end()) continue;
+      if (std::find(found + 1, names_.end(), name) != names_.end()) {
+        throw InputError(head_.where, fmt::format("the column '{}' is listed twice", name));
+      }
+      return static_cast<std::size_t>(found - names_.begin());
     }
     return std::nullopt;
   }
@@ -69,7 +75,7 @@ class BeamTableFile {
 
   // Returns the numbers of a column in the order of the channels, or of the lines if the table has no channels.
   // Channels are numbered from 1, or from 0 if the table has a channel 0.
-  std::vector<double> numbers(std::size_t column) const {
+  std::vector<double> numbers(std::size_t column, Range range = {}) const {
     const auto channels = this->column({"channel", "laserid", "laser_id", "ring"});
     for (const Row& row : rows_) {
       if (row.cells.size() == names_.size()) continue;
@@ -94,6 +100,9 @@ class BeamTableFile {
       if (known[at]) throw InputError(row.where, "has the channel of an earlier line: give each channel one line");
       known[at] = true;
       numbers[at] = numberOf(row.cells[column], row.where);
+      if (numbers[at] >= range.low && numbers[at] <= range.high) continue;
+      throw InputError(row.where, fmt::format("{} is {:g}, but must be from {:g} to {:g}", names_[column], numbers[at],
+                                              range.low, range.high));
     }
     return numbers;
   }
@@ -117,6 +126,20 @@ class BeamTableFile {
 
 }  // namespace
 
+const FormatSupport& beamTableFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "table of lasers",
+      ".csv",
+      {{Read, "Channel LaserID ring", "number of the laser, from 0 or 1"},
+       {Read, "Elevation Azimuth", "Hesai's angle correction file: degrees, azimuths clockwise"},
+       {Read, "elevation_deg azimuth_offset_deg origin_left_m origin_up_m firing_time_us",
+        "a table of your own: azimuths counter-clockwise"},
+       {Read, "firetime even_firetime odd_firetime",
+        "Hesai's firetime correction file, in us or ns; files with several firing states are refused"}}};
+  return format;
+}
+
 std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   const BeamTableFile table(file);
   const auto own = table.column({"elevation_deg"});
@@ -134,25 +157,19 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
   }
   const auto azimuth = own ? table.column({"azimuth_offset_deg"}) : table.column({"azimuth"});
   std::vector<Laser> lasers;
-  for (const double elevation : table.numbers(own ? *own : *hesai)) lasers.push_back({elevation, 0, 0, 0, 0});
-  const auto fill = [&](const std::optional<std::size_t>& column, double Laser::*figure, double sign) {
+  for (const double elevation : table.numbers(own ? *own : *hesai, {-90, 90})) {
+    lasers.push_back({elevation, 0, 0, 0, 0});
+  }
+  const auto fill = [&](const std::optional<std::size_t>& column, double Laser::*figure, double sign, double most) {
     if (!column) return;
-    const std::vector<double> numbers = table.numbers(*column);
+    const std::vector<double> numbers = table.numbers(*column, {-most, most});
     for (std::size_t i = 0; i < lasers.size(); ++i) lasers[i].*figure = numbers[i] == 0 ? 0 : sign * numbers[i];
   };
-  fill(azimuth, &Laser::azimuth, own ? 1 : -1);
+  fill(azimuth, &Laser::azimuth, own ? 1 : -1, 360);
   if (own) {
-    fill(table.column({"origin_left_m"}), &Laser::left, 1);
-    fill(table.column({"origin_up_m"}), &Laser::up, 1);
-    fill(table.column({"firing_time_us"}), &Laser::firing, 1);
-  }
-  for (const Laser& laser : lasers) {
-    if (std::fabs(laser.elevation) <= 90 && std::fabs(laser.azimuth) <= 360) continue;
-    throw InputError(
-        {file.string()},
-        fmt::format(
-            "has a laser with the elevation {:g} deg and the azimuth {:g} deg: at most 90 and 360 deg are possible",
-            laser.elevation, laser.azimuth));
+    fill(table.column({"origin_left_m"}), &Laser::left, 1, 10);
+    fill(table.column({"origin_up_m"}), &Laser::up, 1, 10);
+    fill(table.column({"firing_time_us"}), &Laser::firing, 1, 1e8);
   }
   for (Laser& laser : lasers) laser.azimuth = std::remainder(laser.azimuth, 360.0);
   return lasers;
@@ -160,7 +177,7 @@ std::vector<Laser> readBeamTable(const std::filesystem::path& file) {
 
 std::vector<double> readFiringTable(const std::filesystem::path& file) {
   const BeamTableFile table(file);
-  const auto micro = table.column({"firing_time_us", "firetimeus", "firetimes", "firetime"});
+  const auto micro = table.column({"firing_time_us", "firetimeus", "firetime"});
   const auto nano = table.column({"even_firetimens", "firetimens"});
   if (!micro && !nano) {
     throw InputError(

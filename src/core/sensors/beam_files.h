@@ -9,6 +9,9 @@
 
 namespace scanmill {
 
+struct FormatSupport;
+const FormatSupport& beamTableFormat();
+
 struct Laser {
   double elevation = 0;  // deg, upwards from the horizontal
   double azimuth = 0;    // deg, counter-clockwise

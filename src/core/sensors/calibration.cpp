@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "base/file.h"
+#include "base/format_support.h"
 #include "base/hash.h"
 #include "config/fields.h"
 #include "config/text.h"
@@ -22,24 +24,68 @@ namespace {
 constexpr std::array<const char*, 5> kMadeKeys{"elevation_deg", "ring_order", "azimuth_offset_deg", "origin_left_m",
                                                "origin_up_m"};
 
+// Throws InputError unless the lasers have the ids 0, 1, 2 and so on, in any order, or no ids at all.
+void checkIds(const Value& lasers) {
+  const auto hasId = [](const Value& laser) { return laser.find("laser_id") != nullptr; };
+  if (std::none_of(lasers.items.begin(), lasers.items.end(), hasId)) return;
+  std::vector<int> lines(lasers.items.size());  // line of the laser with each id; 0: none yet
+  for (const Value& item : lasers.items) {
+    const std::int64_t id = Fields(item, "laser").integer("laser_id", 0, UINT16_MAX);
+    if (id >= std::ssize(lines)) {
+      throw InputError(item.where,
+                       fmt::format("has the laser_id {0}, but the {1} lasers of a file have the ids 0 to {2}: add the "
+                                   "lasers that are missing, or count from 0",
+                                   id, lines.size(), lines.size() - 1));
+    }
+    int& line = lines[static_cast<std::size_t>(id)];
+    if (line != 0) {
+      throw InputError(item.where, fmt::format("has the laser_id {} of the laser in line {}: give each laser an id of "
+                                               "its own",
+                                               id, line));
+    }
+    line = item.where.line;
+  }
+}
+
+// Reads a file of Velodyne's ROS drivers; sorts the lasers from top to bottom.
 std::vector<Laser> readLasers(const Value& file) {
   const Value* lasers = file.find("lasers");
   if (file.kind != Value::Kind::Map || lasers == nullptr || lasers->kind != Value::Kind::Sequence ||
       lasers->items.empty()) {
-    throw InputError(
-        file.where,
-        "is not a calibration: it must be a map with a list `lasers`, as in the ROS drivers of Velodyne sensors");
+    throw InputError(file.where,
+                     "is not a calibration: it must be a map with a list `lasers`, as in the ROS drivers of Velodyne "
+                     "sensors; Ouster's metadata need the suffix .json, tables of beams .csv");
   }
+  if (const Value* const count = file.find("num_lasers")) {
+    const std::int64_t lasersSaid = readInteger(*count, "num_lasers", 1, UINT16_MAX);
+    if (lasersSaid != std::ssize(lasers->items)) {
+      throw InputError(count->where, fmt::format("num_lasers is {}, but `lasers` lists {}: add the lasers that are "
+                                                 "missing, or correct num_lasers",
+                                                 lasersSaid, lasers->items.size()));
+    }
+  }
+  LeftOut leftOut;
+  for (const Value::Entry& entry : file.entries) leftOut.addKeyword(velodyneFormat(), entry.key);
   std::vector<Laser> read;
   for (const Value& item : lasers->items) {
     Fields laser(item, "laser");
-    Laser l;
-    l.elevation = degrees(laser.number("vert_correction", {-kPi / 2, kPi / 2}));
-    l.azimuth = degrees(laser.number("rot_correction", {-kPi, kPi}));
-    l.left = laser.number("horiz_offset_correction", {-10, 10}, 0);
-    l.up = laser.number("vert_offset_correction", {-10, 10}, 0);
-    read.push_back(l);
+    for (const Value::Entry& entry : item.entries) {
+      laser.also({entry.key});
+      leftOut.addKeyword(velodyneFormat(), entry.key);
+    }
+    const auto angle = [&](const char* key, double most) {
+      return degrees(readNumber(laser.require(key), fmt::format("laser: {} (rad)", key), {-most, most}));
+    };
+    const auto offset = [&](const char* key) {
+      constexpr double kMost = 0.5;  // m; the largest sensor has 0.22 m
+      const Value* const value = laser.find(key);
+      return value == nullptr ? 0 : readNumber(*value, fmt::format("laser: {} (m)", key), {-kMost, kMost});
+    };
+    read.push_back({angle("vert_correction", kPi / 2), angle("rot_correction", kPi), offset("horiz_offset_correction"),
+                    offset("vert_offset_correction"), 0});
   }
+  checkIds(*lasers);
+  leftOut.tell(file.where.file);
   std::stable_sort(read.begin(), read.end(), [](const Laser& a, const Laser& b) { return a.elevation > b.elevation; });
   return read;
 }
@@ -91,20 +137,30 @@ struct Unit {
   std::vector<Value::Entry> others;  // further keys; the same keys in the sensor file replace them
 };
 
-// Reads Ouster's metadata. `window`: if true, takes only the columns that the sensor sends according to the file; if
-// false, all columns of the revolution.
-Unit unitOfOuster(const std::filesystem::path& file, bool window) {
+// Reads Ouster's metadata. Takes only the columns that the sensor sends according to the file or, if `value` states
+// columns or a field, all columns of the revolution. Throws InputError if the file lacks the columns or the rate, and
+// neither `value` nor `preset` (null: none) has them.
+Unit unitOfOuster(const std::filesystem::path& file, const Value& value, const Value* preset) {
+  const bool window = value.find("columns") == nullptr && value.find("field_deg") == nullptr;
   const OusterMetadata m = readOusterMetadata(file);
+  const auto has = [&](const char* key) {
+    return value.find(key) != nullptr || (preset != nullptr && preset->find(key) != nullptr);
+  };
+  if ((m.columns == 0 && !has("columns")) || (m.rate == 0 && !has("rate_hz"))) {
+    throw InputError({file.string()},
+                     "has no lidar_mode, which states the columns and the rate: give `columns` and `rate_hz` beside "
+                     "`calibration`");
+  }
   Unit unit;
   for (std::size_t i = 0; i < m.elevation.size(); ++i) unit.lasers.push_back({m.elevation[i], m.azimuth[i], 0, 0, 0});
   const Location where{file.string()};
   const auto add = [&](const char* key, const std::string& text) { unit.others.push_back({key, scalar(text, where)}); };
-  const double step = 360.0 / m.columns;
+  const double step = m.columns == 0 ? 0 : 360.0 / m.columns;
   const std::uint32_t columns = window ? m.windowColumns : m.columns;
   const std::uint32_t first = window ? m.firstColumn : 0;
   if (!m.model.empty()) add("model", m.model);
-  add("columns", std::to_string(columns));
-  add("rate_hz", fmt::format("{}", m.rate));
+  if (columns > 0) add("columns", std::to_string(columns));
+  if (m.rate > 0) add("rate_hz", fmt::format("{}", m.rate));
   add("direction", "clockwise");
   add("first_azimuth_deg", fmt::format("{}", std::remainder(m.firstAzimuth - step * first, 360.0)));
   add("origin_offset_m", fmt::format("{}", m.originOffset));
@@ -113,14 +169,19 @@ Unit unitOfOuster(const std::filesystem::path& file, bool window) {
   return unit;
 }
 
-Unit readUnit(const std::filesystem::path& file, bool window) {
+Unit readUnit(const std::filesystem::path& file, const Value& value, const Value* preset) {
   const std::string kind = lowerExtension(file);
-  if (kind == ".json") return unitOfOuster(file, window);
+  if (kind == ".json") return unitOfOuster(file, value, preset);
   if (kind == ".csv") return {readBeamTable(file), {}};
   if (kind == ".dat") {
     throw InputError({file.string()},
                      "is a correction file of a Hesai sensor with mirrors, whose beams do not lie on cones: such files "
                      "are not read");
+  }
+  if (kind == ".xml") {
+    throw InputError({file.string()},
+                     "is a calibration of VeloView, in degrees and centimetres: convert it with gen_calibration.py of "
+                     "velodyne_pointcloud, which writes the .yaml that is read");
   }
   return {readLasers(readYaml(file)), {}};
 }
@@ -144,6 +205,21 @@ void checkFiring(const Value& preset, const Value& own, const Unit& unit, const 
 
 }  // namespace
 
+const FormatSupport& velodyneFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Velodyne calibration",
+      ".yaml",
+      {{Read, "lasers", "list of lasers"},
+       {Read, "num_lasers laser_id", "must agree with the list: ids from 0, each once"},
+       {Read, "vert_correction rot_correction", "elevation and azimuth (rad)"},
+       {Read, "vert_offset_correction horiz_offset_correction", "place of the beam's origin (m)"},
+       {Unused, "dist_correction dist_correction_x dist_correction_y two_pt_correction_available distance_resolution",
+        "corrections of measured ranges; simulated ranges have no such errors"},
+       {Unused, "focal_distance focal_slope min_intensity max_intensity", "corrections of measured intensities"}}};
+  return format;
+}
+
 Value withCalibration(const Value& value, const Value* preset) {
   if (value.kind != Value::Kind::Map || value.find("calibration") == nullptr) return value;
   for (const char* key : kMadeKeys) {
@@ -154,8 +230,7 @@ Value withCalibration(const Value& value, const Value* preset) {
   }
   const Value& name = *value.find("calibration");
   const std::filesystem::path file = resolvePath(name, readText(name, "calibration"));
-  const bool window = value.find("columns") == nullptr && value.find("field_deg") == nullptr;
-  Unit unit = readUnit(file, window);
+  Unit unit = readUnit(file, value, preset);
   const Value* const order = preset == nullptr ? nullptr : preset->find("ring_order");
   const std::string kind = lowerExtension(file);
   const bool listed = kind == ".json" || kind == ".csv";

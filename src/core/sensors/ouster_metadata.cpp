@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/format_support.h"
 #include "base/vec.h"
 
 namespace scanmill {
@@ -26,7 +27,7 @@ class Reader {
     if (!root_.is_object()) fail("is not the metadata of an Ouster sensor: it must be a map");
   }
 
-  OusterMetadata read() const {
+  OusterMetadata read() {
     OusterMetadata m;
     if (const Json* line = find("sensor_info", "prod_line"); line != nullptr && line->is_string()) {
       m.model = line->get<std::string>();
@@ -35,6 +36,7 @@ class Reader {
     readMode(m);
     readWindow(m);
     readOrigin(m);
+    leftOut_.tell(file_);
     return m;
   }
 
@@ -88,35 +90,54 @@ class Reader {
       m.azimuth.push_back(around[i] == 0 ? 0 : -around[i]);
     }
     if (m.elevation.empty()) fail("gives all beams the angles 0");
+    if (const Json* const rows = format("pixels_per_column"); rows != nullptr && *rows != m.elevation.size()) {
+      fail(fmt::format("has angles of {} beams, but its pixels_per_column are {}", m.elevation.size(), rows->dump()));
+    }
   }
 
+  // Early firmware may lack the mode; the columns and the rate then stand in the format of the packets, or nowhere.
   void readMode(OusterMetadata& m) const {
     const Json* const mode = find("config_params", "lidar_mode");
-    unsigned columns = 0;
-    unsigned rate = 0;
-    char rest = 0;
     const std::string text = mode != nullptr && mode->is_string() ? mode->get<std::string>() : "";
-    if (std::sscanf(text.c_str(), "%ux%u%c", &columns, &rate, &rest) != 2 || columns == 0 || rate == 0 ||
-        columns > 65536 || rate > 1000) {
-      fail(fmt::format("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10",
-                       text));
+    if (!text.empty()) {
+      char rest = 0;
+      unsigned rate = 0;
+      if (std::sscanf(text.c_str(), "%ux%u%c", &m.columns, &rate, &rest) != 2 || m.columns == 0 || rate == 0 ||
+          m.columns > kMostColumns || rate > kHighestRate) {
+        fail(fmt::format("has the lidar_mode '{}', but it must be columns x revolutions per second, such as 1024x10",
+                         text));
+      }
+      m.rate = rate;
     }
-    m.columns = columns;
-    m.rate = rate;
+    const Json* const fps = format("fps");
+    if (fps != nullptr && m.rate == 0) m.rate = number(*fps, "fps", 0.01, kHighestRate);
+    const Json* const columns = format("columns_per_frame");
+    if (columns == nullptr) return;
+    const double count = number(*columns, "columns_per_frame", 1, kMostColumns);
+    if (count != std::floor(count) || (m.columns != 0 && count != m.columns)) {
+      fail(fmt::format("has columns_per_frame {:g} and the lidar_mode '{}': correct one of them", count, text));
+    }
+    m.columns = static_cast<std::uint32_t>(count);
   }
 
   const Json* format(const char* key) const {
     const Json* const found = find("lidar_data_format", key);
     if (found != nullptr) return found;
     const auto old = root_.find("data_format");
-    if (old == root_.end() || !old->is_object() || !old->contains(key)) return nullptr;
+    if (old == root_.end() || !old->is_object() || !old->contains(key) || old->at(key).is_null()) return nullptr;
     return &old->at(key);
   }
 
-  void readWindow(OusterMetadata& m) const {
+  void readWindow(OusterMetadata& m) {
     m.windowColumns = m.columns;
     const Json* const window = format("column_window");
-    if (window == nullptr) return;
+    if (window == nullptr) {
+      const Json* const azimuths = find("config_params", "azimuth_window");
+      // Firmware 1.13 counts in hundredths of a degree, later firmware in thousandths.
+      const bool full = azimuths == nullptr || *azimuths == Json{0, 36000} || *azimuths == Json{0, 360000};
+      if (!full) leftOut_.addKeyword(ousterFormat(), "azimuth_window");
+    }
+    if (window == nullptr || m.columns == 0) return;
     const std::vector<double> ends = numbers(*window, "column_window");
     const auto isColumn = [&](double c) { return c >= 0 && c < m.columns && c == std::floor(c); };
     if (ends.size() != 2 || !isColumn(ends[0]) || !isColumn(ends[1])) {
@@ -128,7 +149,7 @@ class Reader {
     if (m.windowColumns == 1 && m.columns > 1) fail("has a column_window of one column, but it must have at least two");
   }
 
-  void readOrigin(OusterMetadata& m) const {
+  void readOrigin(OusterMetadata& m) {
     // These are the default values of ouster-sdk.
     m.originOffset = m.model.starts_with("OS-0")   ? 0.02767
                      : m.model.starts_with("OS-1") ? 0.015806
@@ -137,22 +158,86 @@ class Reader {
     m.originHeight = 0.03618;
     m.firstAzimuth = 180;
     if (const Json* offset = find("beam_intrinsics", "lidar_origin_to_beam_origin_mm")) {
-      if (!offset->is_number()) fail("lidar_origin_to_beam_origin_mm must be a number");
-      m.originOffset = offset->get<double>() * 1e-3;
+      m.originOffset = number(*offset, "lidar_origin_to_beam_origin_mm", 0, kFarthestOrigin) * 1e-3;
     }
-    const Json* const transform = find("lidar_intrinsics", "lidar_to_sensor_transform");
-    if (transform == nullptr) return;
-    const std::vector<double> t = numbers(*transform, "lidar_to_sensor_transform");
-    if (t.size() != 16) fail("lidar_to_sensor_transform must have 16 numbers");
-    m.firstAzimuth = degrees(std::atan2(t[4], t[0]));
-    m.originHeight = t[11] * 1e-3;
+    if (const auto t = transform("lidar_intrinsics", "lidar_to_sensor_transform")) {
+      m.firstAzimuth = degrees(std::atan2((*t)[4], (*t)[0]));
+      m.originHeight = (*t)[11] * 1e-3;
+      if ((*t)[3] != 0 || (*t)[7] != 0) failTransform("lidar_to_sensor_transform");
+    }
+    // If the beams' origins are above the lidar's, lidar_origin_to_beam_origin_mm is the length of both offsets.
+    if (const auto t = transform("beam_intrinsics", "beam_to_lidar_transform")) {
+      m.originOffset = (*t)[3] * 1e-3;
+      m.originHeight += (*t)[11] * 1e-3;
+      if (std::fabs((*t)[0] - 1) > kRounding || (*t)[7] != 0) failTransform("beam_to_lidar_transform");
+    }
+    const Json* const mount = find("ouster-sdk", "extrinsic");
+    static const Json kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    if (mount != nullptr && *mount != kIdentity) leftOut_.addKeyword(ousterFormat(), "extrinsic");
+    const Json* const start = find("config_params", "lidar_frame_azimuth_offset");
+    if (start != nullptr && *start != 0) leftOut_.addKeyword(ousterFormat(), "lidar_frame_azimuth_offset");
   }
+
+  double number(const Json& value, const char* key, double low, double high) const {
+    if (value.is_number() && value.get<double>() >= low && value.get<double>() <= high) return value.get<double>();
+    fail(fmt::format("{} must be a number from {:g} to {:g}, not {}", key, low, high, value.dump().substr(0, 40)));
+  }
+
+  [[noreturn]] void failTransform(const char* key) const {
+    fail(
+        fmt::format("{} tilts, mirrors or shifts the beams sideways, which is not read: set the key to null, and give "
+                    "its transform by `mount`",
+                    key));
+  }
+
+  // Returns the 16 numbers of a transform, row by row; nullopt if the file has none. Throws InputError unless the
+  // transform rotates about z alone.
+  std::optional<std::vector<double>> transform(const char* group, const char* key) const {
+    const Json* const found = find(group, key);
+    if (found == nullptr) return std::nullopt;
+    const std::vector<double> t = numbers(*found, key);
+    if (t.size() != 16) fail(fmt::format("{} must have 16 numbers", key));
+    const double off = std::fabs(t[0] - t[5]) + std::fabs(t[1] + t[4]) + std::fabs(t[0] * t[0] + t[4] * t[4] - 1) +
+                       std::fabs(t[2]) + std::fabs(t[6]) + std::fabs(t[8]) + std::fabs(t[9]) + std::fabs(t[10] - 1);
+    if (off > kRounding) failTransform(key);
+    return t;
+  }
+
+  static constexpr double kRounding = 1e-3;
+  static constexpr double kFarthestOrigin = 1000;  // mm
+  static constexpr std::uint32_t kMostColumns = 65536;
+  static constexpr double kHighestRate = 1000;  // revolutions per second
 
   std::string file_;
   Json root_;
+  LeftOut leftOut_;
 };
 
 }  // namespace
+
+const FormatSupport& ousterFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "Ouster metadata",
+      ".json",
+      {{Read, "beam_altitude_angles beam_azimuth_angles", "angles of the beams; those of unused lasers are 0"},
+       {Read, "lidar_mode columns_per_frame fps", "columns and rate; a sensor's keys stand in if the file has neither"},
+       {Read, "pixels_per_column", "must be the number of beams"},
+       {Read, "column_window", "the part of the revolution that is sent"},
+       {Read, "lidar_to_sensor_transform", "rotation about z and height of the lidar; others are refused"},
+       {Read, "beam_to_lidar_transform lidar_origin_to_beam_origin_mm",
+        "place of the beams' origins; if both are missing, the value of Ouster's software for the model"},
+       {Read, "prod_line", "name of the model"},
+       {Unused, "pixel_shift_by_row columns_per_packet udp_profile_lidar udp_profile_imu header_type",
+        "layout of packets and images; the azimuths of the beams say the same"},
+       {Unused, "imu_to_sensor_transform", "place of the IMU"},
+       {Unused, "signal_multiplier phase_lock_enable phase_lock_offset timestamp_mode operating_mode return_order",
+        "operation of the sensor; ranges and returns are keys of the pipeline"},
+       {LeftOut, "extrinsic", "extrinsic transforms, which `mount` gives"},
+       {LeftOut, "azimuth_window", "azimuth windows without a column_window"},
+       {LeftOut, "lidar_frame_azimuth_offset", "azimuths at which frames begin"}}};
+  return format;
+}
 
 OusterMetadata readOusterMetadata(const std::filesystem::path& file) {
   return Reader(file).read();

@@ -10,12 +10,15 @@
 
 namespace scanmill {
 
+struct FormatSupport;
+const FormatSupport& ousterFormat();
+
 struct OusterMetadata {
   std::string model;  // "OS-1-128", or empty if the file does not name the model
   // Angles per ring (deg), in the file's order, without unused lasers; azimuths are counter-clockwise.
   std::vector<double> elevation, azimuth;
-  std::uint32_t columns = 0;  // columns per revolution
-  double rate = 0;            // revolutions per second
+  std::uint32_t columns = 0;  // columns per revolution; 0: the file does not state them
+  double rate = 0;            // revolutions per second; 0: the file does not state it
   // First column and number of columns of the window that the sensor reports.
   std::uint32_t firstColumn = 0, windowColumns = 0;
   double firstAzimuth = 0;  // deg, azimuth of column 0

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/file.h"
+#include "base/format_support.h"
 #include "config/text.h"
 #include "sensors/text_table.h"
 
@@ -35,10 +36,35 @@ Affine rigid(const std::array<double, 12>& m, const Location& where) {
   for (const Vec3d& d : {product.x - Vec3d{1, 0, 0}, product.y - Vec3d{0, 1, 0}, product.z - Vec3d{0, 0, 1}}) {
     off += std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
   }
-  if (!(off < 1e-2))
-    throw InputError(where, "is not a rigid transform: its first three columns must be orthogonal unit vectors");
+  if (!(off < 1e-2)) {
+    throw InputError(where,
+                     fmt::format("is not a rigid transform: its first three columns must be orthogonal unit "
+                                 "vectors{}",
+                                 determinant(affine.linear) < 0 ? " of right-handed axes; these are left-handed" : ""));
+  }
   return affine;
 }
+
+// The poses that are left out of one file.
+class LostPoses {
+ public:
+  // True if a number of the line is NaN; counts the line then. `columns`: those that are read, from 0.
+  bool has(const TextLine& line, const std::vector<std::size_t>& columns) {
+    const std::vector<std::string_view> cells = cellsOf(line.text);
+    const auto isNan = [&](std::size_t i) { return i < cells.size() && lowerCase(cells[i]).ends_with("nan"); };
+    if (std::none_of(columns.begin(), columns.end(), isNan)) return false;
+    if (count_++ == 0) first_ = line.where.line;
+    return true;
+  }
+  void tell(const std::filesystem::path& file, LeftOut leftOut = {}) const {
+    leftOut.add(fmt::format("poses with NaN, the first in line {}", first_), count_);
+    leftOut.tell(file.string());
+  }
+
+ private:
+  std::uint64_t count_ = 0;
+  int first_ = 0;
+};
 
 // Sets each pose's rotation to the direction of travel: from the last mark before the pose to the first mark after it.
 // Marks are poses at least 5 cm apart, so that a vehicle that stands still heads for its next mark.
@@ -68,6 +94,25 @@ std::string_view unquoted(std::string_view cell) {
   return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2) : cell;
 }
 
+// Returns the name of a column in our words: "timestamp [ns]" gives "time_ns", and the EuRoC dataset's "p_RS_R_x [m]"
+// and "q_RS_w []" give "x" and "qw". `euroc`: true if the table is the EuRoC dataset's ground truth, whose times are in
+// ns without saying so.
+std::string columnName(std::string_view cell, bool euroc) {
+  std::string name = lowerCase(unquoted(cell));
+  if (name == "timestamp" && euroc) return "time_ns";
+  std::string unit;
+  const std::size_t bracket = name.find('[');
+  if (bracket != std::string::npos && name.ends_with(']')) {
+    unit = name.substr(bracket + 1, name.size() - bracket - 2);
+    name.erase(name.find_last_not_of(' ', bracket - 1) + 1);
+    if (name == "timestamp") name = "time";
+  }
+  if (name.starts_with("p_rs_r_")) name.erase(0, 7);
+  if (name.starts_with("q_rs_")) name.replace(0, 5, "q");
+  const bool usual = unit.empty() || unit == "m" || unit == "rad" || unit == "s";
+  return usual || !poseFormat().has(FormatElements::Use::Read, name) ? name : name + "_" + unit;
+}
+
 // Finds the columns of a table of poses by their names.
 class PoseColumns {
  public:
@@ -75,9 +120,11 @@ class PoseColumns {
     const std::vector<std::string_view> names = cellsOf(head.text);
     count_ = names.size();
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const std::string name = lowerCase(unquoted(names[i]));
+      const std::string name = columnName(names[i], lowerCase(head.text).find("p_rs_r_x") != std::string::npos);
       if (!columns_.emplace(name, i).second)
         throw InputError(where_, fmt::format("the column {} is listed twice", name));
+      if (!name.empty()) leftOut_.addKeyword(poseFormat(), name);
+      if (poseFormat().has(FormatElements::Use::Read, name)) read_.push_back(i);
     }
     static const std::map<std::string, double> kTimes{
         {"time", 1}, {"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_ns", 1e-9}};
@@ -116,6 +163,8 @@ class PoseColumns {
   }
 
   bool has(const std::string& name) const { return columns_.contains(name); }
+  const LeftOut& leftOut() const { return leftOut_; }
+  const std::vector<std::size_t>& read() const { return read_; }
   bool headed() const {
     return has("qw") || std::any_of(kAngles.begin(), kAngles.end(),
                                     [&](const char* a) { return has(a) || has(std::string(a) + "_deg"); });
@@ -151,9 +200,30 @@ class PoseColumns {
   std::map<std::string, std::size_t> columns_;
   std::optional<std::size_t> time_;
   double second_ = 1;
+  LeftOut leftOut_;                // columns that are not read
+  std::vector<std::size_t> read_;  // indices of the columns that are
 };
 
 }  // namespace
+
+const FormatSupport& poseFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "recorded poses",
+      ".csv, .txt, .json",
+      {{Read, "time time_ms time_us time_ns", "table: time; also timestamp [ns], and EuRoC's timestamp"},
+       {Read, "x y z", "table: position (m), also as EuRoC's p_RS_R_x"},
+       {Read, "qw qx qy qz", "table: rotation, also as EuRoC's q_RS_w"},
+       {Read, "yaw pitch roll yaw_deg pitch_deg roll_deg", "table: rotation by angles"},
+       {Unused, "v_rs_r_x v_rs_r_y v_rs_r_z b_w_rs_s_x b_w_rs_s_y b_w_rs_s_z b_a_rs_s_x b_a_rs_s_y b_a_rs_s_z",
+        "table: EuRoC's velocities, which follow from the positions, and biases"},
+       {LeftOut, "", "table: other columns"},
+       {Read, "", "tum: lines time x y z qx qy qz qw, times in s"},
+       {Read, "", "kitti: lines of 12 numbers, with the line Tr of calib.txt"},
+       {Read, "", "nuscenes: ego_pose.json, beside scene.json, sample.json and sample_data.json"},
+       {LeftOut, "", "table and tum: poses with NaN; kitti, whose times are counted by lines, may have none"}}};
+  return format;
+}
 
 Quat checkedRotation(const Quat& q, const Location& where) {
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
@@ -194,21 +264,39 @@ Affine readKittiCalibration(const std::filesystem::path& file) {
 
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file) {
   const std::string bytes = readFile(file);
+  // A comment may name the columns.
+  if (bytes.find("qw") < bytes.find("qx") && bytes.find("qx") != std::string::npos) {
+    throw InputError({file.string()},
+                     "names qw before qx, but a line must be time x y z qx qy qz qw: make it a .csv table, whose first "
+                     "line names the columns (time, x, y, z, qw, qx, qy, qz)");
+  }
   std::vector<StampedPose> poses;
+  LostPoses lost;
   for (const TextLine& line : linesOf(bytes, file)) {
+    if (lost.has(line, {0, 1, 2, 3, 4, 5, 6, 7})) continue;
     const auto n = numbersOf<8>(line.text, line.where, "time x y z qx qy qz qw");
     poses.push_back(
         {n[0], {checkedRotation({n[7], n[4], n[5], n[6]}, line.where), {n[1], n[2], n[3]}}, line.where.line});
   }
+  lost.tell(file);
   return poses;
 }
 
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file) {
-  const std::string bytes = readFile(file);
-  const std::vector<TextLine> lines = linesOf(bytes, file);
+  std::string bytes = readFile(file);
+  std::vector<TextLine> lines = linesOf(bytes, file);
+  const std::size_t comment = bytes.find('#');
+  if (comment < bytes.find('\n') && lines.front().text.find_first_of("+-.0123456789") == 0) {
+    bytes[comment] = ' ';  // the names are behind a #
+    lines = linesOf(bytes, file);
+  }
   const PoseColumns columns(lines.front());
   std::vector<StampedPose> poses;
-  for (std::size_t i = 1; i < lines.size(); ++i) poses.push_back(columns.poseOf(lines[i]));
+  LostPoses lost;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    if (!lost.has(lines[i], columns.read())) poses.push_back(columns.poseOf(lines[i]));
+  }
+  lost.tell(file, columns.leftOut());
   if (!columns.headed()) headAlong(poses);
   return poses;
 }

@@ -11,6 +11,9 @@
 
 namespace scanmill {
 
+struct FormatSupport;
+const FormatSupport& poseFormat();
+
 // Returns the rotation scaled to length 1. Throws InputError if the length of `q` differs from 1 by a hundredth or
 // more.
 Quat checkedRotation(const Quat& q, const Location& where);
@@ -19,6 +22,8 @@ std::vector<Affine> readKittiPoses(const std::filesystem::path& file);
 std::vector<double> readTimes(const std::filesystem::path& file);  // returns the times (s), one per line of the file
 // Returns cameraFromScanner, the row `Tr` of a calib.txt of KITTI's odometry.
 Affine readKittiCalibration(const std::filesystem::path& file);
+// The next two leave out poses with NaN, which trackers write where they lost the vehicle, and warn of them. A table
+// may have its column names behind a #, as in the EuRoC dataset.
 std::vector<StampedPose> readTumPoses(const std::filesystem::path& file);
 std::vector<StampedPose> readPoseTable(const std::filesystem::path& file);
 // Returns the poses of the vehicle at the times of a scene's scans. `file`: the table ego_pose.json, whose folder must

@@ -13,6 +13,8 @@
 namespace scanmill {
 namespace {
 
+constexpr double kLatest = 1e11;  // s since 1970; a time in ms is later
+
 // Converts from the axes x forward, y left, z up to a camera's axes x right, y down, z forward.
 constexpr Mat3 kCameraFromVehicle{{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}};
 
@@ -142,6 +144,7 @@ std::string RecordedPoses::about() const {
 
 std::string RecordedPoses::doubt() const {
   constexpr double kFastest = 100;  // m/s; a larger speed between two poses causes a warning
+  constexpr double kFarApart = 10;  // s; a larger mean time between poses causes a warning
   constexpr double kMoves = 0.5;    // m/s; below this speed the direction of travel is not tested
   double upright = 0;
   double ahead = 0;
@@ -161,6 +164,8 @@ std::string RecordedPoses::doubt() const {
     moved += far;
     ahead += dot(axes.x, way);
   }
+  const double apart = duration() / static_cast<double>(poses_.size() - 1);
+  if (apart > kFarApart) return fmt::format("its poses are {:.6g} s apart: are their times in seconds?", apart);
   if (upright < 0)
     return "the vehicle is upside down: is the order of the quaternion right, or are the poses of a camera (`frame: "
            "camera`)?";
@@ -196,6 +201,12 @@ RecordedPoses readRecordedPoses(const Value& value) {
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     checkedPosition(poses[i].pose.translation, {file.string(), poses[i].line});
+    if (std::fabs(poses[i].time) > kLatest) {
+      throw InputError({file.string(), poses[i].line},
+                       fmt::format("has the time {:.6g} s: times must be in seconds, or in a .csv table in a column "
+                                   "time_ms, time_us or time_ns",
+                                   poses[i].time));
+    }
     if (i == 0 || poses[i].time > poses[i - 1].time) continue;
     throw InputError(
         {file.string(), poses[i].line},

@@ -12,6 +12,9 @@ namespace scanmill {
 
 std::vector<TextLine> linesOf(const std::string& bytes, const std::filesystem::path& file) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+    throw InputError({file.string()}, "is UTF-16 text: save it as UTF-8, for example with 'iconv -f UTF-16 -t UTF-8'");
+  }
   std::vector<TextLine> lines;
   int number = 0;
   for (std::size_t at = bytes.starts_with(kMark) ? kMark.size() : 0; at < bytes.size();) {
@@ -45,10 +48,10 @@ std::vector<std::string_view> cellsOf(std::string_view text) {
 
 double numberOf(std::string_view text, const Location& where) {
   double number = 0;
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
-    throw InputError(where, fmt::format("{} is not a number", quotedForMessage(text)));
+  const std::string_view plain = text.substr(text.starts_with('+') && !text.starts_with("+-") ? 1 : 0);
+  const auto [end, error] = std::from_chars(plain.data(), plain.data() + plain.size(), number);
+  if (error != std::errc() || end != plain.data() + plain.size() || !std::isfinite(number)) {
+    throw InputError(where, fmt::format("{} is not a number{}", quotedForMessage(text), numberAdvice(text)));
   }
   return number;
 }

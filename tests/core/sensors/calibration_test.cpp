@@ -121,5 +121,48 @@ TEST(Calibration, RefusesWhatIsNone) {
               AllOf(HasSubstr("sensor.yaml:1"), HasSubstr("`elevation_deg` follows from the `calibration`")));
 }
 
+TEST(Calibration, LasersThatAreListedTwiceOrMissingAreRefused) {
+  const TemporaryFolder folder;
+  const auto refusal = [&](const std::string& text, const std::string& name = "u.yaml") {
+    folder.write(name, text);
+    return messageOf([&] {
+      const std::string keys = "{columns: 10, rate_hz: 5, range_m: [1, 50], calibration: " + name + "}";
+      makeBeams(parseYaml(keys, (folder.path() / "s.yaml").string()));
+    });
+  };
+  const auto lasers = [](std::initializer_list<int> ids) {
+    std::string text = "lasers:\n";
+    for (const int id : ids) {
+      text += "- {laser_id: " + std::to_string(id) + ", rot_correction: 0, vert_correction: 0}\n";
+    }
+    return text;
+  };
+  EXPECT_EQ(refusal(lasers({2, 0, 1}) + "num_lasers: 3\n"), "accepted");
+  EXPECT_THAT(refusal(lasers({0, 1, 0})), AllOf(HasSubstr("u.yaml:4"), HasSubstr("laser_id 0 of the laser in line 2")));
+  EXPECT_THAT(refusal(lasers({0, 2})), AllOf(HasSubstr("u.yaml:3"), HasSubstr("laser_id 2, but"), HasSubstr("0 to 1")));
+  EXPECT_THAT(refusal(lasers({0, 1}) + "num_lasers: 16\n"),
+              AllOf(HasSubstr("u.yaml:4"), HasSubstr("num_lasers is 16, but `lasers` lists 2")));
+  EXPECT_THAT(refusal(lasers({0}) + "- {rot_correction: 0, vert_correction: 0}\n"),
+              AllOf(HasSubstr("u.yaml:3"), HasSubstr("'laser_id' is missing")));
+  // Neither a distance in place of an angle nor other units.
+  EXPECT_THAT(refusal("lasers: [{rot_correction: 0, vert_offset_correction: 0}]"),
+              HasSubstr("the key 'vert_correction' is missing"));
+  EXPECT_THAT(refusal("lasers: [{rot_correction: 4.2, vert_correction: 0}]"), HasSubstr("rot_correction (rad)"));
+  EXPECT_THAT(refusal("lasers: [{rot_correction: 0, vert_correction: 0, horiz_offset_correction: 2.6}]"),
+              HasSubstr("horiz_offset_correction (m) must be a number from -0.5 to 0.5"));
+  EXPECT_THAT(refusal("<boost_serialization/>", "u.xml"), HasSubstr("gen_calibration.py"));
+  EXPECT_THAT(refusal("Channel\tElevation\tAzimuth\n1\t2\t3\n", "u.calib"), HasSubstr("tables of beams .csv"));
+}
+
+TEST(Calibration, UnknownKeysAreTold) {
+  const TemporaryFolder folder;
+  const std::string file =
+      folder.write("u.yaml", "lasers: [{rot_correction: 0, vert_correction: 0, focal_slope: 1, horiz_offset: 0.02}]\n");
+  testing::internal::CaptureStderr();
+  (void)withCalibration(parseYaml("calibration: " + file, "s.yaml"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("u.yaml: left out: 1 unknown 'horiz_offset'\n"), testing::Not(HasSubstr("focal"))));
+}
+
 }  // namespace
 }  // namespace scanmill

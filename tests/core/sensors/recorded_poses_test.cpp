@@ -132,6 +132,7 @@ TEST_F(RecordedPosesFiles, DoubtsWhatCanHardlyBeMeant) {
   EXPECT_EQ(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,0.1,0,0,90\n"), "") << "it hardly moves";
   EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,0\n0.001,5,0,0,0\n"), HasSubstr("5000 m/s"));
   EXPECT_THAT(doubt("time,x,y,z,yaw_deg\n0,0,0,0,90\n1,5,0,0,90\n"), HasSubstr("differs from its direction of travel"));
+  EXPECT_THAT(doubt("time,x,y,z\n0,0,0,0\n100,5,0,0\n"), HasSubstr("100 s apart: are their times in seconds"));
   EXPECT_THAT(doubt("time,x,y,z,roll_deg\n0,0,0,0,180\n1,5,0,0,180\n"), HasSubstr("upside down"));
 }
 
@@ -184,11 +185,17 @@ TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
               HasSubstr("order of its numbers"));
   EXPECT_THAT(refused("a.txt", "", ", format: tum"), HasSubstr("is empty"));
   EXPECT_THAT(refused("a.txt", "0 0 0 0 0 0 0 1\n", ", format: tum"), HasSubstr("has 1 poses"));
-  EXPECT_THAT(refused("a.txt", "0 0 0 nan 0 0 0 1\n", ", format: tum"), HasSubstr("not a number"));
+  EXPECT_THAT(refused("a.txt", "1.4e18 0 0 0 0 0 0 1\n1.5e18 0 0 0 0 0 0 1\n", ", format: tum"),
+              AllOf(HasSubstr("a.txt:1"), HasSubstr("times must be in seconds")));
+  EXPECT_THAT(refused("a.txt", "# timestamp tx ty tz qw qx qy qz\n0 0 0 0 1 0 0 0\n", ", format: tum"),
+              HasSubstr("names qw before qx"));
   const std::string kitti = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n";
   EXPECT_THAT(refused("k.txt", kitti, ", format: kitti"), HasSubstr("either `times`"));
   EXPECT_THAT(refused("k.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n", ", format: kitti, interval: 1"),
               AllOf(HasSubstr("k.txt:1"), HasSubstr("rigid")));
+  EXPECT_THAT(refused("k.txt", "1 0 0 0 0 1 0 0 0 0 -1 0\n", ", format: kitti, interval: 1"), HasSubstr("left-handed"));
+  EXPECT_THAT(refused("k.txt", kitti + "nan 0 0 0 0 1 0 0 0 0 1 0\n", ", format: kitti, interval: 1"),
+              AllOf(HasSubstr("k.txt:3"), HasSubstr("not a number")));
   folder_.write("t.txt", "0\n");
   EXPECT_THAT(refused("k.txt", kitti, ", format: kitti, times: t.txt"), HasSubstr("1 times for the 2 poses"));
   folder_.write("c.txt", "P0: 1\n");
@@ -202,6 +209,40 @@ TEST_F(RecordedPosesFiles, MistakesAreNamedWithTheirLine) {
   EXPECT_THAT(refused("a.csv", "time,x,y,z\n0,0,0,0\n1,2,0,0\n", ", scene: x"), HasSubstr("scene is not for"));
   EXPECT_THAT(refusal("file: gone.csv"), HasSubstr("gone.csv"));
   EXPECT_THAT(refusal("file: a.csv", ", speed: 4"), HasSubstr("speed is for paths that are driven: a recording"));
+}
+
+// Trackers write NaN where they lost the vehicle.
+TEST_F(RecordedPosesFiles, PosesWithNanAreLeftOutAndTold) {
+  const auto warnings = [&](const std::string& recorded) {
+    testing::internal::CaptureStderr();
+    EXPECT_LT(length(drive(recorded).pose(10, 0).translation - Vec3d{5, 0, 0}), 1e-9);
+    return testing::internal::GetCapturedStderr();
+  };
+  folder_.write("a.txt", "0 0 0 0 0 0 0 1\r\n0.5 nan nan nan 0 0 0 1\r\n0.6 1 NaN 1 0 0 0 1\r\n2 10 0 0 0 0 0 1");
+  EXPECT_THAT(warnings("file: a.txt, format: tum"),
+              HasSubstr("a.txt: left out: 2 poses with NaN, the first in line 2"));
+  folder_.write("a.csv", "\xEF\xBB\xBFtime,x,y,z,speed,\n0,0,0,0,nan,\n1,nan,0,0,1,\n2,10,0,0,1,\n");
+  EXPECT_THAT(warnings("file: a.csv"),
+              AllOf(HasSubstr("1 poses with NaN, the first in line 3"), HasSubstr("1 unknown 'speed'")));
+}
+
+// The ground truth of the EuRoC dataset: names behind a #, times in ns, w first.
+TEST_F(RecordedPosesFiles, EurocsTablesAreRead) {
+  folder_.write(
+      "data.csv",
+      "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z [], v_RS_R_x "
+      "[m s^-1]\n1403636580838555648,1,2,3,0.5,0.5,0.5,0.5,0\n1403636581838555648,1,7,3,0.5,0.5,0.5,0.5,5\n");
+  const Pose pose = drive("file: data.csv").pose(10, 0);
+  EXPECT_LT(length(pose.translation - Vec3d{1, 7, 3}), 1e-6);
+  EXPECT_LT(length(headingOf(pose) - Vec3d{0, 1, 0}), 1e-9);
+  folder_.write("t.csv", "timestamp [ms],x [m],y [m],z [m],yaw [deg]\n0,0,0,0,90\n1000,0,5,0,90\n");
+  EXPECT_LT(length(headingOf(drive("file: t.csv").pose(5, 0)) - Vec3d{0, 1, 0}), 1e-9);
+  for (const char* x : {"x [mm]", "p_RS_R_x [mm]"}) {
+    folder_.write("t.csv", std::string("time,") + x + ",y,z\n0,0,0,0\n1,5,0,0\n");
+    EXPECT_THAT(refusal("file: t.csv"), HasSubstr("no column x"));
+  }
+  folder_.write("t.csv", "timestamp,x,y,z\n0,0,0,0\n1,5,0,0\n");
+  EXPECT_THAT(refusal("file: t.csv"), HasSubstr("it has no time"));
 }
 
 // Poses that are closer than 5 cm have a heading too: here a circle, at 100 Hz.

@@ -105,6 +105,61 @@ TEST_F(VendorFiles, AWindowOfColumnsIsAPartOfTheRevolution) {
   EXPECT_THAT(refusedJson(json), HasSubstr("one column"));
 }
 
+// Early firmware: no mode, so that the columns and the rate come from the packets' format, or from the pipeline.
+TEST_F(VendorFiles, MetadataWithoutAModeNeedTheSensorsColumnsAndRate) {
+  const std::string mode = R"("lidar_mode": "512x20")";
+  std::string json = kOld;
+  json.replace(json.find(mode), mode.size(), R"("lidar_mode": "")");
+  EXPECT_THAT(refusedJson(json), AllOf(HasSubstr("m.json"), HasSubstr("give `columns` and `rate_hz`")));
+  EXPECT_THAT(refusal("calibration: m.json, range_m: [1, 100], columns: 100"),
+              HasSubstr("give `columns` and `rate_hz`"));
+  const auto own = sensor("calibration: m.json, range_m: [1, 100], columns: 100, rate_hz: 5");
+  EXPECT_EQ(own->columns, 100u);
+  EXPECT_NEAR(own->originHeight, 0.04, 1e-12);
+  folder_.write("p.yaml", "columns: 90\nrate_hz: 2\nelevation_deg: [3, 2, 1]\nrange_m: [1, 100]\n");
+  EXPECT_EQ(sensor("preset: p.yaml, calibration: m.json")->columns, 90u);
+  json.insert(1, R"("data_format": {"columns_per_frame": 2048, "fps": 10}, )");
+  folder_.write("m.json", json);
+  const auto packets = sensor("calibration: m.json, range_m: [1, 100]");
+  EXPECT_EQ(packets->columns, 2048u);
+  EXPECT_DOUBLE_EQ(packets->period, 0.1);
+  json = kOld;
+  json.insert(1, R"("data_format": {"columns_per_frame": 1024}, )");
+  EXPECT_THAT(refusedJson(json), HasSubstr("has columns_per_frame 1024 and the lidar_mode '512x20'"));
+  json = kOld;
+  json.insert(1, R"("data_format": {"pixels_per_column": 64}, )");
+  EXPECT_THAT(refusedJson(json), HasSubstr("has angles of 3 beams, but its pixels_per_column are 64"));
+}
+
+// The beams of an OSDome start above the lidar's origin: lidar_origin_to_beam_origin_mm is then the hypotenuse.
+TEST_F(VendorFiles, TransformsOfMetadataAreReadOrRefused) {
+  const auto with = [](const std::string& key, const std::string& numbers) {
+    std::string json = kOld;
+    json.erase(json.find(", \"lidar_to_sensor_transform\""));
+    return json + ", \"" + key + "\": [" + numbers + "]}";
+  };
+  folder_.write("m.json", with("beam_to_lidar_transform", "1, 0, 0, 9, 0, 1, 0, 0, 0, 0, 1, 7, 0, 0, 0, 1"));
+  const auto dome = sensor("calibration: m.json, range_m: [1, 100]");
+  EXPECT_NEAR(dome->originOffset, 0.009, 1e-12);
+  EXPECT_NEAR(dome->originHeight, 0.03618 + 0.007, 1e-12);
+  const char* const kShifted = "1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 36, 0, 0, 0, 1";
+  const char* const kTilted = "1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 36, 0, 0, 0, 1";
+  const char* const kMirrored = "1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36, 0, 0, 0, 1";
+  for (const char* numbers : {kShifted, kTilted, kMirrored}) {
+    EXPECT_THAT(refusedJson(with("lidar_to_sensor_transform", numbers)), HasSubstr("tilts, mirrors or shifts"));
+  }
+  EXPECT_THAT(refusedJson(with("beam_to_lidar_transform", "-1, 0, 0, 9, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1")),
+              HasSubstr("beam_to_lidar_transform tilts"));
+  std::string json = kOld;
+  json.insert(1, R"("config_params": {"azimuth_window": [0, 90000], "lidar_frame_azimuth_offset": 5},
+                    "ouster-sdk": {"extrinsic": [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]}, )");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refusedJson(json), "accepted");
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              AllOf(HasSubstr("m.json: left out: "), HasSubstr("1 azimuth windows"), HasSubstr("which `mount` gives"),
+                    HasSubstr("1 azimuths at which frames begin")));
+}
+
 TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
   EXPECT_THAT(refusedJson("{"), AllOf(HasSubstr("m.json"), HasSubstr("not JSON")));
   EXPECT_THAT(refusedJson("[]"), HasSubstr("a map"));
@@ -117,7 +172,7 @@ TEST_F(VendorFiles, MetadataThatIsNoneIsRefused) {
   EXPECT_THAT(with("[1, \"x\"]", "[1, 2]", ""), HasSubstr("entry 1 must be a number"));
   EXPECT_THAT(with("[[1], [2]]", "[[1], [2]]", ""), HasSubstr("only metadata of spinning sensors"));
   EXPECT_THAT(with("[100]", "[1]", ""), HasSubstr("altitude 100"));
-  EXPECT_THAT(with("[1]", "[1]", ""), HasSubstr("lidar_mode"));
+  EXPECT_THAT(with("[1]", "[1]", ""), HasSubstr("has no lidar_mode"));
   EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "fast")"), HasSubstr("'fast'"));
   EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "0x10")"), HasSubstr("columns x revolutions"));
   EXPECT_THAT(with("[1]", "[1]", R"(, "lidar_mode": "512x10", "data_format": {"column_window": [0, 600]})"),
@@ -232,8 +287,16 @@ TEST_F(VendorFiles, TablesThatAreNoneAreRefusedWithTheirLine) {
   EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,2,0\n5,3,0\n"),
               AllOf(HasSubstr("t.csv:3"), HasSubstr("channel 5")));
   EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,up,0\n"), HasSubstr("not a number"));
-  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,95,0\n"), HasSubstr("elevation 95 deg"));
+  EXPECT_THAT(refused("Channel,Elevation,Azimuth\n1,95,0\n"),
+              AllOf(HasSubstr("t.csv:2"), HasSubstr("elevation is 95")));
+  EXPECT_THAT(refused("Channel,Elevation,Elevation\n1,2,3\n"), HasSubstr("'elevation' is listed twice"));
+  EXPECT_THAT(refused("elevation_deg\n+-5\n"), HasSubstr("'+-5' is not a number"));
+  EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", "Channel,fire time(s)\n1,2\n")); }),
+              HasSubstr("fire time(us)"));
   EXPECT_THAT(refused(""), HasSubstr("is empty"));
+  EXPECT_THAT(refused("\xFF\xFE"
+                      "C"),
+              HasSubstr("UTF-16"));
   EXPECT_THAT(messageOf([&] { readFiringTable(folder_.write("s.csv", "Operational State,0,0\n1,2,3\n")); }),
               AllOf(HasSubstr("s.csv:1"), HasSubstr("several firing states")));
   folder_.write("a.dat", "x");
@@ -278,7 +341,8 @@ TEST_F(VendorFiles, TablesAreReadToTheLetter) {
     folder_.write("h.CSV", table);
     return refusal("calibration: h.CSV, columns: 100, rate_hz: 10, range_m: [1, 100]");
   };
-  EXPECT_THAT(refused("Channel;Elevation;Azimuth\n1;2,5;0,1\n"), AllOf(HasSubstr("h.CSV:2"), HasSubstr("'2,5'")));
+  EXPECT_THAT(refused("Channel;Elevation;Azimuth\n1;2,5;0,1\n"),
+              AllOf(HasSubstr("h.CSV:2"), HasSubstr("'2,5' is not a number (write a point")));
   EXPECT_THAT(refused("elevation_deg,azimuth_offset_deg\n2,-2,7\n"),
               HasSubstr("has 3 cells, but the first line has 2"));
   EXPECT_THAT(refused("Channel,Elevation,Azimut\n1,2,3\n"), HasSubstr("did you mean 'azimuth'"));
