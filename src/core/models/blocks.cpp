@@ -1,4 +1,4 @@
-// Builds buildings with any outline: walls with windows, floors and inner walls behind them, a flat roof.
+// Builds buildings with any outline: walls with windows, floors and inner walls behind them, a flat or pitched roof.
 
 #include <algorithm>
 #include <boost/polygon/polygon.hpp>
@@ -45,8 +45,8 @@ std::vector<Point2> pointsOf(const Polygon& polygon) {
 
 class BlockMaker {
  public:
-  BlockMaker(SceneBuilder& builder, std::uint64_t seed, const Block& block)
-      : b_(block), draw_(seed, Kind::House, 2000000 + block.number), s_(builder, "block") {
+  BlockMaker(Shape& shape, std::uint64_t seed, const Block& block)
+      : b_(block), draw_(seed, Kind::House, 2000000 + block.number), s_(shape) {
     const char* const wall = draw_.chance(0.4) ? "brick" : draw_.chance(0.7) ? "plaster_tinted" : "plaster";
     look_.wall = s_.surface("building", block.floors == 0 && draw_.chance(0.4) ? "wood" : wall);
     look_.trim = s_.surface("building", "concrete");
@@ -55,11 +55,12 @@ class BlockMaker {
     look_.tile = s_.surface("building", "roof_tile");
     look_.glass = s_.surface("window", "glass");
     look_.casing = s_.surface("window", draw_.chance(0.5) ? "wood" : "painted_metal");
-    look_.foundation = kBelowSlopes;
+    look_.foundation = block.base > 0 ? block.base : kBelowSlopes;
     base_ = block.floors > 0 ? draw_.in(0.1, 0.4) : 0;
+    if (block.base > 0) base_ = block.base;
     storey_ = draw_.in(2.8, 3.3);
     if (block.height > 0 && block.floors > 0) storey_ = std::max(2.3, (block.height - base_ - 0.4) / block.floors);
-    look_.top = block.floors > 0 ? base_ + storey_ * block.floors + 0.4 : std::max(block.height, 2.2);
+    look_.top = block.floors > 0 ? base_ + storey_ * block.floors + 0.4 : block.height > 0 ? block.height : 2.2;
     windowWidth_ = draw_.in(1, 1.6);
     windowHeight_ = std::min(draw_.in(1.3, 1.7), storey_ - 1.1);
     spacing_ = windowWidth_ + draw_.in(0.8, 1.8);
@@ -67,21 +68,24 @@ class BlockMaker {
     for (const std::vector<Point2>& court : block.courts) plan_.insert(ringOf(court), true);
   }
 
-  Model make() {
-    const std::size_t door = nearestWall();
+  void make() {
+    const std::size_t door = b_.door && b_.base <= 0 ? nearestWall() : b_.outline.size();
     for (std::size_t i = 0; i < b_.outline.size(); ++i) {
       wall(b_.outline[i], b_.outline[(i + 1) % b_.outline.size()], i == door);
     }
     for (const std::vector<Point2>& court : b_.courts) {
       for (std::size_t i = 0; i < court.size(); ++i) wall(court[i], court[(i + 1) % court.size()], false);
     }
-    slab(look_.trim, look_.top - (b_.floors > 0 ? 0.35 : 0.02));
+    slab(look_.trim, look_.top - (hasParapet() ? 0.35 : 0.02));
+    if (b_.rise > 0) pitchedRoof();
+    if (b_.base > 0) slab(look_.trim, b_.base + 0.01);
     for (int floor = 0; floor < b_.floors; ++floor) slab(look_.wood, base_ + floor * storey_ + 0.02);
     if (b_.floors > 0) innerWalls();
-    return s_.finish();
   }
 
  private:
+  bool hasParapet() const { return b_.floors > 0 && b_.parapet && b_.rise <= 0; }
+
   std::size_t nearestWall() const {
     std::size_t nearest = 0;
     double least = 1e18;
@@ -103,13 +107,37 @@ class BlockMaker {
     const Vec3d along{(b.x - a.x) / width, (b.y - a.y) / width, 0};
     const Affine frame{{along, {0, 0, 1}, {along.y, -along.x, 0}}, {a.x, a.y, 0}};
     addFacade(s_, look_, frame, width, openings(width, door), false);
-    if (b_.floors == 0) return;
+    if (!hasParapet()) return;
     // Adds the coping of the parapet.
     const Affine place = s_.frame * frame;
     const Affine outer = s_.frame;
     s_.frame = place;
     s_.box(look_.metal, {width / 2, look_.top, 0}, {width + 0.05, 0.05, 0.3});
     s_.frame = outer;
+  }
+
+  // Adds the faces between the walls and the ridge: slopes and gables.
+  void pitchedRoof() {
+    const auto nearestEnd = [&](const Point2& p) {
+      const auto from = [&](const Point2& end) { return std::hypot(p.x - end.x, p.y - end.y); };
+      return from(b_.ridge[1]) < from(b_.ridge[0]) ? 1 : 0;
+    };
+    for (std::size_t i = 0; i < b_.outline.size(); ++i) {
+      const Point2& p = b_.outline[i];
+      const Point2& q = b_.outline[(i + 1) % b_.outline.size()];
+      const Vec3d a{p.x, p.y, look_.top};
+      const Vec3d b{q.x, q.y, look_.top};
+      const auto above = [&](int end) {
+        const Point2& at = b_.ridge[static_cast<std::size_t>(end)];
+        return Vec3d{at.x, at.y, look_.top + b_.rise};
+      };
+      const Vec3d c = above(nearestEnd(q));
+      const Vec3d d = above(nearestEnd(p));
+      const Vec3d normal = cross(b - a, c - a);
+      const SurfaceIndex surface = std::abs(normal.z) < 0.05 * length(normal) ? look_.wall : look_.tile;
+      s_.triangle(surface, a, b, c);
+      if (nearestEnd(p) != nearestEnd(q)) s_.triangle(surface, a, c, d);
+    }
   }
 
   std::vector<Opening> openings(double width, bool door) {
@@ -127,7 +155,7 @@ class BlockMaker {
         const double u = (c + 0.5) * pitch;
         if (door && floor == 0 && c == columns / 2) {
           made.push_back({{u - 0.55, u + 0.55}, {z - 0.05, z + 2.1}, Opening::Door});
-        } else if (b_.shop && floor == 0) {
+        } else if (b_.shop && floor == 0 && b_.base <= 0) {
           const double half = pitch / 2 - 0.2;
           made.push_back({{u - half, u + half}, {z + 0.25, z + 2.3}, Opening::Window});
         } else {
@@ -173,7 +201,7 @@ class BlockMaker {
 
   const Block& b_;
   Draw draw_;
-  Shape s_;
+  Shape& s_;
   FacadeLook look_;
   Shape2 plan_;
   double base_ = 0, storey_ = 3, windowWidth_ = 1.2, windowHeight_ = 1.4, spacing_ = 2.6;
@@ -182,7 +210,10 @@ class BlockMaker {
 }  // namespace
 
 Model makeBlock(SceneBuilder& builder, std::uint64_t seed, const Block& block) {
-  return BlockMaker(builder, seed, block).make();
+  Shape shape(builder, "block");
+  if (block.parts.empty()) BlockMaker(shape, seed, block).make();
+  for (const Block& part : block.parts) BlockMaker(shape, seed, part).make();
+  return shape.finish();
 }
 
 }  // namespace scanmill::models

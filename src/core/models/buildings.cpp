@@ -89,7 +89,8 @@ class HouseMaker {
     const double slab = flat ? 0 : h_.roof == Roof::Hip ? kThickness - kInRoof : kThickness;
     const double above = flat ? 0.5 : 0.1;  // m between the ceiling of the top floor and the top of the walls
     const double room = top - slab - above - base_ - kLeastStorey * h_.floors;
-    if (!flat) pitch_ = std::clamp(room / span, std::tan(radians(6.0)), pitch_);
+    const double least = std::tan(radians(6.0));
+    if (!flat) pitch_ = std::clamp(room / span, least, h_.rise ? std::max(least, *h_.rise / span) : pitch_);
     storey_ = std::max(kLeastStorey, (top - slab - span * pitch_ - above - base_) / h_.floors);
     wallTop_ = base_ + storey_ * h_.floors + above;
     windowHeight_ = std::min(windowHeight_, storey_ - sill_ - 0.3);

@@ -192,7 +192,8 @@ struct House {
   Roof roof = Roof::Gable;
   bool shop = false;
   std::uint32_t number = 0;
-  std::optional<double> top;  // m, top of the roof; not set: the height follows from floors and slope
+  std::optional<double> top;   // m, top of the roof; not set: the height follows from floors and slope
+  std::optional<double> rise;  // m, height of a pitched roof if `top` is set; not set: it follows from a random slope
   // Depth (m) of the ground in front of the house that details may cover, see house_details.h. If it is not set, the
   // house has bare walls and no rooms.
   std::optional<double> forecourt;
@@ -202,15 +203,23 @@ struct House {
   Vec3d garageMiddle() const { return {width + kGarageBeside + kGarageWidth / 2, kGarageFrom + kGarageDepth / 2, 0}; }
 };
 
-// A building with any outline, a flat roof, and rooms behind its windows. The ground is at z = 0.
+// A building with any outline and rooms behind its windows. The ground is at z = 0.
 struct Block {
   std::vector<Point2> outline;              // counter-clockwise; the first point is not repeated
   std::vector<std::vector<Point2>> courts;  // outlines of the courtyards, clockwise
   int floors = 2;                           // number of floors; 0: the building is a shed without windows
+  double base = 0;                          // m, underside of a block that hangs above the ground; 0: on the ground
   double height = 0;                        // m, top of the walls; 0: follows from `floors`
-  Point2 entrance;                          // the door is in the wall whose middle is nearest to this point
+  // A pitched roof rises by `rise` (m) from the walls to the ridge between two points; the points may be equal. Each
+  // corner of the outline leads to the end of the ridge that is nearest to it. 0: the roof is flat.
+  double rise = 0;
+  std::array<Point2, 2> ridge{};
+  bool parapet = true;  // true: a flat roof over floors has a parapet
+  bool door = true;     // true: a block on the ground has a door
+  Point2 entrance;      // the door is in the wall whose middle is nearest to this point
   bool shop = false;
   std::uint32_t number = 0;
+  std::vector<Block> parts;  // not empty: the parts are built, and the block itself is not
 };
 
 enum class Fencing { None, Pickets, Bars, Brick, Hedge };

@@ -1,6 +1,9 @@
 // Adds the buildings of a map and their plots.
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 
@@ -37,40 +40,101 @@ Frontage frontageOf(const Polygon& outline, const RoadNetwork& roads) {
   return best;
 }
 
+// Returns the building or, if it has parts, its parts; without those under which a road may pass.
+std::vector<const MapBuilding*> lowPartsOf(const MapBuilding& b) {
+  constexpr double kClear = 4;  // m, height of the lowest part over a road
+  std::vector<const MapBuilding*> low;
+  for (const MapBuilding& part : b.parts) {
+    if (part.base < kClear) low.push_back(&part);
+  }
+  if (b.parts.empty() && b.base < kClear) low.push_back(&b);
+  return low;
+}
+
 // True if the building is on a carriageway: a road may pass through it, or the map may be wrong.
 bool isOnRoad(const MapBuilding& b, const RoadNetwork& roads) {
   constexpr double kSlip = 0.3;  // m that a building may extend onto a carriageway
-  for (const Point2& p : pointsAlong(b.outline, 1)) {
-    const Beside beside = roads.at(p.x, p.y);
-    if (beside.known && beside.edge < -kSlip) return true;
+  for (const MapBuilding* part : lowPartsOf(b)) {
+    for (const Point2& p : pointsAlong(part->outline, 1)) {
+      const Beside beside = roads.at(p.x, p.y);
+      if (beside.known && beside.edge < -kSlip) return true;
+    }
   }
   return false;
 }
 
 bool isHouse(const MapBuilding& b, const Footprint& about) {
   const bool rectangular = sizeOf(b.outline) > 0.9 * 4 * about.halfX * about.halfY && b.courts.empty();
-  return rectangular && !b.shed && about.halfY > 2.4 && about.halfY < 20 && about.halfX > 2.2 && about.halfX < 9;
+  const bool plain = b.parts.empty() && b.base <= 0 && (b.roof || !b.ridge);
+  return plain && rectangular && !b.shed && about.halfY > 2.4 && about.halfY < 20 && about.halfX > 2.2 &&
+         about.halfX < 9;
 }
 
-PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, std::uint32_t number) {
-  const Point2& middle = frontage.about.center;
-  const auto relative = [&](const Polygon& ring) {
+// True if a ridge is along the x axis of a rectangle rather than along its y axis.
+bool ridgeAlong(const std::array<Point2, 2>& ridge, const Footprint& about) {
+  const double x = ridge[1].x - ridge[0].x;
+  const double y = ridge[1].y - ridge[0].y;
+  const double c = std::cos(about.yaw);
+  const double s = std::sin(about.yaw);
+  return std::abs(x * c + y * s) > std::abs(y * c - x * s);
+}
+
+// Returns the block of a building or, if `part` is true, of a part of one. `middle` is the origin of its frame.
+models::Block blockOf(const MapBuilding& b, const Point2& middle, int floors, bool part) {
+  constexpr double kShed = 2.6, kStorey = 2.9, kLowest = 2.3;  // m, usual heights of storeys, and the least height
+  const auto relative = [&](const Point2& p) { return Point2{p.x - middle.x, p.y - middle.y}; };
+  const auto ringOf = [&](const Polygon& ring) {
     Polygon made;
-    made.reserve(ring.size());
-    for (const Point2& p : ring) made.push_back({p.x - middle.x, p.y - middle.y});
+    for (const Point2& p : ring) made.push_back(relative(p));
     return made;
   };
+  models::Block block;
+  block.floors = b.shed ? 0 : floors;
+  block.height = b.shed ? b.top.value_or(kShed * b.floors.value_or(1)) : b.top.value_or(0);
+  block.base = b.base;
+  if (b.ridge) {
+    block.ridge = {relative(b.ridge->front()), relative(b.ridge->back())};
+    block.height = b.eaves().value_or(b.shed ? block.height : 0);
+    block.rise = b.top ? *b.top - block.height : b.rise;
+  }
+  if (b.top && !b.shed && (part || b.ridge || b.base > 0)) {
+    // The floors between the base and the roof.
+    const double walls = block.height - b.base;
+    const double above = b.floors ? *b.floors * walls / block.height : walls / kStorey;
+    block.floors = std::max(0, static_cast<int>(std::min(std::round(above), (walls - 0.8) / kLowest)));
+  }
+  block.shop = b.shop;
+  block.outline = ringOf(b.outline);
+  for (const Polygon& court : b.courts) block.courts.push_back(ringOf(court));
+  return block;
+}
+
+// Returns the block of a building, or the blocks of its parts.
+PlacedBlock placedBlockOf(const MapBuilding& b, const Frontage& frontage, int floors, std::uint32_t number) {
+  const Point2& middle = frontage.about.center;
   PlacedBlock placed;
   placed.about = frontage.about;
   placed.entrance = frontage.inFront(0.6);
-  models::Block& block = placed.block;
-  block.number = number;
-  block.floors = b.shed ? 0 : floors;
-  block.height = b.shed ? std::min(b.top.value_or(2.6), 8.0) : b.top.value_or(0);
-  block.shop = b.shop;
-  block.entrance = {placed.entrance.x - middle.x, placed.entrance.y - middle.y};
-  block.outline = relative(b.outline);
-  for (const Polygon& court : b.courts) block.courts.push_back(relative(court));
+  const auto finish = [&](models::Block block) {
+    block.number = number;
+    block.entrance = {placed.entrance.x - middle.x, placed.entrance.y - middle.y};
+    return block;
+  };
+  placed.block = finish(blockOf(b, middle, floors, false));
+  models::Block* front = nullptr;  // the part with the door
+  double least = 1e9;
+  for (const MapBuilding& part : b.parts) {
+    models::Block block = finish(blockOf(part, middle, floors, true));
+    block.parapet = block.door = false;
+    placed.block.parts.push_back(std::move(block));
+  }
+  for (models::Block& part : placed.block.parts) {
+    const double distance = distanceToRings({&part.outline}, part.entrance);
+    if (part.base > 0 || distance >= least) continue;
+    least = distance;
+    front = &part;
+  }
+  if (front != nullptr) front->door = true;
   return placed;
 }
 
@@ -79,9 +143,13 @@ PlacedBlock blockOf(const MapBuilding& b, const Frontage& frontage, int floors, 
 // Turns rectangular buildings of a house's size, except sheds, into houses, and other buildings into blocks. Leaves out
 // buildings on roads. Buildings that face a road, except sheds, get a plot.
 void Layout::takeBuildings(const MapPlace& map) {
+  int onRoads = 0;
   for (std::uint32_t number = 0; number < map.buildings.size(); ++number) {
     const MapBuilding& b = map.buildings[number];
-    if (isOnRoad(b, roads_)) continue;
+    if (isOnRoad(b, roads_)) {
+      ++onRoads;
+      continue;
+    }
     Draw draw(seed_, Kind::Plot, 500000 + number);
     const int drawn = character_.floorsLow + draw.below(character_.floorsHigh - character_.floorsLow + 1);
     const int floors = b.floorsSaid().value_or(drawn);
@@ -94,6 +162,10 @@ void Layout::takeBuildings(const MapPlace& map) {
       made.shop = b.shop;
       made.top = b.top;
       if (b.roof) made.roof = *b.roof;
+      if (b.riseSaid) made.rise = b.rise;
+      // The ridge of a gable roof is along the front, or goes away from it.
+      if (made.roof == models::Roof::Gable && b.ridge && ridgeAlong(*b.ridge, about))
+        made.roof = models::Roof::CrossGable;
       made.forecourt = std::clamp(frontage.gap, 0.0, 30.0);
       const double c = std::cos(yaw);
       const double s = std::sin(yaw);
@@ -102,11 +174,11 @@ void Layout::takeBuildings(const MapPlace& map) {
           yaw);
       houses_.push_back(made);
     } else {
-      blocks_.push_back(blockOf(b, frontage, floors, number));
-      cover(b, about);
+      blocks_.push_back(placedBlockOf(b, frontage, floors, number));
+      for (const MapBuilding* part : lowPartsOf(b)) cover(*part, about);
     }
     constexpr double kFacing = 30;  // m; a building that is nearer to a sidewalk faces the road
-    if (b.shed || frontage.gap > kFacing) continue;
+    if (b.shed || b.base > 0 || frontage.gap > kFacing) continue;
     const Beside& before = frontage.before;
     Plot plot;
     plot.road = before.road;
@@ -122,6 +194,7 @@ void Layout::takeBuildings(const MapPlace& map) {
       addStrip({door.x, door.y}, yaw, kPathHalf, plot.setback - 0.6 + before.section.outer(), GroundKind::Path);
     }
   }
+  if (onRoads > 0) about_ += fmt::format("; {} buildings that stand on a road are left out", onRoads);
   arrangePlots();
 }
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <map>
 #include <string_view>
 
 #include "base/earth.h"
+#include "town/map_buildings.h"
 #include "town/osm_interface.h"
+#include "town/osm_tags.h"
 
 namespace scanmill::town {
 namespace {
@@ -53,10 +53,6 @@ class TangentPlane {
   Vec3d origin_;
 };
 
-bool isOneOf(std::string_view value, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), value) != words.end();
-}
-
 std::optional<RoadClass> classOf(const OsmTags& tags) {
   std::string_view value = tags["highway"];
   if (value.ends_with("_link")) value.remove_suffix(5);
@@ -78,9 +74,17 @@ bool isPath(const OsmTags& tags) {
 
 // True if an object is on the ground. Objects that are not, such as tunnels and bridges, are left out.
 bool onGround(const OsmTags& tags) {
+  const std::string& level = tags["level"];
   return isOneOf(tags["tunnel"], {"", "no"}) && isOneOf(tags["indoor"], {"", "no"}) &&
          isOneOf(tags["bridge"], {"", "no"}) && !tags["layer"].starts_with("-") &&
-         !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof"});
+         (!level.starts_with("-") || level.find(';') != std::string::npos) &&
+         !isOneOf(tags["location"], {"underground", "overground", "indoor", "roof", "rooftop"});
+}
+
+// True if the map says of an object that it does not exist yet, or no longer.
+bool isAbsent(const OsmTags& tags) {
+  return isOneOf(tags["building"], {"proposed", "planned", "demolished", "razed", "removed", "destroyed"}) ||
+         tags["demolished"] == "yes" || tags["razed"] == "yes" || tags["removed"] == "yes" || tags["proposed"] == "yes";
 }
 
 // Returns whether a road has a feature, from tags with keys such as `sidewalk`, `parking:lane:both` or `parking:left`:
@@ -95,8 +99,9 @@ std::optional<bool> saidOf(const OsmTags& tags, std::initializer_list<const char
   return said;
 }
 
-MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
-  constexpr double kLane = 3.1;  // m, width of a lane if the map gives only the number of lanes
+MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane, TagNumbers& numbers) {
+  constexpr double kLane = 3.1;                   // m, width of a lane if the map gives only the number of lanes
+  constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
   MapRoad road;
   road.kind = kind;
   road.name = way.tags["name"];
@@ -108,7 +113,8 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
   }
   road.ring = isOneOf(way.tags["junction"], {"roundabout", "circular"});
   const std::string& oneWay = way.tags["oneway"];
-  road.oneWay = road.ring || isOneOf(oneWay, {"yes", "true", "1", "-1"}) || way.tags["highway"] == "motorway";
+  road.oneWay =
+      road.ring || isOneOf(oneWay, {"yes", "true", "1", "-1"}) || (way.tags["highway"] == "motorway" && oneWay != "no");
   if (oneWay == "-1") {
     std::reverse(road.line.begin(), road.line.end());
     std::reverse(road.nodes.begin(), road.nodes.end());
@@ -119,10 +125,10 @@ MapRoad roadOf(const OsmWay& way, RoadClass kind, const TangentPlane& plane) {
       way.tags,
       {"parking:both", "parking:left", "parking:right", "parking:lane:both", "parking:lane:left", "parking:lane:right"},
       {"lane", "street_side", "parallel", "yes"}, {"no", "no_parking", "no_stopping"});
-  road.width = metresOf(way.tags["width"]);
-  if (const auto lanes = metresOf(way.tags["lanes"]); !road.width && lanes) road.width = kLane * *lanes;
-  constexpr double kNarrowest = 2, kWidest = 24;  // m; other widths are taken as errors of the map
-  if (road.width && (*road.width < kNarrowest || *road.width > kWidest)) road.width.reset();
+  road.width = numbers.read(way.tags, "width", metresOf, kNarrowest, kWidest);
+  if (const auto lanes = numbers.read(way.tags, "lanes", numberOf, 1, kWidest / kLane); lanes && !road.width) {
+    road.width = kLane * *lanes;
+  }
   return road;
 }
 
@@ -179,71 +185,256 @@ std::optional<models::Fencing> fencingOf(const std::string& barrier) {
   return std::nullopt;
 }
 
-std::optional<models::Roof> roofOf(const std::string& shape) {
-  static const std::map<std::string_view, models::Roof> kShapes = {
-      {"flat", models::Roof::Flat},         {"gabled", models::Roof::Gable},
-      {"half-hipped", models::Roof::Gable}, {"cross_gabled", models::Roof::CrossGable},
-      {"hipped", models::Roof::Hip},        {"pyramidal", models::Roof::Hip},
+// Returns the plane that touches the earth in the middle of the bounds of all roads.
+TangentPlane planeAbout(const OsmExtract& extract, bool mirrored, Map& map) {
+  double south = 90, north = -90, west = 540, east = -180;
+  const auto extend = [&](double turn) {
+    west = 540;
+    east = -180;
+    for (const OsmWay& way : extract.ways) {
+      if (!classOf(way.tags)) continue;
+      for (const OsmNode& n : way.nodes) {
+        const double longitude = n.longitude < 0 ? n.longitude + turn : n.longitude;
+        south = std::min(south, n.latitude);
+        north = std::max(north, n.latitude);
+        west = std::min(west, longitude);
+        east = std::max(east, longitude);
+      }
+    }
   };
-  const auto found = kShapes.find(shape);
-  return found == kShapes.end() ? std::nullopt : std::optional(found->second);
+  extend(0);
+  if (east - west > 180) extend(360);  // the roads are on both sides of the meridian of 180 degrees
+  map.latitude = (south + north) / 2;
+  map.longitude = (west + east) / 2;
+  if (map.longitude > 180) map.longitude -= 360;
+  map.mirrored = mirrored;
+  return {map.latitude, map.longitude, mirrored};
 }
 
-// Returns the usual height (m) of a pitched roof; 0 for flat roofs, and for outlines that are wide or not rectangular.
-double usualRise(const Polygon& outline, const std::optional<models::Roof>& roof) {
-  constexpr double kSlope = 0.75;
-  constexpr double kWidest = 18;  // m, width of the widest building with a pitched roof
-  const models::Footprint about = rectangleAbout(outline);
-  const double narrow = std::min(about.halfX, about.halfY);
-  const bool pitched = roof != models::Roof::Flat && sizeOf(outline) > 0.9 * 4 * about.halfX * about.halfY;
-  return pitched && 2 * narrow < kWidest ? kSlope * narrow : 0;
-}
+// Makes a map from an extract, and counts what it leaves out.
+class MapMaker {
+ public:
+  MapMaker(const OsmExtract& extract, bool mirrored) : extract_(extract), plane_(planeAbout(extract, mirrored, map_)) {}
 
-MapBuilding buildingOf(const OsmArea& area, const TangentPlane& plane) {
-  MapBuilding building;
-  building.outline = ringOf(area.outer, plane);
-  for (const std::vector<OsmNode>& inner : area.inner) {
-    Polygon court = ringOf(inner, plane);
-    if (court.size() > 2) building.courts.push_back(std::move(court));
+  Map make() {
+    for (const auto& [what, count] : extract_.leftOut) map_.leftOut.add(what, count);
+    std::string last;
+    for (const OsmWay& way : extract_.ways) {
+      addWay(way, way.tags.element != last);
+      last = way.tags.element;
+    }
+    map_.roads = joinRoads(roads_);
+    for (const OsmArea& area : extract_.areas) addArea(area);
+    joinParts(map_.buildings, std::move(parts_), map_.leftOut);
+    for (const OsmPoint& point : extract_.points) addPoint(point);
+    numbers_.tell(map_.leftOut);
+    return std::move(map_);
   }
-  const OsmTags& tags = area.tags;
-  constexpr double kMostFloors = 120;
-  if (const auto floors = metresOf(tags["building:levels"]); floors && *floors >= 0.5 && *floors <= kMostFloors) {
-    building.floors = static_cast<int>(std::lround(*floors));
+
+ private:
+  // `first`: the way is the first of the parts into which missing nodes divide it.
+  void addWay(const OsmWay& way, bool first) {
+    const OsmTags& tags = way.tags;
+    if (isAbsent(tags) || isSquare(tags)) return;
+    const std::optional<RoadClass> kind = classOf(tags);
+    const std::optional<models::Fencing> fencing = fencingOf(tags["barrier"]);
+    const char* const what = kind ? "roads" : fencing ? "fences, hedges and walls" : isPath(tags) ? "paths" : nullptr;
+    if (what == nullptr) {
+      if (first) leaveOut(tags);
+      if (first && !tags["highway"].empty() && osmFormat().find("highway=" + tags["highway"]) == nullptr) {
+        map_.leftOut.add("ways with an unknown value of highway");
+      }
+      return;
+    }
+    if (!onGround(tags)) {
+      if (first) map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
+      return;
+    }
+    if (way.incomplete) map_.leftOut.add(fmt::format("{} with missing nodes, which are built in part", what));
+    if (kind) {
+      if (first && isOneSided(tags)) map_.leftOut.add("sidewalks and parking lanes on one side, which are on both");
+      MapRoad road = roadOf(way, *kind, plane_, numbers_);
+      if (road.line.size() > 1) roads_.push_back(std::move(road));
+      return;
+    }
+    std::vector<Point2> line;
+    for (const OsmNode& n : way.nodes) line.push_back(plane_(n));
+    if (line.size() < 2) return;
+    if (fencing) {
+      map_.barriers.push_back({*fencing, std::move(line)});
+    } else {
+      map_.paths.push_back(std::move(line));
+    }
   }
-  constexpr double kLowest = 2, kHighest = 400;  // m; other heights are taken as errors of the map
-  building.top = metresOf(tags["height"]);
-  if (building.top && (*building.top < kLowest || *building.top > kHighest)) building.top.reset();
-  building.roof = roofOf(tags["roof:shape"]);
-  if (building.top) {
-    const double rise = metresOf(tags["roof:height"]).value_or(usualRise(building.outline, building.roof));
-    building.height = std::max(*building.top - rise, std::min(*building.top, kLowest));
+
+  void addArea(const OsmArea& area) {
+    const OsmTags& tags = area.tags;
+    if (isAbsent(tags)) return;
+    const std::optional<Land> land = landOf(tags);
+    const bool building = !isOneOf(tags["building"], {"", "no"});
+    const bool part = !building && !isOneOf(tags["building:part"], {"", "no"});
+    if (!building && !part && !land) {
+      // addWay() has counted ways with one of these keys.
+      if (isSquare(tags) || (tags["highway"].empty() && tags["barrier"].empty())) leaveOut(tags);
+      return;
+    }
+    const char* const what = building ? "buildings" : part ? "building parts" : "areas of land";
+    Polygon outline = ringOf(area.outer, plane_);
+    if (!area.fault.empty()) {
+      map_.leftOut.add(fmt::format("{} with {}", what, area.fault));
+    } else if (!onGround(tags)) {
+      map_.leftOut.add(fmt::format("{} {}", what, kOffGround));
+    } else if (isOpenRoof(tags)) {
+      map_.leftOut.add("open roofs and carports");
+    } else if (outline.size() < 3) {
+      map_.leftOut.add(fmt::format("{} that have less than three corners", what));
+    } else {
+      std::vector<Polygon> holes;
+      for (const std::vector<OsmNode>& inner : area.inner) {
+        Polygon hole = ringOf(inner, plane_);
+        if (hole.size() > 2) holes.push_back(std::move(hole));
+      }
+      if (!building && !part) {
+        map_.areas.push_back({*land, std::move(outline), std::move(holes)});
+        return;
+      }
+      MapBuilding made = makeBuilding(tags, std::move(outline), std::move(holes), plane_.mirrored(), numbers_);
+      made.relation = area.building;
+      (part ? parts_ : map_.buildings).push_back(std::move(made));
+    }
   }
-  building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
-  building.shed = isOneOf(tags["building"],
-                          {"garage", "garages", "shed", "hut", "greenhouse", "service", "barn", "farm_auxiliary"});
-  return building;
-}
+
+  void addPoint(const OsmPoint& point) {
+    if (isAbsent(point.tags)) return;
+    if (point.tags["natural"] == "tree") {
+      map_.trees.push_back(plane_(point.node));
+    } else if (!isOneOf(point.tags["building"], {"", "no", "entrance"})) {
+      map_.leftOut.add("buildings that are nodes");
+    } else {
+      leaveOut(point.tags);
+    }
+  }
+
+  // True if a way with the key highway is an area.
+  static bool isSquare(const OsmTags& tags) { return !tags["highway"].empty() && tags["area"] == "yes"; }
+
+  // Roofs without walls are left out, since they would get walls. A part of a building that hangs has none on the
+  // ground.
+  static bool isOpenRoof(const OsmTags& tags) {
+    const bool hangs = !tags["min_height"].empty() || !tags["building:min_level"].empty();
+    return isOneOf(tags["building"], {"roof", "carport"}) ||
+           (tags["building"].empty() && isOneOf(tags["building:part"], {"roof", "carport"}) && !hangs);
+  }
+
+  // True if a road has a sidewalk or a parking lane on only one side.
+  static bool isOneSided(const OsmTags& tags) {
+    const auto differ = [&](const char* left, const char* right) {
+      return !tags[left].empty() && !tags[right].empty() && (tags[left] == "no") != (tags[right] == "no");
+    };
+    return isOneOf(tags["sidewalk"], {"left", "right"}) || differ("sidewalk:left", "sidewalk:right") ||
+           differ("parking:left", "parking:right");
+  }
+
+  // Counts an element that is not built, if the table names it.
+  void leaveOut(const OsmTags& tags) {
+    if (!isOneOf(tags["tunnel"], {"", "no"})) return;
+    for (const auto& [key, value] : tags.pairs) {
+      if (!isOneOf(key, {"highway", "railway", "waterway", "natural", "barrier", "power", "man_made", "amenity",
+                         "leisure"})) {
+        continue;
+      }
+      for (const std::string& word : {key + "=" + value, key + "=*"}) {
+        const FormatElements* const row = osmFormat().find(word);
+        if (row == nullptr) continue;
+        if (row->use == FormatElements::Use::LeftOut) return map_.leftOut.add(std::string(row->note));
+        break;
+      }
+    }
+  }
+
+  static constexpr const char* kOffGround = "on bridges, in tunnels, indoors or underground";
+
+  const OsmExtract& extract_;
+  Map map_;
+  TangentPlane plane_;
+  TagNumbers numbers_;
+  std::vector<MapRoad> roads_;
+  std::vector<MapBuilding> parts_;
+};
 
 }  // namespace
 
-std::optional<int> MapBuilding::floorsSaid() const {
-  constexpr double kStorey = 2.9;  // m, usual height of a storey
-  constexpr double kLeast = 2.4;
-  if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
-  if (floors) return floors;
-  return height ? std::optional(std::max(1, static_cast<int>(std::lround(*height / kStorey)))) : std::nullopt;
-}
-
-std::optional<double> metresOf(const std::string& value) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (error != std::errc() || !std::isfinite(number) || number < 0) return std::nullopt;
-  std::string_view unit(end, static_cast<std::size_t>(value.data() + value.size() - end));
-  while (unit.starts_with(' ')) unit.remove_prefix(1);
-  if (unit.empty() || unit == "m") return number;
-  if (unit == "ft" || unit == "'") return 0.3048 * number;
-  return std::nullopt;
+const FormatSupport& osmFormat() {
+  using enum FormatElements::Use;
+  static const FormatSupport format{
+      "OpenStreetMap",
+      ".osm, .osm.gz, .osm.bz2, .osm.pbf, .osh, .osh.pbf, .o5m, .opl",
+      {{Read, "node way relation", "the newest version of each element, in any order, unless it is deleted"},
+       {Read, "visible=false action=delete", "deleted elements, which are not built"},
+       {Read,
+        "highway=motorway highway=trunk highway=primary highway=secondary highway=tertiary highway=residential "
+        "highway=unclassified highway=living_street highway=road highway=service highway=track",
+        "roads, and their links"},
+       {Read, "highway=footway highway=path highway=cycleway highway=steps highway=bridleway",
+        "paths, unless they are the sidewalks of roads"},
+       {Read,
+        "name width lanes oneway junction sidewalk sidewalk:both sidewalk:left sidewalk:right parking:both "
+        "parking:left parking:right parking:lane:both parking:lane:left parking:lane:right",
+        "properties of roads; lengths are in metres unless they have another unit"},
+       {Read, "building building:part height min_height building:levels building:min_level shop",
+        "buildings and their parts; parts stand in place of the outline that they cover"},
+       {Read, "roof:shape roof:height roof:levels roof:orientation roof:direction",
+        "roofs: flat, gabled, hipped, pyramidal, skillion; others are built as one of these, which is counted"},
+       {Read, "natural=tree barrier=hedge barrier=wall barrier=retaining_wall barrier=fence", "objects"},
+       {Read, "landuse=forest landuse=orchard natural=wood natural=scrub", "woods"},
+       {Read, "natural=water landuse=basin landuse=reservoir", "water"},
+       {Read, "amenity=parking parking", "parking lots"},
+       {Read, "leisure=park leisure=garden landuse=village_green landuse=recreation_ground landuse=cemetery", "parks"},
+       {Read,
+        "leisure=pitch leisure=playground leisure=golf_course landuse=grass landuse=meadow landuse=farmland "
+        "natural=grassland natural=heath",
+        "open lawns"},
+       {Read, "amenity=marketplace area=yes", "squares: areas with highway=pedestrian, footway or service too"},
+       {Read, "type=multipolygon type=boundary type=building", "relations: areas with holes, buildings with parts"},
+       {Read, "tunnel bridge layer location level indoor", "what is not on the ground, which is counted as left out"},
+       {Unused,
+        "highway=proposed highway=planned highway=construction highway=razed highway=demolished "
+        "highway=abandoned highway=disused highway=no highway=services highway=rest_area railway=abandoned "
+        "railway=razed railway=dismantled "
+        "railway=disused railway=proposed railway=construction railway=subway",
+        "what is not there, or not on the ground"},
+       {Unused, "bounds changeset", "the bounds show whether latitudes and longitudes are swapped"},
+       {LeftOut,
+        "highway=pedestrian highway=busway highway=bus_guideway highway=raceway highway=corridor highway=platform "
+        "highway=via_ferrata highway=elevator highway=escape",
+        "pedestrian streets, busways and further ways with the key highway"},
+       {LeftOut, "railway=rail railway=light_rail railway=tram railway=narrow_gauge railway=monorail railway=platform",
+        "railways"},
+       {LeftOut, "waterway=river waterway=stream waterway=canal waterway=ditch waterway=drain waterway=tidal_channel",
+        "lines of rivers and other waterways"},
+       {LeftOut, "natural=coastline", "coastlines"},
+       {LeftOut, "natural=tree_row natural=shrub natural=shrubbery", "rows of trees, shrubs"},
+       {LeftOut, "natural=cliff natural=ridge natural=rock natural=stone man_made=embankment", "cliffs and rocks"},
+       {LeftOut,
+        "natural=sand natural=beach natural=bare_rock natural=scree natural=shingle natural=mud "
+        "natural=wetland natural=glacier leisure=swimming_pool",
+        "areas of sand, rock, wetland and other ground, which are lawns"},
+       {LeftOut, "barrier=*", "further barriers"},
+       {LeftOut,
+        "power=tower power=pole power=portal power=line power=minor_line man_made=mast man_made=tower "
+        "man_made=chimney man_made=lighthouse man_made=silo man_made=storage_tank man_made=water_tower man_made=bridge "
+        "man_made=pier man_made=utility_pole",
+        "masts, towers, power lines and further man-made objects"},
+       {LeftOut,
+        "highway=street_lamp highway=traffic_sign amenity=bench amenity=waste_basket amenity=recycling "
+        "amenity=post_box amenity=fountain amenity=shelter",
+        "lamps, signs and street furniture, which the seed draws"},
+       {LeftOut, "ele", "heights of nodes (ele)"},
+       {LeftOut, "",
+        "buildings that are nodes; buildings, roads and areas with missing nodes; pitched roofs over "
+        "outlines that are no rectangles; values that are no numbers"},
+       {Unused, "", "all further tags and types of relations"}}};
+  return format;
 }
 
 OsmNode degreesAt(const Map& map, const Point2& p) {
@@ -251,63 +442,7 @@ OsmNode degreesAt(const Map& map, const Point2& p) {
 }
 
 Map makeMap(const OsmExtract& extract, bool mirrored) {
-  // The origin is the middle of the bounds of all roads.
-  double south = 90, north = -90, west = 180, east = -180;
-  for (const OsmWay& way : extract.ways) {
-    if (!classOf(way.tags)) continue;
-    for (const OsmNode& n : way.nodes) {
-      south = std::min(south, n.latitude);
-      north = std::max(north, n.latitude);
-      west = std::min(west, n.longitude);
-      east = std::max(east, n.longitude);
-    }
-  }
-  Map map;
-  map.latitude = (south + north) / 2;
-  map.longitude = (west + east) / 2;
-  map.mirrored = mirrored;
-  const TangentPlane plane(map.latitude, map.longitude, mirrored);
-  std::vector<MapRoad> ways;
-  for (const OsmWay& way : extract.ways) {
-    if (!onGround(way.tags) || way.tags["area"] == "yes") continue;
-    const std::optional<RoadClass> kind = classOf(way.tags);
-    if (kind) {
-      MapRoad road = roadOf(way, *kind, plane);
-      if (road.line.size() > 1) ways.push_back(std::move(road));
-      continue;
-    }
-    std::vector<Point2> line;
-    for (const OsmNode& n : way.nodes) line.push_back(plane(n));
-    if (line.size() < 2) continue;
-    const std::optional<models::Fencing> fencing = fencingOf(way.tags["barrier"]);
-    if (fencing) {
-      map.barriers.push_back({*fencing, std::move(line)});
-    } else if (isPath(way.tags)) {
-      map.paths.push_back(std::move(line));
-    }
-  }
-  map.roads = joinRoads(ways);
-  for (const OsmArea& area : extract.areas) {
-    if (!onGround(area.tags)) continue;
-    // Roofs without walls are left out, since they would get walls.
-    if (isOneOf(area.tags["building"], {"roof", "carport"})) continue;
-    const bool built = !isOneOf(area.tags["building"], {"", "no"});
-    if (built) {
-      MapBuilding building = buildingOf(area, plane);
-      if (building.outline.size() > 2) map.buildings.push_back(std::move(building));
-      continue;
-    }
-    const std::optional<Land> land = landOf(area.tags);
-    if (!land) continue;
-    MapArea made{*land, ringOf(area.outer, plane), {}};
-    if (made.outline.size() < 3) continue;
-    for (const std::vector<OsmNode>& inner : area.inner) made.holes.push_back(ringOf(inner, plane));
-    map.areas.push_back(std::move(made));
-  }
-  for (const OsmPoint& point : extract.points) {
-    if (point.tags["natural"] == "tree") map.trees.push_back(plane(point.node));
-  }
-  return map;
+  return MapMaker(extract, mirrored).make();
 }
 
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where) {
@@ -329,8 +464,18 @@ Map readMap(const std::filesystem::path& file, bool mirrored, const Location& wh
   Map map = makeMap(extract, mirrored);
   map.file = file;
   if (map.roads.empty()) {
-    throw InputError(
-        where, fmt::format("{} has no road for cars, such as a way with the tag highway=residential", file.string()));
+    throw InputError(where, fmt::format("{} has no road for cars, such as a way with the tag highway=residential{}{}",
+                                        file.string(), map.leftOut.empty() ? "" : "; left out: ", map.leftOut.text()));
+  }
+  map.leftOut.tell(file.string());
+  double reach = 0;
+  for (const MapRoad& road : map.roads) reach = std::max(reach, std::hypot(road.line[0].x, road.line[0].y));
+  constexpr double kFarthest = 5e5;  // m; lengths there are 0.3 % too short
+  if (reach > kFarthest) {
+    warn(
+        fmt::format("{}: roads are up to {:.0f} km from their middle, where lengths are too short in the plane of the "
+                    "scene: cut a district out, for example with `osmium extract`",
+                    file.string(), reach / 1000));
   }
   return map;
 }

@@ -3,6 +3,7 @@
 // A place on an OpenStreetMap extract. A town can be laid out from it instead of at random. Frame: metres, x east, y
 // north, in the plane that touches the WGS 84 ellipsoid in the middle of the extract's roads.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/format_support.h"
 #include "models/models.h"
 #include "town/geometry.h"
 #include "town/osm.h"
@@ -36,16 +38,28 @@ struct MapRoad {
   double length() const { return lengthOf(line); }
 };
 
+// A building, or a part of a building.
 struct MapBuilding {
   Polygon outline;
   std::vector<Polygon> courts;       // outlines of the courtyards, clockwise
-  std::optional<double> top;         // m, top of the roof
-  std::optional<double> height;      // m, height of the eaves
+  double base = 0;                   // m, underside above the ground
+  std::optional<double> top;         // m, top of the roof above the ground
   std::optional<int> floors;         // number of floors above the ground
-  std::optional<models::Roof> roof;  // not set: the map gives no shape, or a shape that houses do not have
+  std::optional<models::Roof> roof;  // a house's roof; not set: the map gives no shape, or a shape that houses lack
+  // Ends of the ridge of a pitched roof over a building that is no house; equal ends are the top of a pyramid. Not set:
+  // such a building has a flat roof.
+  std::optional<std::array<Point2, 2>> ridge;
+  double rise = 0;        // m, height of the roof
+  bool riseSaid = false;  // true: the map gives the height of the roof; false: `rise` is a usual height
   bool shop = false;
   bool shed = false;  // true: a garage, shed or similar building without windows
+  // Not empty: these parts are built, and the outline is not.
+  std::vector<MapBuilding> parts;
+  std::int64_t relation = 0;  // id of the map's relation of the building to its parts; 0: none
+  std::string different;      // how the roof that is built differs from the map's; empty: it does not
 
+  // Returns the height of the top of the walls (m); nullopt if the map does not give the top of the roof.
+  std::optional<double> eaves() const;
   // Returns the number of floors: the map's number, limited to what fits into the height. If the map gives no number,
   // returns the usual number for the height; nullopt if the map gives neither floors nor height.
   std::optional<int> floorsSaid() const;
@@ -74,21 +88,22 @@ struct Map {
   std::vector<MapArea> areas;
   std::vector<MapBarrier> barriers;
   std::vector<Point2> trees;
+  LeftOut leftOut;  // what the map has, and the town has not or has otherwise
 };
+
+// The tags and elements that readMap() reads and leaves out.
+const FormatSupport& osmFormat();
 
 // Returns the latitude and longitude (degrees) of a point in the map's frame.
 OsmNode degreesAt(const Map& map, const Point2& p);
 
-// Reads an extract. Throws an InputError at `where`, with the file's name, if the file cannot be read or has no road
-// for cars.
+// Reads an extract, and warns of what is left out. Throws an InputError at `where`, with the file's name, if the file
+// cannot be read or has no road for cars.
 Map readMap(const std::filesystem::path& file, bool mirrored, const Location& where);
 // Builds a map from an extract in memory.
 Map makeMap(const OsmExtract& extract, bool mirrored = false);
 
 // Joins roads that meet end to end. At crossings, joins the roads that continue straight ahead.
 [[nodiscard]] std::vector<MapRoad> joinRoads(const std::vector<MapRoad>& roads);
-
-// Returns the length (m) that a tag's value such as "12", "12.5 m" or "40'" gives; nullopt for other values.
-std::optional<double> metresOf(const std::string& value);
 
 }  // namespace scanmill::town

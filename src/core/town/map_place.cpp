@@ -105,6 +105,13 @@ class Cutter {
     for (const Point2& p : line) made.push_back(moved(p));
     return made;
   }
+  MapBuilding moved(MapBuilding building) const {
+    building.outline = moved(building.outline);
+    for (Polygon& court : building.courts) court = moved(court);
+    if (building.ridge) building.ridge = {moved(building.ridge->front()), moved(building.ridge->back())};
+    for (MapBuilding& part : building.parts) part = moved(std::move(part));
+    return building;
+  }
   // True if the bounding box of a line, relative to origin_, overlaps the square that is cut out of the map. This is
   // false for most lines of a large map.
   bool mayReach(const std::vector<Point2>& line) const {
@@ -219,13 +226,11 @@ class Cutter {
       }
     }
     for (const MapBuilding& b : map_.buildings) {
-      MapBuilding kept = b;
-      kept.outline = moved(b.outline);
+      MapBuilding kept = moved(b);
       // Buildings that are not completely in the square are left out.
       const bool whole = std::all_of(kept.outline.begin(), kept.outline.end(),
                                      [&](const Point2& p) { return std::max(std::abs(p.x), std::abs(p.y)) < reach_; });
       if (!whole) continue;
-      for (Polygon& court : kept.courts) court = moved(court);
       place_.buildings.push_back(std::move(kept));
     }
     for (const MapArea& a : map_.areas) {

@@ -3,6 +3,7 @@
 // The part of an OpenStreetMap extract that a town needs.
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 namespace scanmill::town {
 
 struct OsmTags {
+  std::string element;  // the element that has the tags: "way 12"
   std::vector<std::pair<std::string, std::string>> pairs;
 
   // Returns the value of a tag; empty if there is no such tag.
@@ -32,9 +34,11 @@ struct OsmPoint {
   OsmTags tags;
 };
 
+// A way, or a part of it: nodes that are missing in the extract divide a way into parts.
 struct OsmWay {
   OsmTags tags;
-  std::vector<OsmNode> nodes;  // nodes that are missing in the extract are left out
+  std::vector<OsmNode> nodes;
+  bool incomplete = false;  // true for one part of each way with missing nodes, which may have no nodes
 };
 
 // A part of a closed way or of a multipolygon relation: one outer ring with its inner rings. The first node of a ring
@@ -43,13 +47,17 @@ struct OsmArea {
   OsmTags tags;
   std::vector<OsmNode> outer;
   std::vector<std::vector<OsmNode>> inner;
+  std::string fault;          // why the area has no rings, such as "missing nodes"; empty: it has rings
+  std::int64_t building = 0;  // id of the relation with `type: building` that has the area as a member; 0: none
 };
 
 struct OsmExtract {
   std::vector<OsmPoint> points;  // nodes with tags
-  std::vector<OsmWay> ways;      // ways with the key highway or barrier
-  // Areas with the key building, landuse, leisure, natural or amenity, and areas with the key highway and `area: yes`.
+  std::vector<OsmWay> ways;      // ways with the key highway or barrier, and lines of other objects
+  // Areas with one of the keys building, building:part, landuse, leisure, natural and amenity, and areas with the key
+  // highway and `area: yes`.
   std::vector<OsmArea> areas;
+  std::map<std::string, std::uint64_t> leftOut;  // numbers of elements that were left out, by what they are
 };
 
 }  // namespace scanmill::town

@@ -16,7 +16,8 @@ class OsmModule {
                                     "libexpat1 and liblz4-1)"};
 
   virtual ~OsmModule() = default;
-  // Reads .osm, .osm.bz2, .osm.gz or .osm.pbf. Throws std::exception with the library's message.
+  // Reads the newest version of each element of a file, which may hold the elements in any order. Throws
+  // std::exception with what is wrong.
   virtual OsmExtract read(const std::string& file) const = 0;
 };
 

@@ -79,5 +79,57 @@ TEST(Block, ShedsHaveNoWindows) {
   EXPECT_LE(panes(0), 2u) << "the door's";
 }
 
+// A podium with a tower that hangs over it: nothing of the podium is higher than its roof.
+TEST(Block, PartsStandInItsPlace) {
+  Block podium;
+  podium.outline = {{-20, -20}, {20, -20}, {20, 20}, {-20, 20}};
+  podium.height = 10;
+  podium.parapet = false;
+  Block tower = podium;
+  tower.outline = {{-8, -8}, {8, -8}, {8, 8}, {-8, 8}};
+  tower.base = 10;
+  tower.height = 60;
+  tower.floors = 15;
+  Block block = podium;
+  block.height = 60;
+  block.parts = {podium, tower};
+  const Mesh mesh = build(block).mesh;
+  EXPECT_NEAR(mesh.bounds().high.z, 60, 1e-4);
+  double beside = 0;
+  for (const Vec3f& p : mesh.positions) {
+    if (std::max(std::abs(p.x), std::abs(p.y)) > 9) beside = std::max(beside, double{p.z});
+  }
+  EXPECT_NEAR(beside, 10, 1e-4);
+  EXPECT_NEAR(build(tower).mesh.bounds().low.z, 10, 1e-4);
+}
+
+// Slopes lead from the walls to the ridge, gables stand upright.
+TEST(Block, RoofsRiseToTheirRidge) {
+  Block block;
+  block.outline = {{0, 0}, {20, 0}, {20, 12}, {0, 12}};
+  block.floors = 0;
+  block.height = 6;
+  block.rise = 4;
+  const auto tiles = [&](const Point2& a, const Point2& b) {
+    block.ridge = {a, b};
+    const Built built = build(block);
+    EXPECT_NEAR(built.mesh.bounds().high.z, 10, 1e-4);
+    double area = 0;
+    for (std::size_t t = 0; t < built.mesh.triangles.size(); ++t) {
+      if (built.scene.materials[built.mesh.surfaces[built.mesh.surfaceOf[t]].material].name != "roof_tile") continue;
+      const Vec3d n = normalIn(built.mesh, built.mesh.triangles[t]);
+      const bool roof = cornersIn(built.mesh, built.mesh.triangles[t])[2].z > 9.9;  // not the one over the door
+      if (!roof) continue;
+      area += n.z / 2;
+      EXPECT_GT(n.z, 0);
+    }
+    return area;
+  };
+  EXPECT_NEAR(tiles({0, 6}, {20, 6}), 240, 0.1) << "gabled";
+  EXPECT_NEAR(tiles({6, 6}, {14, 6}), 240, 0.1) << "hipped";
+  EXPECT_NEAR(tiles({10, 6}, {10, 6}), 240, 0.1) << "pyramidal";
+  EXPECT_NEAR(tiles({0, 12}, {20, 12}), 240, 0.1) << "skillion";
+}
+
 }  // namespace
 }  // namespace scanmill::models

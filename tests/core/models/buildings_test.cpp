@@ -50,5 +50,23 @@ TEST(Buildings, RoofsAreAsHighAsAskedFor) {
   }
 }
 
+TEST(Buildings, RoofsRiseAsAskedFor) {
+  House house;
+  house.floors = 1;
+  house.top = 9;
+  house.rise = 1;
+  const Scene scene = sceneOf([&](SceneBuilder& b) { return makeHouse(b, 7, house); });
+  const Mesh& mesh = scene.meshes.at(scene.instances.at(0).mesh);
+  double eaves = 1e9;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const std::string& material = scene.materials[mesh.surfaces[mesh.surfaceOf[t]].material].name;
+    if (material != "roof_tile") continue;
+    for (const std::uint32_t corner : mesh.triangles[t]) {
+      if (mesh.positions[corner].z > 5) eaves = std::min(eaves, double{mesh.positions[corner].z});
+    }
+  }
+  EXPECT_NEAR(eaves, 8 - 0.4 / 4.5 - 0.16, 0.15);
+}
+
 }  // namespace
 }  // namespace scanmill::models

@@ -37,15 +37,6 @@ const MapRoad* longest(const std::vector<MapRoad>& roads, const std::string& nam
   return found;
 }
 
-TEST(Osm, LengthsAreReadInMetres) {
-  EXPECT_THAT(metresOf("12"), Optional(12));
-  EXPECT_THAT(metresOf("7.5 m"), Optional(7.5));
-  EXPECT_THAT(metresOf("10'"), Optional(testing::DoubleNear(3.048, 1e-12)));
-  EXPECT_THAT(metresOf("10 ft"), Optional(testing::DoubleNear(3.048, 1e-12)));
-  for (const char* none : {"", "wide", "-3", "3;4", "nan", "inf", "7 km"})
-    EXPECT_EQ(metresOf(none), std::nullopt) << none;
-}
-
 // A thousandth of a degree along the meridian and along the parallel, by the ellipsoid's radii of curvature.
 TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
   constexpr double kLatitude = 48.5;
@@ -78,6 +69,16 @@ TEST(Osm, PlacesAreInMetresOnTheEllipsoid) {
   const OsmNode there = degreesAt(map, right[2]);
   EXPECT_NEAR(there.latitude, kLatitude, 1e-9);
   EXPECT_NEAR(there.longitude, 9 + kStep, 1e-9);
+}
+
+// Where the longitude jumps from 180 to -180 degrees, places stay metres apart.
+TEST(Osm, RoadsMayCrossTheMeridianOf180Degrees) {
+  OsmExtract extract;
+  extract.ways.push_back({{"way 1", {{"highway", "residential"}}}, {{1, -17, 179.999}, {2, -17, -179.999}}});
+  const Map map = makeMap(extract);
+  ASSERT_EQ(map.roads.size(), 1u);
+  EXPECT_NEAR(map.roads[0].length(), 213, 1);
+  EXPECT_NEAR(std::abs(map.longitude), 180, 1e-9);
 }
 
 TEST(JoinRoads, PiecesBecomeOneRoad) {
@@ -148,6 +149,10 @@ TEST(ReadMap, TakesTheVillage) {
       std::find_if(map.buildings.begin(), map.buildings.end(), [](const MapBuilding& b) { return !b.courts.empty(); });
   ASSERT_NE(school, map.buildings.end());
   EXPECT_THAT(school->floors, Optional(2));
+  EXPECT_EQ(
+      map.leftOut.text(),
+      "1 roads on bridges, in tunnels, indoors or underground, 1 sidewalks and parking lanes on one side, which are "
+      "on both");
   EXPECT_GE(map.buildings.size(), 28u);
   EXPECT_EQ(std::count_if(map.buildings.begin(), map.buildings.end(), [](const MapBuilding& b) { return b.shop; }), 3);
 }

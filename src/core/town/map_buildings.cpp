@@ -1,0 +1,333 @@
+#include "town/map_buildings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/polygon/polygon.hpp>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace scanmill::town {
+namespace {
+
+namespace gtl = boost::polygon;
+using Region = gtl::polygon_set_data<int>;
+
+constexpr double kStorey = 2.9;  // m, usual height of a storey
+constexpr double kSlope = 0.75;  // usual slope of a pitched roof
+constexpr double kWidest = 18;   // m, width of the widest building with a pitched roof that the map does not give
+constexpr double kUnit = 1e-3;   // m per unit of the integer coordinates of Boost.Polygon
+
+enum class RoofShape { Flat, Gabled, Hipped, Pyramidal, Skillion };
+
+struct RoofEntry {
+  std::string_view name;  // value of roof:shape
+  RoofShape built;
+  std::string_view as;  // name of the shape that is built instead; empty: the shape itself is built
+};
+
+constexpr RoofEntry kRoofs[] = {
+    {"flat", RoofShape::Flat, ""},
+    {"gabled", RoofShape::Gabled, ""},
+    {"hipped", RoofShape::Hipped, ""},
+    {"pyramidal", RoofShape::Pyramidal, ""},
+    {"skillion", RoofShape::Skillion, ""},
+    {"half-hipped", RoofShape::Gabled, "gabled"},
+    {"side_hipped", RoofShape::Gabled, "gabled"},
+    {"cross_gabled", RoofShape::Gabled, "gabled"},
+    {"gambrel", RoofShape::Gabled, "gabled"},
+    {"saltbox", RoofShape::Gabled, "gabled"},
+    {"double_saltbox", RoofShape::Gabled, "gabled"},
+    {"round", RoofShape::Gabled, "gabled"},
+    {"mansard", RoofShape::Hipped, "hipped"},
+    {"dome", RoofShape::Pyramidal, "pyramidal"},
+    {"onion", RoofShape::Pyramidal, "pyramidal"},
+    {"cone", RoofShape::Pyramidal, "pyramidal"},
+};
+
+bool isRectangular(const MapBuilding& b, const models::Footprint& about) {
+  return sizeOf(b.outline) > 0.9 * 4 * about.halfX * about.halfY;
+}
+
+// Sets the shape of the roof, and the ridge of a pitched roof.
+void setRoof(MapBuilding& b, const OsmTags& tags, bool mirrored, TagNumbers& numbers) {
+  const models::Footprint about = rectangleAbout(b.outline);
+  const double narrow = std::min(about.halfX, about.halfY);
+  const bool rectangular = isRectangular(b, about);
+  const auto entry = std::find_if(std::begin(kRoofs), std::end(kRoofs),
+                                  [&](const RoofEntry& e) { return e.name == tags["roof:shape"]; });
+  const bool known = entry != std::end(kRoofs);
+  if (!known && !tags["roof:shape"].empty()) b.different = "roofs with an unknown roof:shape, which the seed draws";
+  const double slope = 2 * narrow < kWidest ? kSlope : kSlope / 3;
+  if (!known) {
+    if (rectangular && 2 * narrow < kWidest) b.rise = slope * narrow;
+    return;
+  }
+  RoofShape shape = entry->built;
+  if (!entry->as.empty()) {
+    b.different = fmt::format("roofs with roof:shape={}, which are built {}", entry->name, entry->as);
+  }
+  const bool pyramid = shape == RoofShape::Pyramidal && isInside({&b.outline}, about.center);
+  const bool fits = b.courts.empty() && (rectangular || pyramid);
+  if (shape != RoofShape::Flat && !fits) {
+    b.different = "pitched roofs over outlines that are no rectangles, which are built flat";
+    shape = RoofShape::Flat;
+  }
+  if (shape == RoofShape::Flat) {
+    b.roof = models::Roof::Flat;
+    return;
+  }
+  // The roof slopes along the x axis of the rectangle about the building, or along its y axis.
+  bool alongX = (about.halfX < about.halfY) != (tags["roof:orientation"] == "across");
+  double highSide = 1;  // the side of the rectangle where a skillion roof is high
+  if (const auto direction = numbers.read(tags, "roof:direction", compassOf, 0, 360)) {
+    const double east = std::sin(radians(*direction));
+    const double north = std::cos(radians(*direction)) * (mirrored ? -1 : 1);
+    const double downX = east * std::cos(about.yaw) + north * std::sin(about.yaw);
+    const double downY = north * std::cos(about.yaw) - east * std::sin(about.yaw);
+    alongX = std::abs(downX) > std::abs(downY);
+    highSide = (alongX ? downX : downY) > 0 ? -1 : 1;
+  }
+  const double run = alongX ? about.halfX : about.halfY;
+  const double half = alongX ? about.halfY : about.halfX;
+  double length = half;  // half of the ridge
+  if (shape == RoofShape::Hipped) length = std::max(0.0, half - run);
+  if (shape == RoofShape::Pyramidal) length = 0;
+  const double aside = shape == RoofShape::Skillion ? highSide * run : 0;
+  b.ridge = alongX ? std::array{about.at(aside, -length), about.at(aside, length)}
+                   : std::array{about.at(-length, aside), about.at(length, aside)};
+  b.rise = slope * (shape == RoofShape::Gabled || shape == RoofShape::Skillion ? run : narrow);
+  if (shape == RoofShape::Gabled) b.roof = models::Roof::Gable;
+  const bool square = std::abs(about.halfX - about.halfY) < 0.1 * narrow;
+  if (shape == RoofShape::Hipped || (shape == RoofShape::Pyramidal && square)) b.roof = models::Roof::Hip;
+  if (shape != RoofShape::Pyramidal && b.outline.size() != 4) {
+    const double x = about.halfX;
+    const double y = about.halfY;
+    b.outline = {about.at(-x, -y), about.at(x, -y), about.at(x, y), about.at(-x, y)};
+  }
+}
+
+// Sets the heights of a building whose roof has a shape.
+void setHeights(MapBuilding& b, const OsmTags& tags, TagNumbers& numbers) {
+  constexpr double kHighest = 1000;  // m
+  constexpr double kMostFloors = 200;
+  const auto floors = numbers.read(tags, "building:levels", numberOf, 0.5, kMostFloors);
+  if (floors) b.floors = static_cast<int>(std::lround(*floors));
+  b.top = numbers.read(tags, "height", metresOf, 0.1, kHighest);
+  std::optional<double> rise = numbers.read(tags, "roof:height", metresOf, 0, kHighest);
+  if (const auto levels = numbers.read(tags, "roof:levels", numberOf, 0, kMostFloors); levels && !rise && *levels > 0) {
+    rise = kStorey * *levels;
+  }
+  const bool part = tags["building"].empty();
+  if (b.roof == models::Roof::Flat || (part && !b.ridge)) {
+    b.rise = 0;
+  } else if (rise) {
+    b.rise = *rise;
+    b.riseSaid = true;
+  } else if (b.top) {
+    b.rise = std::min(b.rise, std::max(*b.top / 2, *b.top - 2));
+  }
+  const auto base = numbers.read(tags, "min_height", metresOf, 0, kHighest);
+  const auto level = numbers.read(tags, "building:min_level", numberOf, 0, kMostFloors);
+  const double storey = b.top && floors ? std::max(*b.top - b.rise, 0.0) / *floors : kStorey;
+  b.base = base ? *base : level ? storey * *level : 0;
+  if (!b.top && floors && (part || b.base > 0 || b.riseSaid)) {
+    b.top = kStorey * *floors + (b.ridge || b.riseSaid ? b.rise : 0);
+  }
+}
+
+Region regionOf(const MapBuilding& b, const Point2& origin) {
+  const auto ring = [&](const Polygon& points) {
+    std::vector<gtl::point_data<int>> corners;
+    for (const Point2& p : points) {
+      corners.emplace_back(static_cast<int>(std::lround((p.x - origin.x) / kUnit)),
+                           static_cast<int>(std::lround((p.y - origin.y) / kUnit)));
+    }
+    return gtl::polygon_data<int>(corners.begin(), corners.end());
+  };
+  Region region;
+  region.insert(ring(b.outline));
+  for (const Polygon& court : b.courts) region.insert(ring(court), true);
+  return region;
+}
+
+double squareMetres(const Region& region) {
+  return kUnit * kUnit * static_cast<double>(gtl::area(region));
+}
+
+double overlap(const MapBuilding& a, const MapBuilding& b) {
+  using namespace gtl::operators;
+  const Point2& origin = a.outline.front();
+  return squareMetres(Region(regionOf(a, origin) & regionOf(b, origin)));
+}
+
+template <class Ring>
+Polygon polygonOf(const Ring& ring, const Point2& origin, bool hole) {
+  Polygon made;
+  for (auto p = gtl::begin_points(ring); p != gtl::end_points(ring); ++p) {
+    const Point2 at{origin.x + kUnit * gtl::x(*p), origin.y + kUnit * gtl::y(*p)};
+    if (made.empty() || distance(at, made.back()) > kUnit / 2) made.push_back(at);
+  }
+  if (made.size() > 1 && distance(made.front(), made.back()) < kUnit / 2) made.pop_back();
+  if ((sizeOf(made) < 0) != hole) std::reverse(made.begin(), made.end());
+  return made;
+}
+
+// Adds the rest of the outline as further parts, if the parts do not cover it. Returns whether it did.
+bool addRest(MapBuilding& b) {
+  constexpr double kCovered = 0.9;  // parts that cover this share of an outline stand for all of it
+  constexpr double kSmallest = 1;   // m^2
+  using namespace gtl::operators;
+  const Point2 origin = b.outline.front();
+  Region rest = regionOf(b, origin);
+  const double complete = squareMetres(rest);
+  for (const MapBuilding& part : b.parts) rest -= regionOf(part, origin);
+  if (squareMetres(rest) <= (1 - kCovered) * complete) return false;
+  std::vector<gtl::polygon_with_holes_data<int>> pieces;
+  rest.get(pieces);
+  for (const auto& piece : pieces) {
+    MapBuilding part;
+    part.outline = polygonOf(piece, origin, false);
+    if (part.outline.size() < 3 || sizeOf(part.outline) < kSmallest) continue;
+    for (auto hole = gtl::begin_holes(piece); hole != gtl::end_holes(piece); ++hole) {
+      part.courts.push_back(polygonOf(*hole, origin, true));
+    }
+    part.base = b.base;
+    part.top = b.top;
+    part.floors = b.floors;
+    part.shop = b.shop;
+    b.parts.push_back(std::move(part));
+  }
+  return true;
+}
+
+// Finds the building that a part belongs to.
+class OwnerFinder {
+ public:
+  explicit OwnerFinder(const std::vector<MapBuilding>& buildings) : buildings_(buildings) {
+    for (std::size_t i = 0; i < buildings.size(); ++i) {
+      extents_.push_back(extentOf(buildings[i]));
+      byWest_.emplace_back(extents_[i].low.x, i);
+      widest_ = std::max(widest_, extents_[i].high.x - extents_[i].low.x);
+      if (buildings[i].relation != 0) byRelation_[buildings[i].relation].push_back(i);
+    }
+    std::sort(byWest_.begin(), byWest_.end());
+  }
+
+  // Returns the index of the building; nullopt if the part belongs to none. By its place, a part belongs to the
+  // building that contains most of it, at least half.
+  std::optional<std::size_t> operator()(const MapBuilding& part) const {
+    std::optional<std::size_t> owner;
+    double most = 0;
+    const auto consider = [&](std::size_t i, double least) {
+      const double shared = overlap(part, buildings_[i]);
+      if (shared < least || (owner && shared <= most)) return;
+      owner = i;
+      most = shared;
+    };
+    const auto related = byRelation_.find(part.relation);
+    if (part.relation != 0 && related != byRelation_.end()) {
+      for (const std::size_t i : related->second) consider(i, 0);
+      return owner;
+    }
+    const Extent extent = extentOf(part);
+    for (auto at = std::lower_bound(byWest_.begin(), byWest_.end(), std::pair(extent.low.x - widest_, std::size_t{0}));
+         at != byWest_.end() && at->first < extent.high.x; ++at) {
+      const Extent& other = extents_[at->second];
+      const bool apart = other.high.x < extent.low.x || other.high.y < extent.low.y || other.low.y > extent.high.y;
+      if (!apart) consider(at->second, sizeOf(part.outline) / 2);
+    }
+    return owner;
+  }
+
+ private:
+  struct Extent {
+    Point2 low, high;
+  };
+
+  static Extent extentOf(const MapBuilding& b) {
+    Extent extent{b.outline.front(), b.outline.front()};
+    for (const Point2& p : b.outline) {
+      extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y)};
+      extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y)};
+    }
+    return extent;
+  }
+
+  const std::vector<MapBuilding>& buildings_;
+  std::vector<Extent> extents_;
+  std::vector<std::pair<double, std::size_t>> byWest_;
+  std::map<std::int64_t, std::vector<std::size_t>> byRelation_;
+  double widest_ = 0;
+};
+
+}  // namespace
+
+std::optional<double> MapBuilding::eaves() const {
+  constexpr double kLowest = 2;  // m, lowest eaves that the map does not give
+  if (!top) return std::nullopt;
+  return std::max(*top - rise, base > 0 ? base : riseSaid ? std::min(*top, 0.1) : std::min(*top, kLowest));
+}
+
+std::optional<int> MapBuilding::floorsSaid() const {
+  constexpr double kLeast = 2.4;
+  if (floors && top) return std::min(*floors, std::max(1, static_cast<int>(*top / kLeast)));
+  if (floors) return floors;
+  return top ? std::optional(std::max(1, static_cast<int>(std::lround(*eaves() / kStorey)))) : std::nullopt;
+}
+
+MapBuilding makeBuilding(const OsmTags& tags, Polygon outline, std::vector<Polygon> courts, bool mirrored,
+                         TagNumbers& numbers) {
+  MapBuilding building;
+  building.outline = std::move(outline);
+  building.courts = std::move(courts);
+  setRoof(building, tags, mirrored, numbers);
+  setHeights(building, tags, numbers);
+  constexpr double kLow = 2.6;  // m, top of the highest building that is too low for windows
+  building.shop = !tags["shop"].empty() || isOneOf(tags["building"], {"retail", "supermarket", "commercial"});
+  building.shed = isOneOf(tags["building"],
+                          {"garage", "garages", "shed", "hut", "greenhouse", "service", "barn", "farm_auxiliary"}) ||
+                  building.top.value_or(kLow) < kLow;
+  return building;
+}
+
+void joinParts(std::vector<MapBuilding>& buildings, std::vector<MapBuilding> parts, LeftOut& leftOut) {
+  const OwnerFinder ownerOf(buildings);
+  std::vector<MapBuilding> alone;
+  std::vector<std::pair<std::size_t, MapBuilding>> owned;
+  for (MapBuilding& part : parts) {
+    if (const std::optional<std::size_t> owner = ownerOf(part)) {
+      owned.emplace_back(*owner, std::move(part));
+    } else {
+      alone.push_back(std::move(part));
+    }
+  }
+  for (auto& [owner, part] : owned) {
+    // A part without heights is as high as its building.
+    MapBuilding& building = buildings[owner];
+    if (!part.top && !part.floors) {
+      part.top = building.top;
+      part.floors = building.floors;
+    }
+    building.parts.push_back(std::move(part));
+  }
+  buildings.insert(buildings.end(), std::make_move_iterator(alone.begin()), std::make_move_iterator(alone.end()));
+  const auto hasNoHeight = [&](MapBuilding& b) {
+    if (b.base > 0 && !b.top) b.top = b.base + kStorey;
+    const bool none = b.base > 0 && *b.top < b.base + 0.05;
+    if (none) leftOut.add("buildings and building parts that are no higher than their min_height");
+    if (!none && !b.different.empty()) leftOut.add(b.different);
+    return none;
+  };
+  for (MapBuilding& building : buildings) {
+    if (building.parts.empty()) continue;
+    if (addRest(building)) {
+      leftOut.add("building outlines that their parts cover in part, and that are built beside them");
+    }
+    std::erase_if(building.parts, hasNoHeight);
+  }
+  std::erase_if(buildings, [&](MapBuilding& b) { return b.parts.empty() && hasNoHeight(b); });
+}
+
+}  // namespace scanmill::town

@@ -1,0 +1,173 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "town/map.h"
+
+namespace scanmill::town {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// A node `x` metres east and `y` metres north of a place.
+std::string node(int id, double x, double y, const std::string& more = "") {
+  return fmt::format("<node id='{}' lat='{:.7f}' lon='{:.7f}' {}/>", id, 51 + y / 111250, 0.5 + x / 70200, more);
+}
+
+std::string way(int id, const std::vector<int>& nodes, const std::vector<std::pair<const char*, const char*>>& tags,
+                const std::string& more = "") {
+  std::string text = fmt::format("<way id='{}' {}>", id, more);
+  for (const int n : nodes) text += fmt::format("<nd ref='{}'/>", n);
+  for (const auto& [key, value] : tags) text += fmt::format("<tag k='{}' v='{}'/>", key, value);
+  return text + "</way>";
+}
+
+const std::string kRoadNodes = node(1, -150, 0) + node(2, 0, 0) + node(3, 150, 0);
+const std::string kRoad = way(10, {1, 2, 3}, {{"highway", "residential"}});
+const std::string kHouseNodes = node(4, 0, 20) + node(5, 30, 20) + node(6, 30, 50) + node(7, 0, 50);
+const std::string kHouse = way(11, {4, 5, 6, 7, 4}, {{"building", "yes"}});
+const std::string kCourtNodes = node(20, 10, 30) + node(21, 20, 30) + node(22, 20, 40) + node(23, 10, 40);
+
+class ReadOsm : public testing::Test {
+ protected:
+  Map read(const std::string& elements, const std::string& name = "place.osm", const char* root = "osm") {
+    return readMap(folder_.write(name, fmt::format("<{0} version='0.6'>{1}</{0}>", root, elements)), false, {});
+  }
+  std::string refusal(const std::string& elements, const std::string& name = "place.osm", const char* root = "osm") {
+    return messageOf([&] { read(elements, name, root); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+// Whatever the order of a file, it is the same place.
+TEST_F(ReadOsm, ElementsMayStandInAnyOrder) {
+  const std::string nodes = kRoadNodes + kHouseNodes + kCourtNodes;
+  const std::string ways =
+      kRoad + way(11, {4, 5, 6, 7, 4}, {}) + way(12, {20, 21, 22, 23, 20}, {}) + way(9, {2, 5}, {{"barrier", "hedge"}});
+  const std::string relation =
+      "<relation id='30'><member type='way' ref='11' role='outer'/><member type='way' ref='12' role='inner'/>"
+      "<tag k='type' v='multipolygon'/><tag k='building' v='yes'/></relation>";
+  for (const std::string& text :
+       {nodes + ways + relation, relation + ways + nodes, ways + nodes + relation, relation + nodes + ways}) {
+    const Map map = read(text);
+    ASSERT_EQ(map.roads.size(), 1u);
+    EXPECT_NEAR(map.roads[0].length(), 300, 1);
+    EXPECT_EQ(map.barriers.size(), 1u);
+    ASSERT_EQ(map.buildings.size(), 1u);
+    EXPECT_EQ(map.buildings[0].courts.size(), 1u);
+    EXPECT_TRUE(map.leftOut.empty()) << map.leftOut.text();
+  }
+}
+
+// A building whose relation and outer way both have the key building is built once, with its court.
+TEST_F(ReadOsm, ABuildingIsNotBuiltTwice) {
+  const Map map = read(kRoadNodes + kHouseNodes + kCourtNodes + kRoad + kHouse + way(12, {20, 21, 22, 23, 20}, {}) +
+                       "<relation id='30'><member type='way' ref='11' role='outer'/><member type='way' ref='12' "
+                       "role='inner'/><tag k='type' v='multipolygon'/><tag k='building' v='yes'/></relation>");
+  ASSERT_EQ(map.buildings.size(), 1u);
+  EXPECT_EQ(map.buildings[0].courts.size(), 1u);
+  EXPECT_EQ(map.leftOut.text(), "1 buildings that are the outlines of relations with the key building");
+}
+
+// What an editor or the map has deleted is not built.
+TEST_F(ReadOsm, DeletedElementsAreNotBuilt) {
+  const std::string start = kRoadNodes + kHouseNodes + kRoad;
+  EXPECT_EQ(read(start + kHouse).buildings.size(), 1u);
+  for (const char* how : {"visible='false'", "action='delete' visible='true'", "visible='true' action='delete'"}) {
+    const Map map = read(start + way(11, {4, 5, 6, 7, 4}, {{"building", "yes"}}, how));
+    EXPECT_TRUE(map.buildings.empty()) << how;
+    EXPECT_EQ(map.leftOut.text(), "1 deleted elements") << how;
+  }
+  EXPECT_EQ(read(start + way(11, {4, 5, 6, 7, 4}, {{"building", "yes"}}, "action='modify'")).buildings.size(), 1u);
+  const std::string tree = "<node id='{}' lat='51' lon='0.5' {}><tag k='natural' v='tree'/></node>";
+  const Map trees =
+      read(start + fmt::format(fmt::runtime(tree), 50, "action='delete'") + fmt::format(fmt::runtime(tree), 51, ""));
+  EXPECT_EQ(trees.trees.size(), 1u);
+}
+
+// Of several versions the newest counts, as in histories.
+TEST_F(ReadOsm, TheNewestVersionCounts) {
+  const std::string start = kRoadNodes + kHouseNodes + kRoad;
+  const std::string built = way(11, {4, 5, 6, 7, 4}, {{"building", "yes"}, {"height", "30"}}, "version='2'");
+  const std::string gone = way(11, {}, {}, "version='3' visible='false'");
+  for (const std::string& text : {start + kHouse + built, start + built + kHouse}) {
+    const Map map = read(text, "place.osh");
+    ASSERT_EQ(map.buildings.size(), 1u);
+    EXPECT_EQ(map.buildings[0].top, 30);
+    EXPECT_EQ(map.leftOut.text(), "1 older or repeated versions of elements");
+  }
+  EXPECT_TRUE(read(start + kHouse + built + gone, "place.osh").buildings.empty());
+  const Map moved = read(start + kHouse + node(5, 60, 20, "version='2'"));
+  EXPECT_NEAR(sizeOf(moved.buildings.at(0).outline), 30 * 30 + 30 * 30 / 2, 10);
+  const std::string noTree = "<node id='50' lat='51' lon='0.5' version='1'><tag k='natural' v='tree'/></node>";
+  EXPECT_TRUE(read(start + noTree + node(50, 0, 0, "version='2'")).trees.empty());
+}
+
+TEST_F(ReadOsm, ChangesAreRefused) {
+  EXPECT_THAT(refusal("<modify>" + kRoadNodes + kRoad + "</modify>", "place.osc", "osmChange"),
+              AllOf(HasSubstr("place.osc"), HasSubstr("holds changes of a map"), HasSubstr("osmium apply-changes")));
+}
+
+// Ways are built as far as their nodes are in the file, and buildings are left out; both are counted.
+TEST_F(ReadOsm, MissingNodesAreCounted) {
+  const Map map =
+      read(kRoadNodes + node(40, 250, 0) + kHouseNodes + way(10, {1, 2, 3, 99, 40, 4}, {{"highway", "residential"}}) +
+           way(11, {4, 5, 98, 4}, {{"building", "yes"}}) + way(12, {4, 5, 6, 97, 4}, {{"landuse", "forest"}}) +
+           way(13, {4, 5, 6}, {{"building", "yes"}}) +
+           "<relation id='30'><member type='way' ref='96' role='outer'/><tag k='type' v='multipolygon'/>"
+           "<tag k='natural' v='water'/></relation>");
+  double metres = 0;
+  for (const MapRoad& road : map.roads) metres += road.length();
+  EXPECT_NEAR(metres, 300 + std::hypot(250, 20), 1) << "nothing leads across the missing node";
+  EXPECT_TRUE(map.buildings.empty());
+  EXPECT_EQ(
+      map.leftOut.text(),
+      "1 areas of land with missing nodes, 1 areas of land with missing ways, 1 buildings with an outline that is "
+      "not closed or crosses itself, 1 buildings with missing nodes, 1 roads with missing nodes, which are built "
+      "in part");
+  EXPECT_THAT(refusal(kRoad), AllOf(HasSubstr("no road for cars"), HasSubstr("1 roads with missing nodes")));
+}
+
+TEST_F(ReadOsm, PlacesThatAreNotOnTheEarthAreRefused) {
+  EXPECT_THAT(refusal(kRoadNodes + kRoad + "<node id='60' lat='95.5' lon='7'/>"),
+              AllOf(HasSubstr("place.osm"), HasSubstr("node 60 has the latitude 95.5"), HasSubstr("-90 to 90")));
+  EXPECT_THAT(refusal(kRoadNodes + kRoad + "<node id='60' lat='5700000' lon='7'/>"), HasSubstr("5700000"));
+  const std::string bounds = "<bounds minlat='0.4' minlon='50.9' maxlat='0.6' maxlon='51.1'/>";
+  EXPECT_THAT(refusal(bounds + kRoadNodes + kRoad), HasSubstr("latitudes and longitudes are swapped"));
+}
+
+// What is not on the ground, or is nothing that the town builds, is counted in one text.
+TEST_F(ReadOsm, WhatIsLeftOutIsCounted) {
+  const std::vector<int> square{4, 5, 6, 7, 4};
+  const Map map = read(
+      kRoadNodes + kHouseNodes + kRoad + way(12, {1, 4}, {{"highway", "primary"}, {"tunnel", "yes"}}) +
+      way(13, {1, 4}, {{"highway", "footway"}, {"layer", "-1"}}) + way(14, {1, 4}, {{"highway", "pedestrian"}}) +
+      way(15, {1, 4}, {{"highway", "construction"}}) + way(16, {1, 4}, {{"highway", "boulevard"}}) +
+      way(17, {1, 4}, {{"railway", "tram"}}) + way(18, {1, 4}, {{"barrier", "guard_rail"}}) +
+      way(19, square, {{"building", "yes"}, {"location", "underground"}}) + way(20, square, {{"building", "carport"}}) +
+      way(21, square, {{"building", "demolished"}}) + way(22, square, {{"building", "no"}}) +
+      way(23, square, {{"disused:building", "yes"}}) + way(24, square, {{"natural", "sand"}}) +
+      way(25, square, {{"landuse", "residential"}}) + way(26, {1, 4}, {{"natural", "tree_row"}}) +
+      way(27, {1, 4}, {{"waterway", "drain"}, {"tunnel", "culvert"}}) + way(28, {63, 4}, {{"barrier", "fence"}}) +
+      "<node id='63' lat='51' lon='0.5'><tag k='ele' v='120'/></node>"
+      "<node id='60' lat='51' lon='0.5'><tag k='highway' v='street_lamp'/></node>"
+      "<node id='61' lat='51' lon='0.5'><tag k='building' v='yes'/></node>"
+      "<node id='62' lat='51' lon='0.5'><tag k='addr:street' v='Mill Road'/></node>");
+  EXPECT_TRUE(map.buildings.empty());
+  EXPECT_EQ(map.roads.size(), 1u);
+  EXPECT_EQ(map.leftOut.text(),
+            "1 areas of sand, rock, wetland and other ground, which are lawns, 1 buildings on bridges, in tunnels, "
+            "indoors or underground, 1 buildings that are nodes, 1 further barriers, 1 heights of nodes (ele), 1 "
+            "lamps, signs and street "
+            "furniture, which the seed draws, 1 open roofs and carports, 1 paths on bridges, in tunnels, indoors or "
+            "underground, 1 pedestrian streets, busways and further ways with the key highway, 1 railways, 1 roads on "
+            "bridges, in tunnels, indoors or underground, 1 rows of trees, shrubs, 1 ways with an unknown value of "
+            "highway");
+}
+
+}  // namespace
+}  // namespace scanmill::town
